@@ -67,6 +67,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         bands=bands,
         air=like.air if like is not None else (),
         responses=like.responses if like is not None else (),
+        vignetting=like.vignetting if like is not None else 1.0,
     )
 
 

@@ -82,6 +82,8 @@ class Image:
         What the air that it has come through consists of, all along one way.
     responses : tuple of ResponseCurve
         What has weighted its wavelengths behind the air: filters, a detector's material.
+    vignetting : float
+        Mean relative illumination of its frame; the scene before is so many times brighter.
     exposure_s, frame_rate_Hz : float or None
         How long the detector collected it, and how often it takes a frame, where it says so.
     """
@@ -102,6 +104,7 @@ class Image:
     bands: BandStack | None = None
     air: tuple[AirPath, ...] = ()
     responses: tuple[ResponseCurve, ...] = ()
+    vignetting: float = 1.0
     exposure_s: float | None = None
     frame_rate_Hz: float | None = None
 

@@ -48,7 +48,7 @@ class Collection:
 
     `scene_m2_s_sr` is area, time and solid angle of the exit pupil, stages included, and
     `housing_m2_s_sr` the same of the housing past the cold shield; optics and housing of None K
-    emit nothing.
+    emit nothing. `vignetting` is the mean illumination, which is among the responses too.
     """
 
     weights: PhotonWeights
@@ -58,6 +58,7 @@ class Collection:
     optics_K: float | None
     housing_K: float | None
     dark_e: float
+    vignetting: float = 1.0
 
     def of_pixels(self, count: int) -> Collection:
         """The same for the sum of so many pixels."""
@@ -135,6 +136,7 @@ class ElectronLevels:
     radiance_per_photon: float | None = None
     electrons_per_K: float | None = None
     band_um: tuple[float, float] = (0.0, 0.0)
+    vignetting: float = 1.0
 
     @property
     def pedestal_e(self) -> float:
@@ -187,6 +189,7 @@ def electron_levels(
         per_photon,
         None if kelvin is None else slope * weights.per_kelvin(kelvin),
         weights.band_um,
+        collection.vignetting,
     )
 
 
@@ -195,7 +198,7 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
     """The change from radiance to electrons, for what follows differences through it.
 
     Of photons counted it is the change from the black body's radiance in the band that gives as
-    many: its slope by temperature is theirs.
+    many, behind the vignetting: its slope by temperature is theirs.
     """
     per_photon, kelvin = levels.radiance_per_photon, levels.scene_K
     if per_photon is None:
@@ -207,9 +210,13 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
             levels.signal_e,
             per_sample=levels.slope,
         )
-    low, high = levels.band_um
-    radiance = float(band_radiance(temperature_K=kelvin, cut_on_um=low, cut_off_um=high))
-    slope = float(band_radiance_derivative(temperature_K=kelvin, cut_on_um=low, cut_off_um=high))
+    body = {
+        "temperature_K": kelvin,
+        "cut_on_um": levels.band_um[0],
+        "cut_off_um": levels.band_um[1],
+    }
+    radiance = levels.vignetting * float(band_radiance(**body))
+    slope = levels.vignetting * float(band_radiance_derivative(**body))
     return LevelChange(
         levels.electrons_per_K / slope, radiance, levels.signal_e, per_sample=levels.slope
     )

@@ -12,6 +12,7 @@ from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.detector.charge_gain import ChargeGain, excess_noise_factor
+from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import (
     current_e_per_s,
     dark_electrons,
@@ -30,6 +31,7 @@ from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band, lens, of_context
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
+_ALL = 0.0, 1e6  # µm
 _NEEDED_BY = {
     "full_well_e": "nonlinearity_percent refers to the full well",
     "housing_K": "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
@@ -417,9 +419,12 @@ class FocalPlanePanel(SeededModule):
             cold_shield_efficiency=self.cold_shield_efficiency,
         )
         light = self.photon_weighting, band or (low, high), efficiency, self.source_K
-        weights = PhotonWeights(*light, image.responses)
+        passed = image.responses
+        if image.vignetting not in (0.0, 1.0):  # as a grey filter
+            passed += (ResponseCurve("file", points=tuple((um, image.vignetting) for um in _ALL)),)
+        weights = PhotonWeights(*light, passed)
         if image.bands is not None:
-            weights = CountedPhotons(*light, image.responses, lit_windows(image.bands))
+            weights = CountedPhotons(*light, passed, lit_windows(image.bands))
         return Collection(
             weights=weights,
             scene_m2_s_sr=exposure * optics.solid_angle_sr,
@@ -432,6 +437,7 @@ class FocalPlanePanel(SeededModule):
                 integration_time_s=self.integration_time_s,
                 tdi_stages=self.tdi_stages,
             ),
+            vignetting=image.vignetting,
         )
 
     def _efficiency(self) -> float:

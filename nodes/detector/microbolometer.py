@@ -255,6 +255,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             response=self.response_percent / 100.0,
             offset=self._offset(band),
             kept=self._kept(),
+            vignetting=image.vignetting,
         )
         noise = here.step(difference, made, slow)
         mtf, ptf = transfers(factors, with_interval(image, context), self.title)
@@ -560,14 +561,14 @@ def figures(
     response: float,
     offset: float,
     kept: float,
+    vignetting: float,
 ) -> TableData:
     mean = float(np.mean(picture, dtype=np.float64))
     kelvin = slope = None
-    if mean > 0.0:
-        kelvin = float(brightness_temperature(radiance=mean, cut_on_um=band[0], cut_off_um=band[1]))
-        slope = float(
-            band_radiance_derivative(cut_on_um=band[0], cut_off_um=band[1], temperature_K=kelvin)
-        )
+    if mean * vignetting > 0.0:
+        ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
+        kelvin = float(brightness_temperature(radiance=mean / vignetting, **ends))
+        slope = vignetting * float(band_radiance_derivative(temperature_K=kelvin, **ends))
     rounding, pattern = step / 12.0**0.5, float(np.hypot(response * mean, offset))
     temporal = float(np.hypot(np.hypot(white, flicker), rounding))
 

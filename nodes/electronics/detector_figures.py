@@ -59,7 +59,10 @@ class DetectorFigures:
 
 
 @ends_lineage
-def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> DetectorFigures:
+def detector_figures(
+    work: Work, seen: PictureRange, *, detector: Detector, vignetting: float
+) -> DetectorFigures:
+    """The background and NETD are those of the scene before the vignetting."""
     band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
     background = detector.background_K
     if background is None:
@@ -68,7 +71,7 @@ def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> D
                 f"the picture's mean {seen.mean:.6g} is not the radiance of a background: give "
                 "background_K"
             )
-        background = float(brightness_temperature(radiance=seen.mean, **band))
+        background = float(brightness_temperature(radiance=seen.mean / vignetting, **band))
     d_star = detector.d_star or _band_d_star(detector, background)
     throughput = g_number(
         f_number=detector.lens.f_number,
@@ -79,7 +82,7 @@ def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> D
     )
     nep = nep_W(area_cm2=detector.area_cm2, bandwidth_Hz=detector.bandwidth_Hz, d_star=d_star)
     ner = ner_W_m2_sr(nep_W=nep, area_cm2=detector.area_cm2, g_number=throughput)
-    netd = float(netd_K(noise_radiance=ner, background_K=background, **band))
+    netd = float(netd_K(noise_radiance=ner / vignetting, background_K=background, **band))
     return DetectorFigures(background, throughput, d_star, nep, ner, netd)
 
 

@@ -270,7 +270,7 @@ class ElectronicsNoise(
         image = summed_within(image, self.cut_on_um, self.cut_off_um)
         seen = here.step(picture_range, image.recipe)
         detector = self._detector(context)
-        known = here.step(detector_figures, seen, detector=detector)
+        known = here.step(detector_figures, seen, detector=detector, vignetting=image.vignetting)
         table = here.step(
             figures,
             seen,

@@ -45,10 +45,11 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
     says what the heights are: field angle, image height, or the share of the picture's half
     diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off. Put the module
     before Focal Plane, so that shot noise follows from the vignetted light. Transfer functions do
-    not change; NETD and SNR use the mean over the field. For a thermal picture of one band, Focal
-    Plane takes darker samples for colder ones: at half the light it counts 0.3 % too many photons
-    (3.7 to 4.8 µm); spectral pictures, and `photon_weighting` other than scene, do not have this
-    error. Source: Kingslake 1983, Optical System Design, chapter 6.
+    not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to the scene
+    before the vignetting. Focal Plane counts the photons of a thermal picture of one band at the
+    brightness temperature before the mean loss: where a sample gets half the mean, it counts 0.3 %
+    too many (3.7 to 4.8 µm). Spectral pictures, and `photon_weighting` other than scene, do not
+    have this error. Source: Kingslake 1983, Optical System Design, chapter 6.
     """
 
     formulas = (
@@ -108,7 +109,9 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
                 f"it reaches {worst:.3g}",
             )
         step = here.step(lit, image.recipe, grid=grid, law=law)
-        return ImageOutput(stepped(image, step, gain=_means(grid, law)[0]))
+        mean = _means(grid, law)[0]
+        made = stepped(image, step, gain=mean, vignetting=image.vignetting * mean)
+        return ImageOutput(made)
 
     def law(self, image: Image, here: NodeContext) -> Law:
         """Arguments of `relative_illumination`."""

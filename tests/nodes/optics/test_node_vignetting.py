@@ -8,7 +8,7 @@ from scipy.interpolate import PchipInterpolator
 
 from core.chain.step_lineage import lineage_of
 from core.errors import FileError, ParameterError
-from cube_files import centres, write_cube
+from cube_files import C1_UM, C2_UM, centres, write_cube
 from field_bench import LIBRARY, angles, assert_same_in_blocks, field_bench
 from linked_network import linked_network
 from node_bench import NodeBench
@@ -92,6 +92,42 @@ def test_shot_noise_follows_from_the_vignetted_light(tmp_path):
     )
     shot = bench.readouts("fpa")["shot_noise_e"]
     assert shot == pytest.approx(math.sqrt(made.mean()), rel=1e-3)
+
+
+@pytest.mark.parametrize("in_bands", [False, True])
+@pytest.mark.parametrize(
+    ("key", "params"),
+    [("focal_plane", {"integration_time_s": 1e-3, "read_noise_e": 300}),
+     ("microbolometer", {"netd_mK": 50}), ("electronics_noise", {"bandwidth_Hz": 1e5})],
+)  # fmt: skip
+def test_half_the_light_costs_netd_as_half_the_transmission_does(tmp_path, key, params, in_bands):
+    waves, width = centres(40, low=3.7, high=4.8)
+    planck = C1_UM / waves**5 / np.expm1(C2_UM / waves / 293.15)
+    write_cube(tmp_path, np.multiply.outer(planck, np.ones((8, 8))), waves, width)
+    np.save(tmp_path / "flat.npy", np.full((8, 8), width * planck.sum()))
+    band = {} if in_bands else {"cut_on_um": 3.7, "cut_off_um": 4.8}
+    file = {"path": "cube.img", "bands": "all"} if in_bands else {"path": "flat.npy"}
+    (tmp_path / "half.csv").write_text("0 0.5\n90 0.5\n")
+    half = {"natural": False, "measured": "file", "path": "half.csv"}
+    lens = {"detector_x_um": 15, "detector_y_um": 15, "focal_length_mm": 50, "f_number": 2}
+    links = [("it.image", "init.image"), ("it.image", "fpa.image"), ("read.image", "it.image"),
+             ("init.context", "fpa.context"), ("fpa.image", "fom.image"),
+             ("init.context", "fom.context")]  # fmt: skip
+    made = []
+    for law, transmission in ((half, 0.8), ({"natural": False}, 0.4)):
+        nodes = {"read": ("read_image", {**file, **band, "fov_x_deg": 0.1, "fov_y_deg": 0.1}),
+                 "it": ("vignetting", law), "init": ("init_trans", lens),
+                 "fpa": (key, {**params, "optics_transmission": transmission}),
+                 "fom": ("figures_of_merit", {})}  # fmt: skip
+        bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+        table = bench.value("fpa.table").as_dict()
+        made.append((bench.readouts("fom")["netd_K"], table))
+    (seen, vignetted), (other, dimmed) = made
+    name = "netd_system_K" if key == "electronics_noise" else "netd_K"
+    kelvin = vignetted.get("scene_K", vignetted.get("background_K"))
+    assert kelvin == pytest.approx(293.15, rel=1e-5)  # of the bands' sum
+    assert vignetted[name] == pytest.approx(dimmed[name], rel=1e-5)
+    assert seen == pytest.approx(other, rel=1e-5)
 
 
 def test_bands_and_blocks(tmp_path):
