@@ -20,11 +20,18 @@ from core.chain.wires import Context, Image, Magnitude
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
-from core.modules.panel_sections import Section
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.optics.distortion import samples_at
-from core.physics.optics.field_psf import Cell, blended, blending_error, cells_of, field_frequencies
+from core.physics.optics.field_psf import (
+    Cell,
+    blended,
+    blending_error,
+    cells_of,
+    field_frequencies,
+    light_within,
+)
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Factor, Grid, Separable, factor_at
 from nodes.optics.mtf_file import MtfFile
@@ -37,6 +44,8 @@ from nodes.transform.interpolate import within_frame
 Array = NDArray[Any]
 Row = tuple[float, ...]
 _TURNS = 0.25  # of a PSF's outermost wave, from one frequency of its table to the next
+_MOST_REACH, _LOST = 1024, 0.005  # samples around a tile; share of light
+_DOUBTFUL = 5.0  # % of the range
 _FIGURED = 6  # cells along each axis of a quadrant, of which the error is figured
 _Path = Annotated[Path | None, Param("MTF or PSF of one position, in the order of positions")]
 
@@ -55,10 +64,11 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
     them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
     of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error
-    of blending, larger ones make room for a wider PSF: half a tile on all sides, at least 16
-    samples. Beyond the frame the picture is mirrored, or repeated if it came so from Back
-    Transform. Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary
-    1998, SIAM J. Sci. Comput. 19, 1063.
+    of blending. Around a tile the blur takes half a tile, at least 16 samples, and up to 1024 where
+    more than 0.5 % of a PSF's light would be lost; a tile is at least a quarter of that wide.
+    Beyond the frame the picture is mirrored, or repeated if it came so from Back Transform.
+    Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM
+    J. Sci. Comput. 19, 1063.
     """
 
     formulas = (
@@ -162,6 +172,12 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         assert isinstance(outputs.image.recipe, Step)
         return Step.of(_tile_error, **dict(outputs.image.recipe.parameters))
 
+    @warning
+    def tiles(self, outputs: ImageOutput) -> Step | None:
+        """The tiles' error is large."""
+        error = self.error_percent(outputs)
+        return Step.of(_error_caution, error) if isinstance(error, Step) else None
+
     @property
     def _off(self) -> bool:
         return self.kind == "gaussian" and not any(self.tangential_mrad + self.sagittal_mrad)
@@ -201,11 +217,13 @@ class FieldSpread:
         """At the frequencies of `rfft2` of a patch, at a place of the picture."""
         x = (column - 0.5 * (grid.columns - 1)) * grid.interval_x_mrad
         y = (row - 0.5 * (grid.rows - 1)) * grid.interval_y_mrad
-        sides = grid.columns * grid.interval_x_mrad, grid.rows * grid.interval_y_mrad
         xi = scipy.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
         eta = scipy.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
         across, along = field_frequencies(xi=xi, eta=eta, x=x, y=y)
-        shares, tables = self.shares(2.0 * math.hypot(x, y) / math.hypot(*sides)), self.recipes
+        shares, tables = (
+            self.shares(2.0 * math.hypot(x, y) / math.hypot(*_extents(grid))),
+            self.recipes,
+        )
         if self.sigmas:
             return _product(work, self.widened(shares), across, along)
         parts = [
@@ -246,10 +264,27 @@ def _product(work: Work, factors: tuple[Factor, ...], xi: Array, eta: Array) -> 
     return np.asarray(total)
 
 
-def _sides(tile: int) -> tuple[int, int]:
-    """Samples around a tile that its blur takes, and the side of a patch with them."""
-    reach = max(16, tile // 2)
-    return reach, scipy.fft.next_fast_len(tile + 1 + 2 * reach, real=True)
+def _sides(work: Work, spread: FieldSpread, grid: Grid, tile: int) -> tuple[int, int, int]:
+    """Side of a tile, the samples around it that its blur takes, and the side of both."""
+    half, reach = 0.5 * math.hypot(*_extents(grid)), max(16, tile // 2)
+    middle = 0.5 * (grid.rows - 1), 0.5 * (grid.columns - 1)
+    out = [half * min(position, 1.0) for position in spread.positions]
+    places = [(middle[0], middle[1] + far / grid.interval_x_mrad) for far in out]
+    places += [(middle[0] + far / grid.interval_y_mrad, middle[1]) for far in out]
+    while True:
+        work.check()
+        tile = max(tile, reach // 4)  # of a PSF so wide, which changes slowly
+        side = scipy.fft.next_fast_len(tile + 1 + 2 * reach, real=True)
+        otfs = (spread.otf(work, grid, side, *place) for place in places)
+        if reach >= _MOST_REACH or all(
+            light_within(otf=otf, side=side, reach=reach) > 1.0 - _LOST for otf in otfs
+        ):
+            return tile, reach, side
+        reach = min(reach * 3 // 2, _MOST_REACH)
+
+
+def _extents(grid: Grid) -> tuple[float, float]:
+    return grid.columns * grid.interval_x_mrad, grid.rows * grid.interval_y_mrad
 
 
 def _on_axis(image: Recipe, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int) -> Filtering:
@@ -265,7 +300,7 @@ def blurred(
 ) -> Array:
     """By tiles, each from itself and what surrounds it."""
     made: Array = work.empty(grid.shape, image.dtype)
-    reach, side = _sides(tile)
+    tile, reach, side = _sides(work, spread, grid, tile)
     for recipe in spread.recipes:
         work.value(recipe)
     kind = np.result_type(image.dtype, np.complex64)
@@ -294,7 +329,7 @@ def blurred(
 @ends_lineage
 def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int) -> float:
     """At the middles of cells and of their sides, in a quadrant."""
-    reach, side = _sides(tile)
+    tile, reach, side = _sides(work, spread, grid, tile)
     cells = [one[len(one) // 2 :] for one in (cells_of(size=n, tile=tile) for n in grid.shape)]
     few = [[one[i] for i in np.unique(np.linspace(0, len(one) - 1, _FIGURED).astype(int))]
            for one in cells]  # fmt: skip
@@ -317,3 +352,14 @@ def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile
                 found = blending_error(otfs=ends, own=own, side=side, reach=reach)
                 worst = max(worst, found)
     return 100.0 * worst
+
+
+@ends_lineage
+def _error_caution(work: Work, percent: float) -> Caution | None:
+    if percent <= _DOUBTFUL:
+        return None
+    return Caution(
+        f"samples may be off by up to {percent:.2g} % of the picture's range, in most scenes by a "
+        "tenth of that",
+        "lower tile; if that does not help, the PSF is too wide: sample the scene more coarsely",
+    )

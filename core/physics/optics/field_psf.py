@@ -80,6 +80,13 @@ def blended(*, patch: Array, otfs: Sequence[Array], along: Cell, across: Cell, r
     return total
 
 
+def light_within(*, otf: Array, side: int, reach: int) -> float:
+    """Share of a PSF's light that falls within `reach` samples along both axes."""
+    psf = scipy.fft.irfft2(otf, (side, side))
+    near = np.abs(scipy.fft.fftfreq(side, 1.0 / side)) <= reach
+    return float(psf[near][:, near].sum() / psf.sum())
+
+
 def blending_error(*, otfs: Sequence[Array], own: Array, side: int, reach: int) -> float:
     """Limit of a sample's error that blends these OTFs alike, as a share of the picture's range.
 
