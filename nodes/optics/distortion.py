@@ -32,6 +32,7 @@ _TILE = 128  # samples on a side that are made at a time, of so many of the pict
 _MOST_READ = 1 << 22
 _SURVEYED = 129  # rays along each axis, for the figures
 _COARSE = 1.5  # source samples from one ray to the next, above which detail is skipped
+_WIDEST_DEG = 180.0  # of a field that can be typed
 _K = {"low": -1e6, "high": 1e6, "slider": (-0.5, 0.5)}
 
 
@@ -44,9 +45,11 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     its ray (to 1e-11) and interpolates the picture there with 8 × 8 samples: waves of up to 0.2
     cycles per sample move by less than 1e-3 sample from their true place. Nothing is filtered: if
     `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion sees
-    beyond the frame: make the scene wider and set `width` and `height` to the camera's; where the
-    scene ends, its outermost samples continue. MTF and noise continue as on the axis, where nothing
-    is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
+    beyond the frame: give the scene more samples at the same interval (its field is samples times
+    interval, and not the lens' 2·arctan), and set `width` and `height` to the camera's samples; the
+    warning has the numbers. Where the scene ends, its outermost samples continue. MTF and noise
+    continue as on the axis, where nothing is stretched. Sources: Brown 1966; Kannala and Brandt
+    2006; OpenCV, camera calibration.
     """
 
     formulas = (
@@ -99,8 +102,8 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
             raise ParameterError(
                 "k1",
                 self.k1,
-                "such that the picture does not fold back within its frame: make the field "
-                "smaller, or check the signs of the coefficients",
+                "the picture would fold back within its frame; make the field smaller, or check "
+                "the signs of the coefficients",
             )
         rows, columns = rays.new
         step = here.step(distorted, image.recipe, rays=rays)
@@ -117,12 +120,23 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     @warning
     def beyond(self, image: Image) -> Caution | None:
         """Rays come from beyond the picture."""
-        share = survey(self.rays(image)).beyond
-        if not share:
+        rays = self.rays(image)
+        found, grid = survey(rays), rays.grid
+        if not found.beyond:
             return None
+        rows, columns = found.needed
+        x, y = (math.degrees(1e-3 * interval * n) for interval, n in
+                ((grid.interval_x_mrad, columns), (grid.interval_y_mrad, rows)))  # fmt: skip
+        remedy = "use a smaller frame: the scene would have to be 180° wide or more"
+        if max(x, y) < _WIDEST_DEG:
+            remedy = (
+                f"make the scene {columns} × {rows} samples with fov_x_deg = {x:.9g} and fov_y_deg "
+                f"= {y:.9g}, and set width = {rays.new[1]} and height = {rays.new[0]} here"
+            )
         return Caution(
-            f"{100 * share:.3g} % of the samples look beyond the scene and repeat its border",
-            "make the scene wider, and set width and height to the camera's samples",
+            f"{100 * found.beyond:.3g} % of the samples look beyond the scene and repeat its "
+            "border",
+            remedy,
         )
 
     @warning
@@ -185,11 +199,15 @@ class Rays:
 
 
 class Survey(NamedTuple):
-    """Distortion at the corner, share of rays beyond the scene, largest step in scene samples."""
+    """Distortion at the corner, share of rays beyond the scene, largest step in scene samples.
+
+    `needed`: rows and columns of a scene beyond which no ray looks.
+    """
 
     corner: float
     beyond: float
     step: float
+    needed: tuple[int, int]
 
 
 @lru_cache(maxsize=64)
@@ -202,12 +220,15 @@ def survey(rays: Rays) -> Survey:
     steps = [np.hypot(*(rays.of(*next_to) - place)) for next_to in
              ((inward[0], column), (row, inward[1]))]  # fmt: skip
     half = 0.5 * np.array([[[rays.grid.columns]], [[rays.grid.rows]]])
-    beyond = (np.abs(place + 0.5 - half) > half).any(axis=0)
+    out = np.abs(place + 0.5 - half) - half
+    across, along = np.ceil(np.nan_to_num(out, posinf=0.0).max(axis=(1, 2))).clip(0.0).astype(int)
     there = np.array(rays.tangents(row, column)).reshape(2, -1)
     furthest = there[:, np.argmax(np.hypot(*there))]
     before = np.hypot(*rays.lens.undistorted(*furthest))
     corner = np.hypot(*furthest) / before - 1.0 if before else 0.0
-    return Survey(float(corner), float(beyond.mean()), float(np.max(steps)))
+    needed = rays.grid.rows + 2 * int(along), rays.grid.columns + 2 * int(across)
+    beyond = float((out > 0.0).any(axis=0).mean())
+    return Survey(float(corner), beyond, float(np.max(steps)), needed)
 
 
 @dataclass(frozen=True)

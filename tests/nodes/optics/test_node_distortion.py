@@ -1,6 +1,7 @@
 """Distortion ray by ray against its own equations, and pictures known between their samples."""
 
 import math
+import re
 
 import mpmath
 import numpy as np
@@ -132,6 +133,35 @@ def test_figures_and_warnings(tmp_path):
     texts = [caution.message for caution in bench.engine.warnings(bench.plan, bench.work)]
     assert len(texts) == 1 + (stretch > 1.5)
     assert "look beyond the scene" in texts[0]
+
+
+def test_the_scene_that_the_warning_asks_for(tmp_path):
+    """The scene before had the lens' own field, 2·atan; a spot lands where the equations put it."""
+    camera = {"pitch_um": 5.0, "focal_length_mm": 0.8, "pixels_x": 64, "pixels_y": 48}
+    size, step = (96, 128), 3.125  # mrad, two samples a pixel
+
+    def made(shape, fov, params):
+        y, x = angles(shape, step)[::-1]
+        spot = np.exp(-0.5 * ((x - 0.16) ** 2 + (y + 0.1) ** 2) / 0.006**2)
+        np.save(tmp_path / "wide.npy", spot)
+        read = {"path": "wide.npy", "fov_x_deg": fov[0], "fov_y_deg": fov[1]}
+        nodes = {"read": ("read_image", read), "camera": ("camera", camera),
+                 "it": ("distortion", {"k1": -0.9, **params})}  # fmt: skip
+        links = [("read.image", "camera.image"), ("camera.image", "it.image")]
+        bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+        return bench, [c for c in bench.engine.warnings(bench.plan, bench.work) if c.node == "it"]
+
+    lens_field = [math.degrees(2 * math.atan(n * step / 2000)) for n in size[::-1]]
+    _, (caution,) = made(size, lens_field, {})
+    wanted = r"(\d+) × (\d+) samples .*= ([\d.]+) .*= ([\d.]+), .*= (\d+) .*= (\d+) here"
+    columns, rows, *fov, width, height = re.search(wanted, str(caution)).groups()
+    assert (int(height), int(width)) == size
+    bench, cautions = made((int(rows), int(columns)), [float(f) for f in fov],
+                           {"width": int(width), "height": int(height)})  # fmt: skip
+    assert not cautions
+    found = bench.value("it.image")
+    x, y = ((part * found).sum() / found.sum() for part in angles(size, step))
+    np.testing.assert_allclose((x, y), landed({"k1": -0.9}, 0.16, -0.1), atol=2e-4)
 
 
 def test_bands_and_blocks(tmp_path):
