@@ -105,8 +105,8 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
             raise ParameterError(
                 "coefficients",
                 self.coefficients,
-                f"such that the relative illumination in the picture is from 0 to {_BRIGHTEST:g}; "
-                f"it reaches {worst:.3g}",
+                f"the relative illumination must stay from 0 to {_BRIGHTEST:g}, but it reaches "
+                f"{worst:.3g} in the picture",
             )
         step = here.step(lit, image.recipe, grid=grid, law=law)
         mean = _means(grid, law)[0]

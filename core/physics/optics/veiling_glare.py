@@ -74,7 +74,7 @@ def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
     total = math.pi * b * length**2 * (math.expm1(rest * log) / rest if rest else log)
     if total > 1.0:
         raise ParameterError(
-            "b_per_sr", b, f"such that not more than all light is scattered; here {total:.3g} times"
+            "b_per_sr", b, f"a surface would scatter {total:.3g} times the light on it; lower it"
         )
     return total
 
