@@ -173,6 +173,33 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         return Step.of(_tile_error, **dict(outputs.image.recipe.parameters))
 
     @warning
+    def no_widths(self) -> Caution | None:
+        """Files are given for Gaussians, or no widths."""
+        if self.kind != "gaussian":
+            return None
+        for name in ("path_1", "path_2", "path_3", "path_4"):
+            if getattr(self, name) is not None:
+                remedy = f"set kind to mtf or psf, or leave {name} empty"
+                return Caution(f"{name} is not used: kind is gaussian", remedy)
+        if self.tangential_mrad or self.sagittal_mrad:
+            return None
+        remedy = "give tangential_mrad a width for each position"
+        return Caution("nothing is blurred: tangential_mrad is empty", remedy)
+
+    @warning
+    def one_curve(self, outputs: ImageOutput) -> Caution | None:
+        """The blur does not change over the field, though there are several positions."""
+        if self.kind != "mtf" or self.path_2 is not None or len(self.positions) == 1:
+            return None
+        assert isinstance(outputs.image.recipe, Step)
+        if len(set(dict(outputs.image.recipe.parameters)["spread"].knots)) > 1:
+            return None
+        return Caution(
+            f"the blur is the same at all {len(self.positions)} positions: path_1 is one curve",
+            "give a file for each position, or a Zemax listing with a field for each",
+        )
+
+    @warning
     def tiles(self, outputs: ImageOutput) -> Step | None:
         """The tiles' error is large."""
         error = self.error_percent(outputs)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout
-from core.modules.panel_sections import Section
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
 from nodes.shared.factors import radial
@@ -94,6 +94,19 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     def _surface(self) -> dict[str, float]:
         return {"b_per_sr": self.b_per_sr, "s": self.s, "l_mrad": self.l_mrad}
+
+    @warning
+    def unused(self) -> Caution | None:
+        """Stray light is entered in the form that is not chosen."""
+        name, other = ("share_percent", "length") if self.form == "harvey" else (
+            "b_per_sr", "harvey")  # fmt: skip
+        value = getattr(self, name)
+        if not value:
+            return None
+        return Caution(
+            f"{name} = {value:g} is not used: form is {self.form}",
+            f"set {name} to 0, or form to {other}",
+        )
 
     @readout("%")
     def scatter_percent(self) -> float:

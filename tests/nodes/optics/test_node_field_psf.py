@@ -207,6 +207,18 @@ def test_lineage_bands_blocks_and_a_uniform_field(tmp_path):
 
 @pytest.mark.parametrize(
     ("params", "words"),
+    [({}, "nothing is blurred: tangential_mrad is empty"),
+     ({"path_2": "1.csv"}, "path_2 is not used: kind is gaussian"),
+     ({"kind": "mtf", "path_1": "1.csv", "tile": 16}, "same at all 3 positions")],
+)  # fmt: skip
+def test_what_has_no_effect_warns(tmp_path, params, words):
+    (tmp_path / "1.csv").write_text("frequency (cyc/mrad),mtf\n0,1\n5,0.4\n20,0\n")
+    bench = field_bench(tmp_path, np.ones((40, 40)), "field_psf", params, step_mrad=STEP)
+    assert words in str(next(iter(bench.engine.warnings(bench.plan, bench.work))))
+
+
+@pytest.mark.parametrize(
+    ("params", "words"),
     [({"positions": [0.5, 0.5]}, "positions = .* numbers that rise"),
      ({"tangential_mrad": [1.0]}, "tangential_mrad = .*3 numbers"),
      ({"kind": "mtf"}, "path_1 .*a file for each of the 3 positions"),

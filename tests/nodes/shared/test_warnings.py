@@ -49,6 +49,11 @@ CASES = {
         ("1.005e+05 mrad/s", "900 mrad/s"),  # 2π·1000·16
         {"scan_mirror_rate_Hz": 16.0, "init": {"scan_velocity_mrad_per_s": 0.0}},
     ),
+    ("veiling_glare", "unused"): (
+        {"form": "harvey", "share_percent": 5.0},
+        ("share_percent = 5 is not used", "harvey"),
+        {"form": "harvey", "b_per_sr": 0.1},
+    ),
     ("focal_plane", "unit"): (
         {"scene": {"unit": "K"}},
         ("'K'", "counting photons", "W/m²/sr", "To Radiance"),
