@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from core.chain.back_transformed import Delivered, block_combine
+from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
 from core.chain.wires import Image
 from core.errors import DataError
@@ -135,7 +135,7 @@ class _Shapes:
             return None
         how = dict(recipe.parameters)
         given = how.get("shape")
-        if recipe.function is block_combine:
+        if {"old", "factor_y", "factor_x"} <= how.keys():  # pixels combined inside a node
             given = how["old"][0] // how["factor_y"], how["old"][1] // how["factor_x"]
         if given is not None:
             return int(given[0]), int(given[1])
