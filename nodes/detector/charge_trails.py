@@ -27,7 +27,6 @@ from nodes.shared.steps import stepped
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 18
-_TRANSFER = (charge_transfer_mtf, charge_transfer_ptf)
 
 
 class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="Detector"):
@@ -88,7 +87,8 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
     def twice(self, image: Image) -> Caution | None:
         """Incomplete transfer along the rows has already blurred the picture."""
         for factor in passed_factors(image) if self.serial_efficiency < 1.0 else ():
-            if isinstance(factor, Separable) and factor.x and factor.x.function in _TRANSFER:
+            along = factor.x if isinstance(factor, Separable) else None
+            if along is not None and "efficiency" in dict(along.parameters):
                 return Caution(
                     "incomplete charge transfer along the rows counts twice: "
                     f"{factor.node} also blurs the picture",

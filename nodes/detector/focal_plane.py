@@ -16,7 +16,6 @@ from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula
 from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.detector.readout import smear_mtf
 from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.optics.diffraction_otf import Aperture
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -372,7 +371,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def exposure(self, image: Image) -> Caution | None:
         """The integration time differs from the one on Frame Transfer Smear."""
         for factor in passed_factors(image):
-            if any(law.function is smear_mtf for law in factor.laws):
+            if any({"ratio", "sides"} <= dict(law.parameters).keys() for law in factor.laws):
                 return apart_caution(
                     "integration_time_s",
                     self.integration_time_s,
