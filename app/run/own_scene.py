@@ -38,6 +38,7 @@ EIGHT_BITS = 0.0, 255.0
 _MOST_SAMPLES = 1 << 27  # of which the range is looked for
 _UNITS = {"c": "°C", "celsius": "°C", "f": "°F", "degf": "°F", "fahrenheit": "°F", "k": "K"}
 _REFLECTANCE = ("reflectance", "albedo", "%", "1")
+_LOWER = (RELATIVE, "reflectance", "albedo")
 _KNOWN = (
     "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), "
     f"reflectance, %, or {RELATIVE}: scaled to the range of the old scene"
@@ -239,6 +240,8 @@ class _Replacing:
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)
         same = bool(unit) and before is not None and unit == before.unit
+        if before is not None and {unit, before.unit} <= {*_REFLECTANCE}:
+            same = True  # the network lights it already
         if radiance is None and not same and not self._conversion(unit):
             if stated and unit != RELATIVE:
                 raise UsageError(f"{self._option('unit')} {shown(own.unit)}: give {_KNOWN}")
@@ -586,7 +589,7 @@ def _radiance(unit: str) -> RadianceUnit | None:
 
 def _worded(unit: str) -> str:
     text = unit.strip()
-    return RELATIVE if text.lower() == RELATIVE else _UNITS.get(text.lower(), text)
+    return text.lower() if text.lower() in _LOWER else _UNITS.get(text.lower(), text)
 
 
 def fitted(levels: Pair, ends: Pair) -> dict[str, float]:

@@ -136,6 +136,22 @@ def test_reflectances_are_lit(scene_of, write, small, picture):
     np.testing.assert_allclose(now, white * GREY / 255.0, rtol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("network", "unit", "share"),
+    [("visible_camera", "Reflectance", 1.0), ("swir_camera", "%", 0.01)],
+)
+def test_a_network_that_lights_its_scene_takes_reflectances(
+    works, picture, tmp_path, network, unit, share
+):
+    """Its own Reflected Light lights them; no second one is put in."""
+    samples = (0.2 + GREY / 500.0).astype(np.float32) / share
+    words = ("--scene", picture(samples.astype(np.float32)), "--scene-unit", unit)
+    done = works("run", network, *words, "--save", "light.image=lit.npy")
+    lit = np.load(tmp_path / "lit.npy")
+    assert "converts it to radiance" not in done.stdout
+    np.testing.assert_allclose(lit / lit[3, 4], samples / samples[3, 4], rtol=1e-5)
+
+
 def test_a_unit_of_radiance_is_taken_as_it_is(scene_of, write, small, picture):
     write(small)
     samples = (1.0 + GREY / 100.0).astype(np.float32)
