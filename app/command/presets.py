@@ -12,6 +12,10 @@ from core.names import shown
 from nodes.library import standard_library
 
 _SOURCE = "Source: "
+_USE = (
+    "To use a preset: in the editor, drag it from the library; in Python, "
+    "chain.add(ic.preset('NAME'))."
+)
 
 
 def carry_out(options: Options, _stop: object) -> None:
@@ -19,7 +23,7 @@ def carry_out(options: Options, _stop: object) -> None:
     found = [preset for preset in shipped_presets(standard_library()) if _fits(preset, word)]
     if not found:
         raise UsageError(f"there is no preset with {shown(word)}; imagechain presets lists them")
-    show(options, lambda: [_facts(preset) for preset in found], *map(_entry, found))
+    show(options, lambda: [_facts(preset) for preset in found], *map(_entry, found), _USE)
 
 
 def _fits(preset: Preset, word: str) -> bool:

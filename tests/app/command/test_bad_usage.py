@@ -16,6 +16,7 @@ USAGE = {
     "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
     "no network": (["run"], "NETWORK (imagechain run --help)"),
     "too many words": (["run", "net.json", "kodak"], "unexpected argument: kodak"),
+    "run a preset": (["run", "light_sunlit"], "in Python add ic.preset('light_sunlit') after a"),
     "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
     "unknown option": (["run", "net.json", "--fast"], "--fast"),
     "precision": (["run", "net.json", "--precision", "half"], "half"),

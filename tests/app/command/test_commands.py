@@ -163,6 +163,7 @@ def test_presets_are_listed_by_a_word_of_name_module_or_text(capsys):
     text = capsys.readouterr().out
     assert "light_full_moon · Full moon, 0.1 lx (reflected_light)\n" in text
     assert "camera_" not in text
+    assert text.endswith("; in Python, chain.add(ic.preset('NAME')).\n")
     assert main(["presets", "nosuch"]) == 2
     assert "there is no preset with nosuch" in capsys.readouterr().err
 
