@@ -93,7 +93,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         float | None,
         Param("solar irradiance above the air, normal to the sun, used instead of the spectrum; "
               "empty: by sun", unit="W/m²/µm", low=0, high=1e12,
-              slider=(0, 2500)),
+              slider=(0, 2500), zero_is_empty=False),
     ] = None  # fmt: skip
     path: Annotated[
         Path | None, Param("CSV of µm and W/m²/µm, used instead of the number, or empty")
@@ -116,7 +116,8 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     illuminance_lux: Annotated[
         float | None,
         Param("illuminance of the ground to which sun and sky are scaled; empty: as they are",
-              unit="lx", low=0, high=1e9, above=True, slider=(0.001, 100000)),
+              unit="lx", low=0, high=1e9, above=True, slider=(0.001, 100000),
+              zero_is_empty=False),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None

@@ -140,7 +140,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     altitude_km: Annotated[
         float | None,
         Param("altitude of a circular orbit; empty: not on a satellite", unit="km", low=0, high=1e5,
-              slider=(300, 1000)),
+              above=True, slider=(300, 1000), zero_is_empty=False),
     ] = None  # fmt: skip
     look_angle_deg: Annotated[
         float, Param("angle of the line of sight off nadir", unit="deg", low=0, high=89,

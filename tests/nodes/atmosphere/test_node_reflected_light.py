@@ -48,6 +48,11 @@ def test_a_number(lit):
     )
 
 
+def test_no_sun_leaves_the_sky(lit):
+    bench = lit({"solar_irradiance": 0, "sky": 20})
+    np.testing.assert_allclose(bench.value("light.image"), SHARES * 20 * 0.4, rtol=1e-13)
+
+
 def test_the_sun_as_a_black_body_and_a_unit_of_percent(lit):
     bench = lit(
         {"sun_elevation_deg": 90, "sun": "black_body"}, samples=100 * SHARES, read={"unit": "%"}
@@ -114,6 +119,7 @@ def test_a_cube_of_reflectances(tmp_path):
         ({}, {"unit": "DN"}, ("'DN'", "not a reflectance")),
         ({}, {"cut_on_um": None, "cut_off_um": None}, ("cut_on_um", "the image has no band")),
         ({"cut_on_um": 1.2}, {}, ("cut_off_um = 0.9", "above cut_on_um = 1.2")),
+        ({"illuminance_lux": 0}, {}, ("illuminance_lux = 0", "above 0 to 1e+09 or empty")),
         ({"sun_elevation_deg": 95}, {}, ("sun_elevation_deg = 95", "from 0 to 90")),
         ({"path": "sun.csv"}, {}, ("0.6 to 1 µm", "covers the band, 0.5 to 0.9 µm")),
     ],

@@ -191,6 +191,11 @@ def test_few_samples_are_counted(planned, scale, words):
     assert any(f"the picture has {words} pixel, each" in text for text in texts(plan))
 
 
+def test_an_orbit_on_the_ground_is_refused(planned):
+    _, plan = planned({**MWIR, "altitude_km": 0})
+    assert "altitude_km = 0 km is not allowed: a number above 0" in str(plan.errors()[0])
+
+
 @pytest.mark.parametrize(
     ("camera", "init", "words"),
     [
