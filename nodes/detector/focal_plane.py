@@ -400,7 +400,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             return None
         return Caution(
             f"integration_time_s = {own:.4g} s does not fit the scan: at {abs(speed):g} m/s the "
-            f"image moves by a pixel ({ground_m:.4g} m on the ground) in {line_s:.4g} s"
+            f"image moves by a pixel ({ground_m:.4g} m across the line of sight) in {line_s:.4g} s"
             + (" per stage" if stages > 1 else ""),
             f"set integration_time_s to {line_s:.4g}"
             + (" or less" if stages == 1 else "")

@@ -16,7 +16,7 @@ from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
-from core.physics.sampling.orbit import LookDirection, OrbitView, orbit_view
+from core.physics.sampling.orbit import EARTH_RADIUS_KM, LookDirection, OrbitView, orbit_view
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
 
@@ -31,6 +31,8 @@ def _of_camera(outputs: CameraOutputs) -> Recipe:
 
 
 _figure = partial(table_figure, table=_of_camera)
+_LOW_ORBIT_KM = 2000.0  # up to here the Earth's rotation changes the speed by less than 9 %
+_EARTH_M_PER_S = 2.0 * math.pi * EARTH_RADIUS_KM * 1e3 / 86164.1  # at the equator; sidereal day
 _ORBIT = (
     ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
     ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
@@ -54,7 +56,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. Its rotation is left
-    out: it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of TDI MTF).
+    out: in a low orbit it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of
+    TDI MTF), in a high one by more. Above 2000 km a warning gives the share.
 
     The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
     share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
@@ -210,11 +213,13 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def orbit(self) -> Caution | None:
-        """The range differs from the orbit's, or a look angle has no orbit."""
+        """The range differs from the orbit's, the orbit is high, or a look angle has none."""
         orbit = self.sheet().orbit
         if orbit is not None:
-            return apart_caution(
-                "range_m", self.range_m, orbit.range_m, unit="m", where="by altitude and look angle"
+            where = "by altitude and look angle"
+            return first(
+                apart_caution("range_m", self.range_m, orbit.range_m, unit="m", where=where),
+                _rotation_caution(orbit),
             )
         if not self.look_angle_deg:
             return None
@@ -472,6 +477,17 @@ def camera_figures(
             TableRow("gsd_y_m", gsd[1], "m", "height seen by a pixel"),
             *_orbit_rows(sheet.orbit, *gsd),
         )
+    )
+
+
+def _rotation_caution(orbit: OrbitView) -> Caution | None:
+    if orbit.altitude_km <= _LOW_ORBIT_KM:
+        return None
+    share = 100.0 * _EARTH_M_PER_S / orbit.ground_speed_m_per_s
+    return Caution(
+        f"the velocity is wrong by up to {share:.0f} %: at altitude_km = {orbit.altitude_km:g} the "
+        f"Earth's rotation, left out here, is {share:.0f} % of the ground speed",
+        "enter the true velocity_m_per_s on Init & Trans",
     )
 
 
