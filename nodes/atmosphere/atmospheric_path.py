@@ -73,7 +73,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
     attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit after
     this module use its transmission at each range, by Beer's law at every wavelength. Two of these
-    modules in a row represent two constituents of the same air.
+    modules in a row represent two constituents of the same air. Put the module after Camera to use
+    Camera's range and orbit; before it, enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
@@ -141,8 +142,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     ] = None  # fmt: skip
     range_m: Annotated[
         float | None,
-        Param("length of the path; empty: from Camera, or from Init & Trans through its "
-              "context",
+        Param("length of the path; empty: from a Camera before this node, or from Init & Trans "
+              "through its context",
               unit="m", low=0, high=1e9, slider=(10, 20000)),
     ] = None  # fmt: skip
     air_K: Annotated[
@@ -254,9 +255,11 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def _tables(self, image: Image, range_m: float | None) -> tuple[Points, Points]:
         altitude_m = self.altitude_m or _orbit_altitude_m(image)
         if altitude_m is None:
-            raise ParameterError("altitude_m", None, "give it here, or altitude_km on Camera")
+            raise ParameterError(
+                "altitude_m", None, "give it here, or altitude_km on a Camera before this node"
+            )
         if range_m is None:
-            raise ParameterError("range_m", None, "give it here, on Camera or on Init & Trans")
+            raise ParameterError("range_m", None, "give it here, or on a Camera before this node")
         ihaze = 1 if self.haze == "rural_23_km" else 2
         return table_path(height_km=altitude_m / 1e3, range_km=range_m / 1e3, ihaze=ihaze)
 
