@@ -250,6 +250,8 @@ def test_values_of_a_scene_are_refused_in_one_line(values, message):
     with pytest.raises(ic.ParameterError) as caught:
         ic.scene(np.ones((2, 3)), **values)
     assert str(caught.value).startswith(message)
+    with pytest.raises(ic.UsageError, match=r"no argument cut_on_um; give band_um=\(cut_on_um, "):
+        ic.scene(np.ones((2, 3)), cut_on_um=8, cut_off_um=12)
 
 
 def test_coordinates_and_attributes_of_xarray_that_are_no_numbers():
