@@ -219,12 +219,16 @@ class InitTrans(
                     ("f_number", sheet.f_number, ""),
                     ("obscuration_ratio", sheet.obscuration_ratio, ""),
                     ("range_m", sheet.range_m, "m"),
-                    ("velocity_m_per_s", orbit.velocity_m_per_s if orbit else None, "m/s"),
                     ("fill_x", sheet.fill_x if self.fill_x != 1.0 else None, ""),
                     ("fill_y", sheet.fill_y if self.fill_y != 1.0 else None, ""),
                 )
-            )
-        )
+            ),
+            apart_caution(
+                "velocity_m_per_s", self.velocity_m_per_s,
+                orbit.velocity_m_per_s if orbit else None, unit="m/s", where="on Camera",
+                remedy="set velocity_m_per_s to 0 to use that value, unless both are intended",
+            ),
+        )  # fmt: skip
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:

@@ -203,7 +203,11 @@ def test_an_orbit_on_the_ground_is_refused(planned):
         # The Earth turns by 465 m/s at the equator, the point below a GPS satellite by 929.
         ({"altitude_km": 20200}, {}, "by up to 50 %: at altitude_km = 20200 the Earth's rotation"),
         ({"look_angle_deg": 20}, {}, "look_angle_deg = 20° is not used"),
-        ({"altitude_km": 600}, {"velocity_m_per_s": 7500}, "7500 m/s here, 6908 m/s on Camera"),
+        (
+            {"altitude_km": 600},
+            {"velocity_m_per_s": 7500},
+            "6908 m/s on Camera: set velocity_m_per_s to 0",
+        ),
     ],
 )
 def test_two_truths_of_an_orbit_are_warned_of(planned, camera, init, words):
