@@ -54,7 +54,7 @@ class ImagechainError(Exception):
 
 def how_to_install(extra: str) -> str:
     """How the packages of an extra are installed; no index has this program."""
-    return f"run pip install '.[{extra}]' in the folder of its source"
+    return f"run pip install '.[{extra}]' in Imagechain's source folder"
 
 
 def _rebuilt(kind: type[E], args: tuple[Any, ...], state: dict[str, Any]) -> E:

@@ -137,15 +137,14 @@ def test_tables_of_other_programs(sensor, study, rows_of, tmp_path):
 def test_without_a_tables_package_one_line_names_the_extra(monkeypatch, sensor, fails):
     monkeypatch.setattr("app.study.study_journal._NEEDED", {_parquet(): ("no_such_package",)})
     line = fails("study", sensor, SIGMA, NER, "--output", "a.parquet")
-    assert "needs no_such_package: run pip install '.[study]' in the folder of its source" in line
+    assert "needs no_such_package: run pip install '.[study]' in Imagechain's source folder" in line
 
 
 def test_without_dask_one_line_names_the_extra(monkeypatch, sensor, fails):
     monkeypatch.setattr("app.study.carrying_out.has_dask", lambda: False)
     line = fails("study", sensor, SIGMA, NER, "--output", "a.csv", "--scheduler", "tcp://x:1")
     assert (
-        "dask and distributed are not installed: run pip install '.[study]' in the folder of its"
-        in line
+        "dask and distributed are not installed: run pip install '.[study]' in Imagechain's" in line
     )
 
 
