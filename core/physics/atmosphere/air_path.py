@@ -177,10 +177,8 @@ class AirPath:
 
         Raises
         ------
-        ParameterError
-            For a table that does not cover the band.
         DataError
-            For a source that emits nothing in the band.
+            For a table that does not cover the band, or a source that emits nothing in it.
         """
         self.require_covered(cut_on_um, cut_off_um)
         wavelength, width = self._nodes(cut_on_um, cut_off_um)
@@ -206,7 +204,7 @@ class AirPath:
         return PathBand(math.exp(-depth), added)
 
     def require_covered(self, cut_on_um: float, cut_off_um: float) -> None:
-        """Refuse a band that a table does not cover (`ParameterError`)."""
+        """Refuse a band that a table does not cover (`DataError`)."""
         for points in (self.points, self.radiance):
             require_covered(points, cut_on_um, cut_off_um)
 
@@ -239,10 +237,9 @@ def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None
         return
     first, last = points[0][0], points[-1][0]
     if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
-        raise ParameterError(
-            "path",
-            f"{first:g} to {last:g} µm",
-            f"a table that covers the band, {cut_on_um:g} to {cut_off_um:g} µm",
+        raise DataError(
+            f"the table covers {first:g} to {last:g} µm, not the whole band: give one that covers "
+            f"{cut_on_um:g} to {cut_off_um:g} µm, or a narrower band"
         )
 
 
@@ -262,7 +259,7 @@ def path_of_bands(
 
     Raises
     ------
-    ParameterError
+    DataError
         For a table that does not cover the bands.
     """
     gain, added = [], []
@@ -326,9 +323,9 @@ def transmission_at_ranges(
     Raises
     ------
     ParameterError
-        For a path whose own range is not known, or a table that does not cover the band.
+        For a path whose own range is not known.
     DataError
-        For a background that emits nothing in the band.
+        For a table that does not cover the band, or a background that emits nothing in it.
 
     Source: Bouguer 1729, Beer 1852. A table is taken to have no lines narrower than its steps: of
     molecular lines it is exact at the table's own range, and the further from it the less so.

@@ -161,7 +161,11 @@ class Sunlight:
         scale = 1.0
         if self.illuminance_lux is not None:
             if not self.unscaled_lux:
-                allowed = "only for a spectrum with light from 0.38 to 0.78 µm"
+                allowed = "there is no light from 0.38 to 0.78 µm to scale"
+                if self.unscaled_lux is None:
+                    allowed = "the spectrum must cover 0.38 to 0.78 µm"
+                elif not (self.elevation_deg or self.sky):
+                    allowed = "the sun is on the horizon and sky is 0; raise sun_elevation_deg"
                 raise ParameterError("illuminance_lux", self.illuminance_lux, allowed, unit="lx")
             scale = self.illuminance_lux / self.unscaled_lux
         return scale * self._unscaled(wavelength_um)
@@ -198,7 +202,7 @@ class Sunlight:
 
         Raises
         ------
-        ParameterError
+        DataError, ParameterError
             For a table, or a standard spectrum, that does not cover the band.
         """
         require_covered(self.points, cut_on_um, cut_off_um)

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.errors import ParameterError
+from core.errors import DataError, ParameterError
 from core.physics.atmosphere.sun_and_sky import (
     SUN_SR,
     Sunlight,
@@ -94,7 +94,7 @@ def test_values_out_of_range(values, words):
 
 
 def test_a_table_that_ends_before_the_band():
-    with pytest.raises(ParameterError, match=r"0.5 to 0.8 µm.*covers the band, 0.4 to 0.7 µm"):
+    with pytest.raises(DataError, match=r"0.5 to 0.8 µm.*give one that covers 0.4 to 0.7 µm"):
         Sunlight(9, points=((0.5, 1.0), (0.8, 1.0))).over_band(0.4, 0.7)
 
 
@@ -118,6 +118,11 @@ def test_the_solar_illuminance_and_what_it_is_scaled_to():
     flat = Sunlight(90, irradiance=2.0, illuminance_lux=1000.0)  # ∫V dλ = 0.106857 µm
     assert flat.over_band(1.0, 2.0) == pytest.approx(1000 / 683 / 0.106857, rel=1e-5)
     infrared = ((0.9, 1.0), (1.7, 1.0))
-    for dark in (Sunlight(0, illuminance_lux=1), Sunlight(9, points=infrared, illuminance_lux=1)):
-        with pytest.raises(ParameterError, match=r"illuminance_lux = 1 lx is not allowed: only"):
+    lux = {"illuminance_lux": 1.0}
+    for dark, why in (
+        (Sunlight(0, **lux), "the sun is on the horizon and sky is 0"),
+        (Sunlight(9, irradiance=0, **lux), "there is no light from 0.38"),
+        (Sunlight(9, points=infrared, **lux), "the spectrum must cover 0.38"),
+    ):
+        with pytest.raises(ParameterError, match=f"illuminance_lux = 1.0 lx is not allowed: {why}"):
             dark.over_band(0.9, 1.7)
