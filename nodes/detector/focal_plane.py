@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.engine import PlannedNode
+from core.chain.results import TableData
 from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
@@ -508,6 +509,13 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         table = outputs.table.recipe.inputs[0]
         return Step.of(overflow_caution, table.inputs[0], reading=self.delivered())
 
+    @warning
+    def reference(self, outputs: FocalPlaneOutputs) -> Recipe | None:
+        """The reference radiance exceeds the full well or the converter's range."""
+        if self.reference_radiance is None:
+            return None
+        return Step.of(reference_caution, _without_saturated(outputs))
+
     signal_e = _figure("signal_e", "e-", "Electrons from the scene, at the picture's mean.")
     optics_e = _figure("optics_e", "e-", "Electrons from the optics' own emission.")
     housing_e = _figure("housing_e", "e-", "Electrons from the housing past the cold shield.")
@@ -671,6 +679,17 @@ def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) ->
             "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
         )
     return None
+
+
+@ends_lineage
+def reference_caution(work: Work, found: TableData) -> Caution | None:
+    (row,) = (row for row in found.rows if row.name == "snr_at_reference")
+    if not row.reason:
+        return None
+    return Caution(
+        f"{row.reason}: snr_at_reference is left out",
+        "lower reference_radiance or integration_time_s, or check full_well_e, gain and bits",
+    )
 
 
 def response_caution(efficiency: QuantumEfficiency) -> Caution | None:

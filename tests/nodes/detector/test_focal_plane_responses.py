@@ -52,6 +52,11 @@ def electrons(law, kelvin, *, parts=((LOW, HIGH),)):
 
 
 def figures(folder, read, response, plane=(), *, warm=True):
+    there = bench(folder, read, response, plane)
+    return there.readouts("plane"), there.readouts("merit") if warm else {}
+
+
+def bench(folder, read, response, plane):
     (folder / "r.csv").write_text("3.5,0.1\n4,1\n5,0.3\n")
     nodes = {
         "read": ("read_image", {"fov_x_deg": 0.1, "fov_y_deg": 0.1, **read}),
@@ -83,8 +88,7 @@ def figures(folder, read, response, plane=(), *, warm=True):
         ("plane.image", "merit.image"),
         ("init.context", "merit.context"),
     ]
-    there = NodeBench(LIBRARY, folder, nodes, links)
-    return there.readouts("plane"), there.readouts("merit") if warm else {}
+    return NodeBench(LIBRARY, folder, nodes, links)
 
 
 def cube(folder, parts, *, kelvin=300.0, width=0.01):
@@ -200,6 +204,11 @@ def test_a_reference_radiance_that_clips_has_no_snr(tmp_path):
     np.save(tmp_path / "scene.npy", np.full(SIZE, 1e-3))
     read = {"path": "scene.npy", "cut_on_um": 0.45, "cut_off_um": 0.9}
     plane = {**SHEET, "reference_radiance": 1e6}
-    made, _ = figures(tmp_path, read, {}, plane, warm=False)
+    there = bench(tmp_path, read, {}, plane)
+    made = there.readouts("plane")
     assert made["snr"] > 0.0
     assert made["snr_at_reference"] is None
+    texts = map(str, there.engine.warnings(there.plan, there.work))
+    (said,) = (text for text in texts if "snr_at_reference" in text)
+    assert "reference_radiance is" in said
+    assert "is clipped: snr_at_reference is left out" in said
