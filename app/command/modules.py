@@ -24,7 +24,8 @@ def carry_out(options: Options, _stop: object) -> None:
     """Print every module, those that fit a word, or the one of that key.
 
     Of one module all its text is printed, of all of them ports, parameters and read-outs, of those
-    that a word finds in key, title or summary the summary.
+    that a word finds in key, title or summary the summary. A word in none of these is looked for in
+    the parameters' names.
     """
     library, key = standard_library(), options.key
     declared = list(declarations(library).values())
@@ -35,6 +36,11 @@ def carry_out(options: Options, _stop: object) -> None:
             entry
             for entry in declared
             if any(word in text.casefold() for text in (entry.key, entry.listed, entry.summary))
+        ]
+        declared = declared or [
+            entry
+            for entry in declarations(library).values()
+            if any(word in parameter.name.casefold() for parameter in entry.parameters)
         ]
     elif key:
         declared = [entry for entry in declared if entry.key == key]

@@ -154,6 +154,13 @@ def test_one_module(capsys):
     assert [each["key"] for each in json.loads(capsys.readouterr().out)] == ["jitter_mtf"]
 
 
+def test_a_module_is_found_by_its_parameters(capsys):
+    assert main(["modules", "frame_rate"]) == 0
+    keys = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert "microbolometer" in keys
+    assert "camera" not in keys
+
+
 def test_presets_are_listed_by_a_word_of_name_module_or_text(capsys):
     assert main(["presets", "sentinel-2", "--json"]) == 0
     found = {each["preset"]: each for each in json.loads(capsys.readouterr().out)}
