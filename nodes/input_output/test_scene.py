@@ -60,7 +60,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
     its single emissivity; the sum of all bands is then the picture without bands, except for
     sunlight. `quantity` reflectance gives what the surfaces reflect instead of their radiance, for
-    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun.
+    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun. Targets
+    then have `target_reflectance` on `background_reflectance` at all wavelengths.
     """
 
     formulas = (
@@ -102,8 +103,15 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ] = "spectra"
     quantity: Annotated[
         Literal["radiance", "reflectance"],
-        Param("what the samples are, if there are bands: radiance, or reflectance to be lit"),
+        Param("what the samples are: radiance, or reflectance to be lit"),
     ] = "radiance"
+    background_reflectance: Annotated[
+        float,
+        Param("reflectance of a target's background, with quantity reflectance", low=0, high=1),
+    ] = 0.07
+    target_reflectance: Annotated[
+        float, Param("reflectance of a target, with quantity reflectance", low=0, high=1)
+    ] = 0.15
     sun_elevation_deg: Annotated[
         float,
         Param("elevation of the Sun, if there are bands; 0: no Sun", unit="deg", low=0, high=90),
@@ -123,6 +131,12 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
 
     panel = (
         Section("Scene", ("kind", "width", "height")),
+        Section("Samples", ("quantity",)),
+        Section(
+            "Reflectances of a target",
+            ("background_reflectance", "target_reflectance"),
+            shown_when=("quantity", ("reflectance",)),
+        ),
         Section("Temperatures", ("temperature_K", "delta_K")),
         Section("Pattern", ("angle_deg",), shown_when=("kind", ("slanted_edge", "sine"))),
         Section("", ("frequency",), shown_when=("kind", ("four_bar", "siemens_star", "sine"))),
@@ -130,7 +144,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         Section("Band", ("cut_on_um", "cut_off_um", "bands")),
         Section(
             "Spectral bands",
-            ("emissivity", "quantity", "sun_elevation_deg"),
+            ("emissivity", "sun_elevation_deg"),
             shown_when=("kind", ("dormitory", "airfield")),
         ),
     )
@@ -145,12 +159,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             raise ParameterError(
                 "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}", unit="K"
             )
-        if self.quantity == "reflectance" and not (self.bands and self.kind in DRAWN):
-            raise ParameterError(
-                "quantity",
-                self.quantity,
-                f"only for a scene with bands that is {' or '.join(DRAWN)}",
-            )
+        if self.quantity == "reflectance" and self.kind in DRAWN and not self.bands:
+            raise ParameterError("bands", 0, f"1 or more for the {self.kind} in reflectance")
 
     def run(self, here: NodeContext) -> ImageOutput:
         x, y = self.fov_x_deg, self.fov_y_deg
@@ -171,7 +181,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
 
     def _recipe(self, here: NodeContext) -> Step:
         """How it is drawn: what does not depend on temperatures is a step of its own."""
-        sources = self._named(*SOURCES)
+        sources = self._named(*SOURCES) | self._reflectances()
         if (shares := self._shares(here)) is not None:
             return here.step(shown, shares, kind=self.kind, **sources)
         return here.step(drawn, **self._named(*DRAWING), **sources)
@@ -181,7 +191,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             shares=self._shares(here),
             drawing=self._named(*DRAWING),
             bands=self.bands,
-            sources=self._named(*SOURCES, "emissivity", "sun_elevation_deg", "quantity"),
+            sources=self._named(*SOURCES, "emissivity", "sun_elevation_deg", "quantity")
+            | self._reflectances(),
             node=here.node,
         )
 
@@ -190,6 +201,12 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             return None
         names = ("kind", "width", "height", *GEOMETRY[self.kind])
         return here.step(shares_drawn, **self._named(*names))
+
+    def _reflectances(self) -> dict[str, Any]:
+        """Levels of a target in reflectance; none in radiance, and of surfaces with spectra."""
+        if self.quantity == "radiance" or self.kind in DRAWN:
+            return {}
+        return {"reflectances": (self.background_reflectance, self.target_reflectance)}
 
     def _named(self, *names: str) -> dict[str, Any]:
         values = self.values()
@@ -219,7 +236,7 @@ def drawn(
     height: int,
     angle_deg: float,
     frequency: float,
-    **sources: float,
+    **sources: Any,
 ) -> NDArray[np.floating]:
     canvas = _canvas(work, width, height, empty=work.empty)
     radiances = scene_radiances(kind=kind, **sources)

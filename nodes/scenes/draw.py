@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +40,8 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 DRAWN = {"dormitory": dormitory, "airfield": airfield}
 """Scenes of many surfaces; all others are a black target on a black background."""
 
+_LEVELS = ("background", "signal")
+
 MOST_SAMPLES = 1280 * 1024
 """Larger scenes are drawn at once."""
 
@@ -61,7 +63,13 @@ Spectra = Mapping[str, FloatArray]
 
 
 def scene_radiances(
-    *, kind: str, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
+    *,
+    kind: str,
+    cut_on_um: float,
+    cut_off_um: float,
+    temperature_K: float,
+    delta_K: float,
+    reflectances: tuple[float, float] | None = None,
 ) -> Radiances:
     """Band radiance of each of a scene's surfaces, or of background and signal [W m⁻² sr⁻¹].
 
@@ -75,13 +83,17 @@ def scene_radiances(
         Background [K] and how much warmer the target is [K]. All targets are black; the
         dormitory and the airfield have surfaces of many temperatures and emissivities, in steps
         of delta_K.
+    reflectances : (float, float), optional
+        Of a target's background and signal, which are then given instead of their radiances.
     """
+    if reflectances is not None:
+        return dict(zip(_LEVELS, reflectances, strict=True))
     ends = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
     if kind in DRAWN:
         return surface_radiance(**ends, temperature_K=temperature_K, delta_K=delta_K)
     kelvins = np.array([temperature_K, temperature_K + delta_K])
     levels = band_radiance(**ends, temperature_K=kelvins)
-    return dict(zip(("background", "signal"), levels.tolist(), strict=True))
+    return dict(zip(_LEVELS, levels.tolist(), strict=True))
 
 
 def draw_radiances(
@@ -157,14 +169,16 @@ def scene_spectra(
     emissivity: Emissivity,
     sun_elevation_deg: float,
     quantity: str = "radiance",
+    reflectances: tuple[float, float] | None = None,
 ) -> dict[str, FloatArray]:
     """Spectra of all that a scene is made of, in so many bands of equal width.
 
     A texture's strength follows in every band from the radiances there, as it does without bands
     from those of the whole band. `emissivity` and `sun_elevation_deg`, as for `surface_spectra`,
-    change nothing in the scenes of black targets. `quantity` may be `reflectance` for `DRAWN`.
+    change nothing in the scenes of targets. `quantity` is `reflectance` for `DRAWN`; targets then
+    have the same `reflectances` in all bands.
     """
-    kelvins = {"temperature_K": temperature_K, "delta_K": delta_K}
+    kelvins: dict[str, Any] = {"temperature_K": temperature_K, "delta_K": delta_K}
     edges = band_edges(cut_on_um=cut_on_um, cut_off_um=cut_off_um, bands=bands)
     rows: list[Radiances] = []
     if kind in DRAWN:
@@ -179,6 +193,8 @@ def scene_spectra(
         for band in range(bands):
             known = {name: float(values[band]) for name, values in spectra.items()}
             rows.append(with_textures(known, textures))
+    elif reflectances is not None:
+        rows = [dict(zip(_LEVELS, reflectances, strict=True))] * bands
     else:
         for low, high in pairwise(edges.tolist()):
             levels = scene_radiances(kind=kind, cut_on_um=low, cut_off_um=high, **kelvins)

@@ -160,10 +160,27 @@ def test_reflectances_lit_by_the_sun_are_the_scene_in_the_sun(tmp_path, kind):
         )
 
 
-def test_targets_and_scenes_without_bands_have_no_reflectance(tmp_path):
-    for params in ({"kind": "sine", "bands": 3}, {"kind": "dormitory"}):
-        values = {"scene": ("test_scene", {**params, "quantity": "reflectance"})}
-        bench = NodeBench(LIBRARY, tmp_path, values, [])
-        assert "only for a scene with bands that is dormitory or airfield" in str(
-            bench.error("scene")
-        )
+@pytest.mark.parametrize("bands", [0, 3])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in draw.DRAWN])
+def test_a_target_in_reflectance_is_the_black_one_between_other_levels(tmp_path, kind, bands):
+    """Lit by 100 W/m²/µm from the zenith, over 4 µm."""
+    ends = {"cut_on_um": 8.0, "cut_off_um": 12.0}
+    values = {"kind": kind, **ends, **SIZE, "temperature_K": 290.0, "delta_K": 20.0}
+    levels = {"background_reflectance": 0.2, "target_reflectance": 0.9}
+    share = {**values, **levels, "quantity": "reflectance", "bands": bands}
+    nodes = {
+        "black": ("test_scene", values),
+        "share": ("test_scene", share),
+        "light": ("reflected_light", {"solar_irradiance": 100.0, "sun_elevation_deg": 90.0}),
+    }
+    bench = NodeBench(LIBRARY, tmp_path, nodes, [("share.image", "light.image")])
+    cold, warm = (band_radiance(8.0, 12.0, kelvin) for kelvin in (290.0, 310.0))
+    signal = (bench.value("black.image") - cold) / (warm - cold)
+    want = (0.2 + 0.7 * signal) * 400.0 / np.pi
+    np.testing.assert_allclose(bench.value("light.image"), want, rtol=1e-9)
+
+
+def test_drawn_scenes_without_bands_have_no_reflectance(tmp_path):
+    values = {"scene": ("test_scene", {"kind": "dormitory", "quantity": "reflectance"})}
+    bench = NodeBench(LIBRARY, tmp_path, values, [])
+    assert "bands = 0 is not allowed: 1 or more for the dormitory" in str(bench.error("scene"))
