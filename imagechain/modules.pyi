@@ -92,6 +92,8 @@ def test_scene(
     bands: int | Expression = 0,
     emissivity: Literal['spectra', 'grey'] = 'spectra',
     quantity: Literal['radiance', 'reflectance'] = 'radiance',
+    background_reflectance: float | Expression = 0.07,
+    target_reflectance: float | Expression = 0.15,
     sun_elevation_deg: float | Expression = 0.0,
     temperature_K: float | Expression = 303.15,
     delta_K: float | Expression = 10.0,
@@ -111,7 +113,8 @@ def test_scene(
     2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
     its single emissivity; the sum of all bands is then the picture without bands, except for
     sunlight. `quantity` reflectance gives what the surfaces reflect instead of their radiance, for
-    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun.
+    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun. Targets
+    then have `target_reflectance` on `background_reflectance` at all wavelengths.
 
     Parameters
     ----------
@@ -136,8 +139,13 @@ def test_scene(
         spectra of the surfaces, if there are bands: from their materials, or grey: one of spectra,
         grey; default 'spectra'
     quantity : Literal['radiance', 'reflectance']
-        what the samples are, if there are bands: radiance, or reflectance to be lit: one of
-        radiance, reflectance; default 'radiance'
+        what the samples are: radiance, or reflectance to be lit: one of radiance, reflectance;
+        default 'radiance'
+    background_reflectance : float | Expression
+        reflectance of a target's background, with quantity reflectance: a number from 0 to 1;
+        default 0.07
+    target_reflectance : float | Expression
+        reflectance of a target, with quantity reflectance: a number from 0 to 1; default 0.15
     sun_elevation_deg : float | Expression
         elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
         0.0
@@ -644,7 +652,8 @@ def atmospheric_path(
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
     attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit after
     this module use its transmission at each range, by Beer's law at every wavelength. Two of these
-    modules in a row represent two constituents of the same air.
+    modules in a row represent two constituents of the same air. Put the module after Camera to use
+    Camera's range and orbit; before it, enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
@@ -673,8 +682,8 @@ def atmospheric_path(
         height of the camera above the ground, for MODTRAN's tables; empty: from Camera's orbit [m]:
         a number from 0 to 1e+08 or empty; default empty
     range_m : float | Expression | None
-        length of the path; empty: from Camera, or from Init & Trans through its context [m]: a
-        number from 0 to 1e+09 or empty; default empty
+        length of the path; empty: from a Camera before this node, or from Init & Trans through its
+        context [m]: a number from 0 to 1e+09 or empty; default empty
     air_K : float | Expression | None
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
         empty; default empty
@@ -811,7 +820,8 @@ def camera(
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. Its rotation is left
-    out: it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of TDI MTF).
+    out: in a low orbit it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of
+    TDI MTF), in a high one by more. Above 2000 km a warning gives the share.
 
     The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
     share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
@@ -859,7 +869,7 @@ def camera(
     range_m : float | Expression | None
         distance of the scene [m]: a number of at least 0 or empty; default empty
     altitude_km : float | Expression | None
-        altitude of a circular orbit; empty: not on a satellite [km]: a number from 0 to 100000 or
+        altitude of a circular orbit; empty: not on a satellite [km]: a number above 0 to 100000 or
         empty; default empty
     look_angle_deg : float | Expression
         angle of the line of sight off nadir [deg]: a number from 0 to 89; default 0.0
@@ -1126,10 +1136,11 @@ def vignetting(
     says what the heights are: field angle, image height, or the share of the picture's half
     diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off. Put the module
     before Focal Plane, so that shot noise follows from the vignetted light. Transfer functions do
-    not change; NETD and SNR use the mean over the field. For a thermal picture of one band, Focal
-    Plane takes darker samples for colder ones: at half the light it counts 0.3 % too many photons
-    (3.7 to 4.8 µm); spectral pictures, and `photon_weighting` other than scene, do not have this
-    error. Source: Kingslake 1983, Optical System Design, chapter 6.
+    not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to the scene
+    before the vignetting. Focal Plane counts the photons of a thermal picture of one band at the
+    brightness temperature before the mean loss: where a sample gets half the mean, it counts 0.3 %
+    too many (3.7 to 4.8 µm). Spectral pictures, and `photon_weighting` other than scene, do not
+    have this error. Source: Kingslake 1983, Optical System Design, chapter 6.
 
     Parameters
     ----------
@@ -1178,9 +1189,11 @@ def distortion(
     its ray (to 1e-11) and interpolates the picture there with 8 × 8 samples: waves of up to 0.2
     cycles per sample move by less than 1e-3 sample from their true place. Nothing is filtered: if
     `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion sees
-    beyond the frame: make the scene wider and set `width` and `height` to the camera's; where the
-    scene ends, its outermost samples continue. MTF and noise continue as on the axis, where nothing
-    is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
+    beyond the frame: give the scene more samples at the same interval (its field is samples times
+    interval, and not the lens' 2·arctan), and set `width` and `height` to the camera's samples; the
+    warning has the numbers. Where the scene ends, its outermost samples continue. MTF and noise
+    continue as on the axis, where nothing is stretched. Sources: Brown 1966; Kannala and Brandt
+    2006; OpenCV, camera calibration.
 
     Parameters
     ----------
@@ -1242,10 +1255,11 @@ def field_psf(
     The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
     them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
     of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error
-    of blending, larger ones make room for a wider PSF: half a tile on all sides, at least 16
-    samples. Beyond the frame the picture is mirrored, or repeated if it came so from Back
-    Transform. Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary
-    1998, SIAM J. Sci. Comput. 19, 1063.
+    of blending. Around a tile the blur takes half a tile, at least 16 samples, and up to 1024 where
+    more than 0.5 % of a PSF's light would be lost; a tile is at least a quarter of that wide.
+    Beyond the frame the picture is mirrored, or repeated if it came so from Back Transform.
+    Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM
+    J. Sci. Comput. 19, 1063.
 
     Parameters
     ----------
@@ -2044,6 +2058,9 @@ def focal_plane(
     tdi_stages: int | Expression = 1,
     frames_averaged: int | Expression = 1,
     quantum_efficiency: float | Expression = 0.7,
+    quantum_efficiency_percent: float | Expression | None = None,
+    responsivity_A_per_W: float | Expression | None = None,
+    responsivity_um: float | Expression | None = None,
     response: str | PathLike[str] | None = None,
     cut_on_um: float | Expression | None = None,
     cut_off_um: float | Expression | None = None,
@@ -2054,17 +2071,30 @@ def focal_plane(
     cold_shield_efficiency: float | Expression = 1.0,
     housing_K: float | Expression | None = None,
     dark_current_e_per_s: float | Expression = 0.0,
+    dark_current_A_per_cm2: float | Expression = 0.0,
+    dark_reference_K: float | Expression | None = None,
+    dark_doubling_K: float | Expression | None = None,
     rule_07: bool = False,
     detector_K: float | Expression | None = None,
     material_cutoff_um: float | Expression | None = None,
     full_well_e: float | Expression | None = None,
+    register_well_e: float | Expression | None = None,
+    charge_gain: Literal['none', 'photoconductive', 'em_register', 'avalanche'] = 'none',
+    charge_gain_factor: float | Expression = 1.0,
+    excess_noise_factor: float | Expression | None = None,
+    register_stages: int | Expression = 536,
+    ionization_ratio: float | Expression = 0.0,
     nonlinearity_percent: float | Expression = 0.0,
     read_noise_e: float | Expression = 0.0,
     prnu_percent: float | Expression = 0.0,
     dsnu_e: float | Expression = 0.0,
     bad_pixel_percent: float | Expression = 0.0,
+    binning: Literal['charge', 'digital'] = 'charge',
+    binning_x: int | Expression = 1,
+    binning_y: int | Expression = 1,
     bits: int | Expression = 0,
     gain_e_per_dn: float | Expression | None = None,
+    gain_dB: float | Expression = 0.0,
     offset_dn: float | Expression = 0.0,
     reference_radiance: float | Expression | None = None,
     units: Literal['dn', 'electrons', 'radiance'] = 'dn',
@@ -2088,16 +2118,33 @@ def focal_plane(
     responsivity and SNR include the nonlinearity; signal and well fill count the electrons
     collected. `saturated` is 1 where the well is full or the converter has clipped.
 
+    A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
+    are in electrons before the gain. Read noise, wells and gain_e_per_dn count electrons behind it;
+    with an EM register, full_well_e counts electrons before it. Values in amperes include a gain
+    within the pixel, as a QWIP's data sheet gives them; values in e-/s, DSNU and Rule 07 do not.
+    gain_dB is 20·log10 of the camera's own gain. It divides gain_e_per_dn, so the converter clips
+    at fewer electrons.
+
+    Binning sums binning_x × binning_y pixels; all figures are then of a bin. `charge` sums the
+    electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
+    sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
+    is the share of saturated pixels. In units of radiance, a bin is the mean of its pixels. Binning
+    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Rows and columns left
+    over are dropped.
+
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
-    1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
-    takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
-    cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
-    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
+    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, the same in per cent,
+    responsivity_A_per_W·hc/(q·responsivity_um), or response; Ω = π/(4F² + 1)·(1 − ε²) the projected
+    solid angle of the optics at F-number F and obscuration ε (Camera also takes a T-number, which
+    includes τ, and the sine condition); τ optics_transmission; η cold_shield_efficiency; L_q
+    photons per s, m² and sr in the band, of the scene and, at optics_K and housing_K, of black
+    bodies; dark = t·n·dark_current_e_per_s, or dark_current_A_per_cm2 over the pixel's pitch, or
+    Rule 07. dark_doubling_K scales both currents from dark_reference_K to detector_K.
 
-    Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
-    2008 (Rule 07).
+    Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
+    the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
+    Hadwen 2003 (EM registers); McIntyre 1966 (avalanches).
 
     Parameters
     ----------
@@ -2115,6 +2162,15 @@ def focal_plane(
         number of frames averaged: a whole number from 1 to 1e+06; default 1
     quantum_efficiency : float | Expression
         electrons per photon within the band: a number above 0 to 1; default 0.7
+    quantum_efficiency_percent : float | Expression | None
+        quantum efficiency in per cent, used instead of the number, or empty [%]: a number from 0 to
+        100 or empty; default empty
+    responsivity_A_per_W : float | Expression | None
+        current responsivity, used instead of the number, or empty [A/W]: a number from 0 to 1e+06
+        or empty; default empty
+    responsivity_um : float | Expression | None
+        wavelength of that responsivity; its quantum efficiency holds for the whole band [µm]: a
+        number from 0 to 1000 or empty; default empty
     response : str | PathLike[str] | None
         CSV of µm and quantum efficiency, used instead of the number, or empty: a file name or
         empty; default empty
@@ -2141,18 +2197,43 @@ def focal_plane(
         10000 or empty; default empty
     dark_current_e_per_s : float | Expression
         dark current per pixel [e-/s]: a number from 0 to 1e+15; default 0.0
+    dark_current_A_per_cm2 : float | Expression
+        dark current per area of the pixel pitch, instead of the current per pixel [A/cm²]: a number
+        from 0 to 1e+06; default 0.0
+    dark_reference_K : float | Expression | None
+        temperature at which the dark current is given; empty: the detector's own [K]: a number from
+        0 to 1000 or empty; default empty
+    dark_doubling_K : float | Expression | None
+        temperature rise that doubles the dark current; empty: no change with temperature [K]: a
+        number from 0 to 1000 or empty; default empty
     rule_07 : bool
         take the dark current of HgCdTe from Rule 07 instead of the number: true or false; default
         False
     detector_K : float | Expression | None
-        temperature of the detector, for Rule 07 [K]: a number from 0 to 1000 or empty; default
-        empty
+        temperature of the detector, for Rule 07 and dark_doubling_K [K]: a number from 0 to 1000 or
+        empty; default empty
     material_cutoff_um : float | Expression | None
         cutoff of the detector material, for Rule 07 [µm]: a number from 0 to 100 or empty; default
         empty
     full_well_e : float | Expression | None
         electrons that a pixel can hold; empty: unlimited [e-]: a number of at least 0 or empty;
         default empty
+    register_well_e : float | Expression | None
+        electrons that the read-out can hold, after binning and charge gain; empty: unlimited [e-]:
+        a number of at least 0 or empty; default empty
+    charge_gain : Literal['none', 'photoconductive', 'em_register', 'avalanche']
+        gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an avalanche
+        diode: one of none, photoconductive, em_register, avalanche; default 'none'
+    charge_gain_factor : float | Expression
+        mean number of electrons that one electron becomes: a number above 0 to 100000; default 1.0
+    excess_noise_factor : float | Expression | None
+        factor by which the charge gain raises the variance of the electrons; empty: computed: a
+        number from 1 to 100000 or empty; default empty
+    register_stages : int | Expression
+        stages of the EM register: a whole number from 1 to 100000; default 536
+    ionization_ratio : float | Expression
+        k: ionization rate of the weaker carrier over the stronger one's; 0: one carrier only: a
+        number from 0 to 1; default 0.0
     nonlinearity_percent : float | Expression
         signal lost at the full well; the loss grows with the square of the electrons [%]: a number
         from 0 to 25; default 0.0
@@ -2164,11 +2245,21 @@ def focal_plane(
         DSNU: spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default 0.0
     bad_pixel_percent : float | Expression
         share of dead and hot pixels, some in clusters [%]: a number from 0 to 100; default 0.0
+    binning : Literal['charge', 'digital']
+        sum the pixels' charge before read noise, or their digital numbers afterwards: one of
+        charge, digital; default 'charge'
+    binning_x : int | Expression
+        pixels that are summed, horizontally: a whole number from 1 to 1024; default 1
+    binning_y : int | Expression
+        pixels that are summed, vertically: a whole number from 1 to 1024; default 1
     bits : int | Expression
         bits of the converter; 0: no converter [bit]: a whole number from 0 to 24; default 0
     gain_e_per_dn : float | Expression | None
         electrons per digital number; empty: the full well gives the highest number [e-/DN]: a
         number of at least 0 or empty; default empty
+    gain_dB : float | Expression
+        gain setting of the camera: 20 dB divide gain_e_per_dn by 10 [dB]: a number from -120 to
+        120; default 0.0
     offset_dn : float | Expression
         digital number at zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
         0.0
@@ -2185,10 +2276,11 @@ def focal_plane(
     Inputs: image, context.
     Outputs: image, electrons, noise, saturated, table.
     Read-outs: signal_e (e-), optics_e (e-), housing_e (e-), dark_e (e-), well_fill_percent (%),
-    shot_noise_e (e-), read_noise_e (e-), quantization_noise_e (e-), temporal_noise_e (e-),
-    fixed_pattern_e (e-), responsivity_e_per_K (e-/K), netd_K (K), snr, snr_at_reference,
-    nei_photons_per_cm2 (1/cm²), dynamic_range_dB (dB), gain_e_per_dn (e-/DN), mean_dn (DN),
-    photon_weighting, weighting_worth_percent (%), saturated_pixels.
+    shot_noise_e (e-), excess_noise_e (e-), read_noise_e (e-), quantization_noise_e (e-),
+    temporal_noise_e (e-), fixed_pattern_e (e-), responsivity_e_per_K (e-/K), netd_K (K), snr,
+    snr_at_reference, nei_photons_per_cm2 (1/cm²), dynamic_range_dB (dB), emva_dynamic_range_dB
+    (dB), sensitivity_threshold_photons (photons), snr_max_dB (dB), gain_e_per_dn (e-/DN), mean_dn
+    (DN), photon_weighting, weighting_worth_percent (%), saturated_pixels.
     """
 
 def microbolometer(
@@ -2207,6 +2299,10 @@ def microbolometer(
     cut_off_um: float | Expression | None = None,
     time_constant_s: float | Expression = 0.01,
     frame_rate_Hz: float | Expression = 30.0,
+    filter_frames: float | Expression = 1.0,
+    bits: int | Expression = 0,
+    range_low_K: float | Expression | None = None,
+    range_high_K: float | Expression | None = None,
     corner_Hz: float | Expression = 0.0,
     longest_period_s: float | Expression = 60.0,
     response_percent: float | Expression = 0.0,
@@ -2222,8 +2318,15 @@ def microbolometer(
     exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
     earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
     2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
-    4; Rogalski 2011, chapters 4 and 22.
+    same in every frame; Non-Uniformity Correction removes them.
+
+    The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
+    is filter_frames. It lowers white noise by √n and 1/f noise by less; changes in the scene lag.
+    Leave it at 1 if the data sheet's NETD includes the filter. Last, the picture is rounded to
+    2^bits levels between the radiances of range_low_K and range_high_K, and clipped there.
+
+    Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
+    2010, chapter 5 (filter).
 
     Parameters
     ----------
@@ -2263,6 +2366,17 @@ def microbolometer(
         thermal time constant [s]: a number from 0 to 1000; default 0.01
     frame_rate_Hz : float | Expression
         frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
+    filter_frames : float | Expression
+        temporal filter: lowers white noise like an average of this many frames; 1: no filter: a
+        number from 1 to 16; default 1.0
+    bits : int | Expression
+        bits of the output; 0: no rounding [bit]: a whole number from 0 to 24; default 0
+    range_low_K : float | Expression | None
+        scene temperature of the lowest number, for bits [K]: a number from 0 to 10000 or empty;
+        default empty
+    range_high_K : float | Expression | None
+        scene temperature of the highest number, for bits [K]: a number from 0 to 10000 or empty;
+        default empty
     corner_Hz : float | Expression
         corner frequency, where 1/f noise equals white noise; 0: no 1/f noise [Hz]: a number from 0
         to 1e+09; default 0.0
@@ -2280,8 +2394,8 @@ def microbolometer(
     Microbolometer, in the group Detector.
     Inputs: image, context.
     Outputs: image, noise, mtf, ptf, table.
-    Read-outs: netd_K (K), white_netd_K (K), flicker_K (K), fixed_pattern_K (K), noise_radiance
-    (W/m²/sr), snr, scene_K (K), lag_percent (%).
+    Read-outs: netd_K (K), white_netd_K (K), flicker_K (K), quantization_K (K), fixed_pattern_K (K),
+    noise_radiance (W/m²/sr), snr, scene_K (K), lag_percent (%).
     """
 
 def nuc(
@@ -2388,7 +2502,7 @@ def frame_transfer_smear(
     line_transfer_time_s : float | Expression
         time of one transfer [s]: a number from 0 to 1; default 0.0
     integration_time_s : float | Expression
-        exposure time [s]: a number from 1e-09 to 1e+06; default 0.01
+        exposure time, the same as on Focal Plane [s]: a number from 1e-09 to 1e+06; default 0.01
     passed : Literal['both', 'above', 'below']
         rows that a packet passes in the light: one of both, above, below; default 'both'
 
@@ -2410,15 +2524,16 @@ def blooming(
     A full pixel passes its excess to the pixels above and below, half each, until every pixel holds
     its charge. What reaches the top or the bottom leaves the detector. The anti-blooming drain
     removes its share of the excess first. The picture may have any unit proportional to electrons.
-    Put this module after Sample Pixels or Combine Pixels and before Focal Plane, with the value
-    that fills its well. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001,
-    Scientific Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
+    Put this module after Sample Pixels or Combine Pixels and before Focal Plane. There the full
+    well is a radiance: saturation_radiance in Focal Plane's table. Predicted MTFs and budgets
+    ignore blooming. Sources: Janesick 2001, Scientific Charge-Coupled Devices, chapter 4; Levine
+    and Peres 2009, Potential Analysis 30, 1.
 
     Parameters
     ----------
     full_well : float | Expression | None
-        sample value of a full pixel, in the picture's unit; empty: no blooming: a number from 1e-12
-        to 1e+12 or empty; default empty
+        sample value of a full pixel, in the picture's unit: W/m²/sr before Focal Plane, not
+        electrons; empty: no blooming: a number from 1e-12 to 1e+12 or empty; default empty
     anti_blooming_percent : float | Expression
         share of the excess that the anti-blooming drain takes [%]: a number from 0 to 100; default
         0.0

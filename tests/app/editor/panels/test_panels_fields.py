@@ -42,6 +42,7 @@ EVERY_KIND = (
     "read_image",
     "measured_mtf",
     "exit_pupil",
+    "vignetting",
     "figures_of_merit",
     "atmosphere_mtf",
     "line_by_line",
