@@ -82,7 +82,7 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
 
     panel = (
         Section("", ("natural", "measured")),
-        Section("Curve", ("against",), shown_when=("measured", ("file", "polynomial"))),
+        Section("Curve", ("against",)),
         Section("", ("path",), shown_when=("measured", ("file",))),
         Section("", ("coefficients",), shown_when=("measured", ("polynomial",))),
         Section("", ("focal_length_mm",), shown_when=("against", ("height_mm",))),

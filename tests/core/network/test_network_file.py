@@ -152,7 +152,7 @@ def test_a_byte_order_mark_is_no_matter(document, small_library, tmp_path):
     [
         (b"\xff\xfe{\x00}", "not UTF-8 text (byte 1)"),
         (b"", "not JSON: Expecting value (line 1, column 1)"),
-        (b" " * (16 * 2**20 + 1), "larger than 16 MiB, the most a network may have"),
+        (b" " * (16 * 2**20 + 1), "larger than 16 MiB, the limit for a network file"),
     ],
 )
 def test_files_that_hold_no_text(content, message, small_library, tmp_path):

@@ -41,9 +41,15 @@ ENOUGH = {  # to be computed whatever is chosen
 ENOUGH_WITH = {  # of one choice
     ("atmospheric_path", "modtran"): {"path": "air.csv"},
     ("spectral_response", "file"): {"path": "response.csv"},
+    ("vignetting", "file"): {"path": "light.csv"},
+    ("vignetting", "polynomial"): {"coefficients": [-1e-5]},
+    ("field_psf", "mtf"): {"path_1": "mtf.csv"},
+    ("field_psf", "psf"): dict.fromkeys(("path_1", "path_2", "path_3"), "pupil.npy")
+    | {"sample_pitch_um": 5.0},
     ("read_image", "all"): {"path": "cube.img"},
     ("read_image", "luminance"): {"path": "colour.tif"},
 }
+NEEDS_PYBSM = "modtran_tables"
 INIT = {
     "detector_x_um": 30.0,
     "detector_y_um": 30.0,
@@ -110,7 +116,7 @@ def test_a_module_that_nobody_laid_out_has_all_its_parameters_in_one_section():
 def other_values(parameter):
     """Values that differ from the default, and from one another."""
     low = parameter.param.low
-    candidates = [3.0, 0.25, 7, 1.5, *parameter.choices, "other.npy", [0.1]]
+    candidates = [3.0, 0.25, 7, 1.5, -2.5, *parameter.choices, "other.npy", [0.1]]
     found = []
     for value in candidates:
         try:
@@ -130,14 +136,17 @@ def made(engine, key, params, folder):
     """All that a node makes of a small scene, as arrays; errors as their text."""
     nodes = {
         "scene": Node("scene", "test_scene", SCENES.get(key, SCENE)),
+        "camera": Node("camera", "camera", {"focal_length_mm": 100.0}),
         "init": Node("init", "init_trans", INIT),
         "pupil": Node("pupil", "exit_pupil", {"size_x": 32, "size_y": 32, "radius": 10}),
         "node": Node("node", key, params),
     }
     sources = {"image": "scene.image", "reference": "scene.image", "transfer": "init.magnitude"}
     sources["pupil"] = "pupil.pupil"
+    if key == "field_psf":
+        sources["image"] = "camera.image"
     sources |= {name: f"init.{name}" for name in ("context", "magnitude", "phase")}
-    links = [Link.between("scene.image", "init.image")]
+    links = [Link.between("scene.image", f"{node}.image") for node in ("init", "camera")]
     links += [
         Link.between(sources[port.name], f"node.{port.name}")
         for port in DECLARED[key].inputs
@@ -172,11 +181,13 @@ def test_parameters_that_are_not_shown_change_nothing(key, section, tmp_path):
     np.save(tmp_path / "pupil.npy", np.ones((8, 8)))
     (tmp_path / "air.csv").write_text("7,0.5,1\n13,0.6,2\n")
     (tmp_path / "response.csv").write_text("7,0.5\n13,0.6\n")
+    (tmp_path / "light.csv").write_text("0 1\n20 0.5\n")
+    (tmp_path / "mtf.csv").write_text("frequency (cyc/mrad),mtf\n0,1\n9,0.5\n")
     write_cube(tmp_path, np.ones((3, 8, 8)), *centres(3))
     write_by_oiio(tmp_path / "colour.tif", np.full((8, 8, 3), 7, np.uint8), {})
     declared = DECLARED[key]
     name, values = section.shown_when
-    hidden = [c for c in declared.parameter(name).choices if c not in values]
+    hidden = [c for c in declared.parameter(name).choices if c not in (*values, NEEDS_PYBSM)]
     assert hidden
     others = [
         {inside: value}
