@@ -149,6 +149,7 @@ def test_the_satellite_is_compared_by_the_figures_of_emva_1288(shipped_report):
     assert both == pytest.approx(facts["nodes"]["quality"]["readouts"]["rer"]["value"], rel=1e-6)
 
 
+@pytest.mark.thorough(but=3, always=("mwir_camera",))
 @pytest.mark.parametrize("name", BANDS_UM)
 def test_the_report_reads_as_a_data_sheet(name, shipped_report):
     page = shipped_report(name).page
