@@ -47,9 +47,9 @@ def test_the_list_has_every_kind_and_room(texts):
     assert len(texts) > 3000
 
 
-@pytest.mark.parametrize("never", NEVER)
-def test_turns_of_phrase_that_never_come_back(texts, never):
-    found = [text for text in texts if re.search(never, text.words)]
+def test_turns_of_phrase_that_never_come_back(texts):
+    never = re.compile("|".join(f"(?:{phrase})" for phrase in NEVER))
+    found = [text for text in texts if never.search(text.words)]
     assert not found, "\n".join(f"{text.place}: {text.words}" for text in found)
 
 

@@ -12,6 +12,7 @@ sys.path.append(str(Path(__file__).parent))  # not first: it has a file named li
 from known_scenes import fitted
 
 
+@pytest.mark.thorough(but=1)
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_scene_is_moved_before_it_is_sampled(seed):
     """Moved after it, as what has folded must not be, values were off by 12 to 17 errors."""

@@ -17,7 +17,7 @@ FUZZ = Path(__file__).parent
         ("networks.py", 20, 2, "cases 20"),
         ("direct_sums.py", 20, 1, "cases 20"),
         ("editor_kills.py", 1, 1, "cases 1"),
-        ("study_kills.py", 2, 1, "no faults"),
+        pytest.param("study_kills.py", 2, 1, "no faults", marks=pytest.mark.thorough),
     ],
     ids=["networks", "direct_sums", "editor_kills", "study_kills"],
 )

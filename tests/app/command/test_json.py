@@ -59,8 +59,13 @@ def _files(tmp_path, monkeypatch):
         monkeypatch.setenv(name, value)
 
 
+SLOW = pytest.param("handbook", marks=pytest.mark.thorough)
+
+
 @pytest.mark.usefixtures("_files")
-@pytest.mark.parametrize("command", [name for name in COMMANDS if name != "edit"])
+@pytest.mark.parametrize(
+    "command", [*(name for name in COMMANDS if name not in ("edit", "handbook")), SLOW]
+)
 def test_the_result_and_nothing_else(command, works, tmp_path):
     words, file, keys = RESULTS[command]
     done = works(command, *words, "--json")
