@@ -30,7 +30,7 @@ LEFT_OUT = pytest.StashKey[int]()
 settings.register_profile(
     "thorough", deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=100
 )
-settings.register_profile("any machine", settings.get_profile("thorough"), max_examples=40)
+settings.register_profile("any machine", settings.get_profile("thorough"), max_examples=25)
 settings.load_profile("any machine")
 
 pytest.register_assert_rewrite(*sorted(path.stem for path in SUPPORT.glob("*.py")))

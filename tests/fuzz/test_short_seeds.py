@@ -16,7 +16,7 @@ FUZZ = Path(__file__).parent
     [
         ("networks.py", 20, 2, "cases 20"),
         ("direct_sums.py", 20, 1, "cases 20"),
-        ("editor_kills.py", 1, 1, "cases 1"),
+        pytest.param("editor_kills.py", 1, 1, "cases 1", marks=pytest.mark.thorough),
         pytest.param("study_kills.py", 2, 1, "no faults", marks=pytest.mark.thorough),
     ],
     ids=["networks", "direct_sums", "editor_kills", "study_kills"],

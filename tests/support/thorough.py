@@ -29,7 +29,7 @@ def some_of(cases: Sequence[Case], count: int) -> list[Case]:
 
 
 def examples(count: int) -> int:
-    """How many examples hypothesis draws where a thorough run draws so many: two fifths."""
+    """How many examples hypothesis draws where a thorough run draws so many: a quarter."""
     return max(1, count * settings.default.max_examples // 100)
 
 

@@ -51,6 +51,7 @@ def lines(window):
     return said
 
 
+@pytest.mark.thorough  # it writes the whole handbook
 def test_help_leads_to_the_page_of_the_module(window, browser, written, lines, qtbot):
     window.session.select([add(window, "jitter_mtf")])
     page = str(written / "modules" / "jitter_mtf.html")
