@@ -14,7 +14,8 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import REACH, sinc_weights
 from core.transfer.factors import Edges
@@ -73,11 +74,30 @@ class RollingShutter(
         step = here.step(skewed, image.recipe, shape=image.shape, **how)
         return ImageOutput(stepped(image, step))
 
+    @warning
+    def away(self, image: Image) -> Caution | None:
+        """The image leaves the frame before the last line is exposed."""
+        for axis, samples in (("x", image.columns), ("y", image.rows)):
+            velocity = getattr(self, f"image_velocity_{axis}")
+            moved = abs(velocity) * self.line_time_s * self._lines(image)
+            pixels = samples / max(1.0, pitch_in_samples(axis, image) or 1.0)
+            if moved >= pixels:
+                return Caution(
+                    f"the last lines show what lies beyond the frame: it has {pixels:.4g} pixels, "
+                    f"and the image moves by {moved:.4g} from the first line to the last",
+                    f"check image_velocity_{axis} = {velocity:g} px/s and line_time_s = "
+                    f"{self.line_time_s:g}",
+                )
+        return None
+
     @readout("px")
     def skew_px(self, image: Image) -> float:
         """Shift of the last line to the right, relative to the first."""
-        line = max(1.0, pitch_in_samples("y", image) or 1.0)
-        return self.image_velocity_x * self.line_time_s * float((image.rows - 0.5) // line)
+        return self.image_velocity_x * self.line_time_s * self._lines(image)
+
+    def _lines(self, image: Image) -> float:
+        """Lines of pixels after the first."""
+        return float((image.rows - 0.5) // max(1.0, pitch_in_samples("y", image) or 1.0))
 
 
 def _skewed_part(work: Work, region: Region, picture: Recipe, **how: Any) -> Array:

@@ -99,9 +99,11 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         if rays.straight:
             return ImageOutput(image)
         if not np.isfinite(survey(rays).step):
+            names = ("k1", "k2", "k3", "k4", "p1", "p2", "centre_x_mrad", "centre_y_mrad")
+            bent = next((name for name in names if getattr(self, name)), "k1")
             raise ParameterError(
-                "k1",
-                self.k1,
+                bent,
+                getattr(self, bent),
                 "the picture would fold back within its frame; make the field smaller, or check "
                 "the signs of the coefficients",
             )

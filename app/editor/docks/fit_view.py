@@ -51,7 +51,7 @@ from core.modules.preview import Axis
 from core.network.network import Network
 
 _NO_PICTURE = "no picture"
-_NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
+_NOTHING_FREE = "Right-click a number on a panel and choose Free for a fit"
 _SAID_HERE = "Fit reports here how well the chain matches the picture"
 _NO_EDGES = "The picture was fitted as a whole, not edge by edge"
 _TAKE = "Write all fitted values into the network, as one step that you can undo"
@@ -257,7 +257,7 @@ class FitView(WorkerView):
         if self.outcome is not None:
             self._say_result()
         elif not self.worker.busy and self._failed_with != self._given:
-            self._say(f"{count} free" if count else _NOTHING_FREE)
+            self._say(f"{count} free" if count else "no parameter is free")
 
     @property
     def _given(self) -> object:

@@ -62,6 +62,17 @@ def test_each_line_shows_the_scene_where_it_was_when_exposed(tmp_path, samples, 
     assert bench.readouts("rolling_shutter")["skew_px"] == pytest.approx(skew)
 
 
+@pytest.mark.parametrize(("axis", "velocity", "warned"), [
+    ("x", 4.9e4, False), ("x", -5.2e4, True), ("y", 5.2e4, True),
+])  # fmt: skip
+def test_an_image_that_leaves_the_frame_is_warned_of(tmp_path, axis, velocity, warned):
+    """159 lines of 20 µs: 160 pixels at 5.03e4 pixels per second."""
+    params = {f"image_velocity_{axis}": velocity}
+    bench, _, _ = made(tmp_path, np.ones((SIZE, SIZE)), "rolling_shutter", params)
+    found = bench.engine.warnings(bench.plan, bench.work)
+    assert [c.check for c in found if c.node.startswith("rolling")] == ["away"] * warned
+
+
 def test_regions_are_those_of_the_whole(tmp_path):
     nodes = {"scene": ("test_scene", {"width": 90, "height": 131})}
     nodes |= {key: (key, params) for key, params in CHAIN.items()}

@@ -184,3 +184,5 @@ def test_a_picture_that_folds_is_refused(tmp_path):
         field_bench(tmp_path, np.ones((40, 50)), "distortion", {"k1": -1}, step_mrad=20)
     with pytest.raises(ParameterError, match="fold back"):
         field_bench(tmp_path, np.ones((40, 50)), "distortion", {"model": "fisheye"}, step_mrad=60)
+    with pytest.raises(ParameterError, match=r"p2 = 2\.0 is.*fold back"):
+        field_bench(tmp_path, np.ones((40, 50)), "distortion", {"p2": 2}, step_mrad=20)
