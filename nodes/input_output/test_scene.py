@@ -323,6 +323,7 @@ def spectra_made(_: Work, **values: Any) -> Spectra:
     return scene_spectra(**values)
 
 
+@in_blocks()  # small, too
 @source_step(area_means=True)
 def sum_shown(
     work: Work, shares: Shares, spectra: Spectra, *, weights: Row
@@ -331,12 +332,13 @@ def sum_shown(
     return show_radiances(shares, weighted(spectra, weights), work.for_each)
 
 
+@in_blocks()
 @source_step(area_means=True)
 def sum_drawn(
     work: Work, spectra: Spectra, *, weights: Row, width: int, height: int, **drawing: Any
 ) -> NDArray[np.floating]:
     """A weighted sum of the bands, drawn at once."""
-    canvas = _canvas(work, width, height)
+    canvas = _canvas(work, width, height, empty=work.empty)
     return draw_radiances(weighted(spectra, weights), canvas, **drawing)
 
 

@@ -52,6 +52,22 @@ def test_shipped_networks_to_the_bit(works, tmp_path, name, precision):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
+@pytest.mark.parametrize("rows", [60, 1024])  # of few samples, surfaces are drawn once
+def test_a_test_scene_in_bands(works, write, tmp_path, rows):
+    scene = {"width": 1300, "height": rows, "bands": 2, "quantity": "reflectance"}
+    nodes = {
+        "scene": {"module": "test_scene", "params": scene | {"cut_on_um": 0.4, "cut_off_um": 0.7}},
+        "light": {"module": "reflected_light", "params": {}},
+    }
+    links = [["scene.image", "light.image"]]
+    network = write({"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links})
+    for memory in ("8GB", BUDGET):
+        words = ("--save", f"light.image={memory}.npy", "--memory", memory)
+        done = works("run", network, *words, "--output-dir", memory)
+        assert ("in blocks: " in done.stdout) == (memory == BUDGET)
+    assert (tmp_path / "8GB.npy").read_bytes() == (tmp_path / f"{BUDGET}.npy").read_bytes()
+
+
 @pytest.mark.parametrize("binning", ["charge", "digital"])
 def test_bins_and_multiplied_charge_of_a_focal_plane_to_the_bit(works, tmp_path, binning):
     given = {
