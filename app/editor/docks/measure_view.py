@@ -353,12 +353,12 @@ class MeasureView(WorkerView):
     def _fail(self, text: str) -> None:
         kept = self._coming is not None and self._shown is not None
         self._coming = None
-        self._say(f"{text}; shown is {self._title}" if kept else text, failed=True)
+        self._say(f"{text}; still showing {self._title}" if kept else text, failed=True)
         self._show_buttons()
 
     def _stopped(self) -> None:
         self._coming = None
-        self._say(f"Stopped; shown is {self._title}" if self._shown is not None else "Stopped")
+        self._say(f"Stopped; still showing {self._title}" if self._shown is not None else "Stopped")
         self._show_buttons()
 
     def _fill_pictures(self) -> None:

@@ -112,7 +112,7 @@ def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, t
     view.measure_files((tmp_path / "none.npy",))
     qtbot.waitUntil(lambda: "no such file" in view.status.title.text())
     assert view.measured.x.edges == 2
-    assert view.status.title.text().endswith("; shown is two.npy")
+    assert view.status.title.text().endswith("; still showing two.npy")
     assert view.source == (two_edges,)
     view.choose(0)
     assert view.status.title.text().startswith("two.npy: edge 1,")
