@@ -20,7 +20,7 @@ from core.network.network import Node
 # Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(
     r"_(um|mm|cm|m|km|s|K|mK|Hz|W|deg|mrad|waves|dB|px|percent|per_km|m_per_s|mrad_per_s|cyc_per_mrad"
-    r"|e|e_per_s|e_per_K|e_per_dn|dn|photons_per_cm2)$"
+    r"|e|e_per_s|e_per_K|e_per_dn|dn|photons_per_cm2|A_per_W|A_per_cm2|per_um|lux|photons)$"
 )
 _LONG_WORD, _PIECE = re.compile(r"\w{40,}"), re.compile(r"\w{1,16}")  # of names of files
 _BREAK = "\u200b"  # of no width
@@ -46,6 +46,7 @@ _WORDS: Mapping[str, str] = MappingProxyType(
         "psd": "PSD",
         "prnu": "PRNU",
         "dsnu": "DSNU",
+        "emva": "EMVA",
         "dn": "DN",
         "rms": "RMS",
         "fwhm": "FWHM",
@@ -79,6 +80,17 @@ _NAMES: Mapping[str, str] = MappingProxyType(
         "xi": "Frequency ξ",
         "eta": "Frequency η",
         "r0_m": "r₀",
+        "r0_wavelength_um": "r₀ wavelength",
+        "b_per_sr": "b",
+        "l_mrad": "l",
+        "s": "s",
+        **{
+            name: name[0] + "₁₂₃₄"[int(name[1]) - 1]
+            for name in ("k1", "k2", "k3", "k4", "p1", "p2")
+        },
+        "air_K": "Air temperature",
+        "responsivity_um": "Wavelength of responsivity",
+        "beyond_percent": "Beyond the scene",
         "delta_K": "Temperature difference",
         "optics_K": "Optics' temperature",
         "housing_K": "Housing's temperature",

@@ -52,6 +52,7 @@ from core.modules.declaration import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+_LEAST_CANVAS = 6  # lines of text, in which a chain can still be followed
 
 
 class MainWindow(QMainWindow):
@@ -235,6 +236,7 @@ class MainWindow(QMainWindow):
         self.status = StatusBar(self.menuBar())
         work_page = QWidget()
         filled(QVBoxLayout(work_page), (self.canvas, 1), self.figures, spacing=0)
+        self.canvas.setMinimumHeight(_LEAST_CANVAS * self.fontMetrics().height())
         self.layout_in_use = WindowLayout(self)
         self.pages = Pages(self.welcome, work_page, self.layout_in_use, self)
         self.setCentralWidget(self.pages)

@@ -1,8 +1,8 @@
-"""Errors in the window's words."""
+"""Errors and parameters in the window's words."""
 
 import pytest
 
-from app.editor.declared_text import error_text
+from app.editor.declared_text import error_text, label_of
 from core.errors import DataError, ParameterError
 
 ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my blur")
@@ -26,3 +26,11 @@ ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my
 )
 def test_the_panels_label_and_the_nodes_name(error, on_node, text):
     assert error_text(error, on_node=on_node) == text
+
+
+@pytest.mark.parametrize(("name", "label"), [
+    ("responsivity_A_per_W", "Responsivity"), ("dark_current_A_per_cm2", "Dark current"),
+    ("emva_dynamic_range_dB", "EMVA dynamic range"), ("k3", "k₃"), ("l_mrad", "l"),
+])  # fmt: skip
+def test_a_label_has_no_unit(name, label):
+    assert label_of(name) == label

@@ -7,6 +7,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.declared_text import error_text
@@ -48,6 +49,12 @@ class FiguresStrip(Viewer):
             self._freshness.changed.connect(self._mark)
         self._show(None)
         self.label(RUN_TIME).show_text(NONE)
+
+    def event(self, event: QEvent) -> bool:
+        """No line of figures is cut off where they take several."""
+        if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
+            self.setMinimumHeight(self._layout.heightForWidth(self.width()))
+        return super().event(event)
 
     def text(self, name: str) -> str:
         """The text shown for a read-out, such as ``snr``, for ``output`` or ``run_time``."""

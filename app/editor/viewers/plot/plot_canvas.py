@@ -10,7 +10,15 @@ from typing import Any
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QFont, QKeyEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QFont,
+    QFontMetrics,
+    QKeyEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+)
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from app.editor.theme import Theme, theme_of
@@ -165,6 +173,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             plot.disableAutoRange()
             plot.getViewBox().sigRangeChangedManually.connect(self._seen_otherwise)
             plot.getViewBox().sigXRangeChanged.connect(self._follow_x)
+            plot.getViewBox().sigResized.connect(self._follow_marks)
             self._plots.append(plot)
             cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(theme_of(self).accent))
             cursor.setVisible(False)
@@ -214,7 +223,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                     curve.setPen(pen)
                 curve.setZValue(behind[line.name])
 
-    def _follow_marks(self) -> None:
+    def _follow_marks(self, *_: object) -> None:
         along = self.drawing.x_range
         marks = [
             mark
@@ -228,7 +237,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             if mark is None:
                 item.hide()
             else:
-                item.show_at(mark.x, f"{mark.text} {mark.x:.4g}")
+                item.show_at(mark.x, mark.text)
 
     def _show_line(self, row: int, line: Line) -> None:
         """Draw a line, unless it is there: of a chain's curves an edit changes one or two."""
@@ -354,10 +363,15 @@ class PlotMark:
         )
         self._label.setFont(font)
 
-    def show_at(self, frequency: float, text: str) -> None:
+    def show_at(self, frequency: float, name: str) -> None:
+        """With its name where the plot is high enough for it."""
         for line in self._lines:
             line.setValue(frequency)
             line.setVisible(True)
+        text = f"{name} {frequency:.4g}"
+        room = 0.97 * self._lines[0].getViewBox().height()
+        if QFontMetrics(self._label.textItem.font()).horizontalAdvance(text) > room:
+            text = f"{frequency:.4g}"
         if text != self._label.format:
             self._label.setFormat(text)
 

@@ -47,6 +47,12 @@ def test_the_published_figures_stand_there(strip):
     assert "NETD" in strip.label("netd_system_K").toolTip()
 
 
+def test_figures_in_several_lines_are_not_cut_off(bench):
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator), 300, 40)
+    last = strip.label("run_time").parentWidget()
+    assert strip.height() > last.geometry().bottom() > 2 * last.height()
+
+
 @pytest.mark.parametrize(
     ("value", "unit", "text"),
     [
@@ -157,7 +163,8 @@ def test_a_figure_of_like_length_lays_nothing_out_anew(bench, strip, qtbot):
     strip.installEventFilter(counting)
     label = strip.findChild(ElidedLabel, "figures_strip.run_time")
     label.show_text("—")
-    assert laid_out(0.01233) > 0
+    laid_out(0.01233)
+    qtbot.waitUntil(lambda: counting.number > 0)
     assert laid_out(0.01122) == 0
     assert strip.text("run_time") == "11.22 ms"
     assert laid_out(0.01) == 0
