@@ -9,12 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.clipping import (
-    why_clipped,
-    why_cut_off,
-    why_piled_up,
-    without_those_at,
-)
+from core.physics.measurement.edges.clipping import why_clipped, without_those_at
 from core.physics.measurement.edges.edge_line import EdgeSamples, edge_samples, rectangle_samples
 from core.physics.measurement.edges.picture_checks import (
     FoundEdge,
@@ -59,8 +54,7 @@ _SAMPLES_EXAMINED = 10_000  # of a picture, for each candidate between these num
 _BLURRED = 2.0  # times a step's contrast may be what its gradient says, for its blur
 _LEAST_SOFTNESS = 0.5  # samples, below which none is softer than another
 _WIDTHS_IN_REACH = 5.5  # so many standard deviations, and nothing of a Gaussian is left
-_PIECE = 5.0  # samples, of an edge whose places are compared
-_OFF_COURSE = 0.15  # samples
+_LEAST_STEP = 0.3  # samples between two levels
 
 
 def find_edges(
@@ -246,32 +240,29 @@ def _settled(
 ) -> FoundEdge:
     """The edge on its fitted course, used if nothing speaks against it."""
     samples = edge_samples(picture=picture, edge=edge)
-    reason = why_clipped(samples=samples, clip_levels=clip_levels, extremes=extremes)
-    if reason:
-        return replace(edge, why_not=reason)
     half_length = edge.length / 2.0
     fit = fit_spread(
         samples=samples, reach=edge.reach, half_length=half_length, coarse_turns=2, fine_turns=0
     )
     edge = _on_course(edge, fit)
-    if clip_levels is None:
-        away = samples.along / half_length
-        distance = samples.distance - fit.turn * away - fit.bend * away**2
-        reason = why_cut_off(
-            samples=samples, distance=distance, reach=edge.reach, extremes=extremes
-        ) or why_piled_up(value=samples.value, distance=distance, extremes=extremes)
-        if reason:
-            return replace(edge, why_not=reason)
-    off = _off_course(samples, fit, half_length)
+    away = samples.along / half_length
+    distance = samples.distance - fit.turn * away - fit.bend * away**2
+    reason = why_clipped(
+        value=samples.value, distance=distance, extremes=extremes, clip_levels=clip_levels
+    )
+    if reason:
+        return replace(edge, why_not=reason)
+    if 6.0 * np.mean(~np.isin(samples.value[np.abs(distance) < 3.0], extremes)) < _LEAST_STEP:
+        return replace(
+            edge,
+            why_not="clipped: nearly all of its samples have one of two values, so little of its "
+            "blur is left",
+        )
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
         return replace(
             edge,
             why_not=f"the edge spread, {edge.softness:.2g} samples wide, is wider than the "
             f"clear area of {edge.reach:g} samples around the edge",
-        )
-    if off > _OFF_COURSE:
-        return replace(
-            edge, why_not=f"not straight: parts of it lie {off:.2g} samples off a straight line"
         )
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
     if radius < _BENT_REACH * edge.reach:
@@ -304,19 +295,6 @@ def _on_course(edge: FoundEdge, fit: SpreadFit) -> FoundEdge:
         bend=edge.bend + fit.bend,
         softness=max(softness, _LEAST_SOFTNESS),
     )
-
-
-def _off_course(samples: EdgeSamples, fit: SpreadFit, half_length: float) -> float:
-    """Largest distance, less three standard errors, of a piece of an edge from its course."""
-    away = samples.along / half_length
-    distance = samples.distance - fit.turn * away - fit.bend * away**2
-    slope = fit.slopes(distance)
-    pieces = max(3, round(2.0 * half_length / _PIECE))
-    piece = np.clip(((away + 1.0) / 2.0 * pieces).astype(np.intp), 0, pieces - 1)
-    square = np.bincount(piece, slope**2, pieces)
-    moved = np.bincount(piece, slope * fit.residual, pieces) / np.maximum(square, 1e-300)
-    noise = float(np.std(fit.residual))
-    return float(np.max(np.abs(moved) - 3.0 * noise / np.sqrt(np.maximum(square, 1e-300))))
 
 
 # How much of a picture belongs to an edge alone: its length and reach, and what limits them.

@@ -11,11 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edges.clipping import (
-    refuse_corner,
-    refuse_piled_up,
-    refuse_quiet_side,
-)
+from core.physics.measurement.edges.clipping import why_clipped
 from core.physics.measurement.edges.edge_line import EdgeLine, Target, edge_line
 from core.physics.measurement.edges.edge_spread import (
     BINS_PER_SAMPLE,
@@ -207,11 +203,19 @@ def check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target:
                 f"the region is too small: {spread.away[-1]:.3g} samples from the {target}, the "
                 f"level still changes by {change / height:.0%} of the contrast. Widen the region"
             )
-    refuse_piled_up(picture=picture, line=line, spread=spread, height=height)
     if target == "edge":
         _refuse_narrow(spread, height, error)
-        refuse_corner(picture=picture, line=line, spread=spread)
-        refuse_quiet_side(picture=picture, line=line, spread=spread)
+        away = (np.arange(picture.shape[1]) - line.columns()[:, np.newaxis]).ravel()
+        inside = np.abs(away) <= spread.away[-1]
+        off = 1.5 * line.scatter * math.sqrt(2.0 / line.rows)  # samples, of its ends
+        reason = why_clipped(
+            value=picture.ravel()[inside],
+            distance=away[inside] if right > left else -away[inside],
+            extremes=(float(picture.min()), float(picture.max())),
+            askew=off * BINS_PER_SAMPLE * float(np.abs(np.diff(values)).max()),
+        )
+        if reason:
+            raise DataError(f"the edge is {reason}. Expose less, or store a wider range of values")
 
 
 def _refuse_narrow(spread: EdgeSpread, height: float, error: float) -> None:

@@ -283,10 +283,6 @@ class SpreadFit:
         level[self.spline.size + TAIL + 1 :] = 0.0
         return basis.spread(level)
 
-    def slopes(self, distance: Vector) -> Vector:
-        """The line spread at distances."""
-        return line_spread(spline=self.spline, coefficients=self.coefficients, distance=distance)
-
 
 def largest_gap(*, distance: Vector, within: float = 3.0) -> float:
     """Largest distance between neighbours among the samples' distances near an edge."""
