@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from core.physics.measurement.noise.digitisation import compressed_in_blocks
+
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_BLOCK = 8  # samples, of JPEG
 _STRIPS = 16  # parts of a picture, whose differences give the doubt
 _SURE = 6.0  # standard errors
-_SURE_OF_BLOCKS, _SURE_EITHER = 7.0, 2.5  # across and down together, and either
-_RANKED = 4  # parts of a picture, whose steps are ranked
 _LEAST_SHIFT = 0.12  # samples
 _LEAST_SIDE = 48
 _LEAST_MISSING = 32  # samples of one number, in squares of 3 × 3
@@ -50,12 +49,10 @@ def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = Fa
     interpolated = why_interpolated(picture=picture)
     if interpolated and not interpolated_too:
         return f"{interpolated}; measure the samples of one filter colour"
-    period = 2 if interpolated else 1
-    sure = [block_steps(picture=view, period=period) for view in (picture, picture.T)]
-    if min(sure) > _SURE_EITHER and math.hypot(*sure) > _SURE_OF_BLOCKS:
+    if compressed_in_blocks(picture=picture, period=2 if interpolated else 1):
         return (
-            "compressed in blocks of 8 × 8 samples (JPEG): steps between blocks are larger "
-            f"than steps within them (by {math.hypot(*sure):.0f} standard deviations)"
+            "compressed in blocks of 8 × 8 samples (JPEG): steps between blocks are larger than "
+            "steps within them"
         )
     return ""
 
@@ -171,39 +168,6 @@ def mosaic_detail(*, picture: NDArray[np.floating]) -> tuple[float, float]:
     if len(strips) < _STRIPS // 2:
         return 0.0, math.inf
     return float(np.mean(strips)), float(np.std(strips, ddof=1)) / math.sqrt(len(strips))
-
-
-def block_steps(*, picture: NDArray[np.floating], period: int = 1) -> float:
-    """How sure it is that steps between columns are larger at borders of blocks than in them.
-
-    Parameters
-    ----------
-    period : int
-        Of what else the steps of a block may repeat with: only steps of one phase are compared.
-
-    Returns
-    -------
-    float
-        Mean rank of the border among the eight steps of a block, in standard deviations of the
-        mean of so many random ranks (Wilcoxon); a scene's own edges are large in few blocks only.
-
-    Notes
-    -----
-    The borders are taken where the steps are largest: a picture may have been cropped.
-    """
-    blocks = (picture.shape[1] - 1) // _BLOCK
-    sums = np.zeros((_RANKED, blocks, _BLOCK))
-    for k, rows in enumerate(np.array_split(np.arange(picture.shape[0]), _RANKED)):
-        part = np.asarray(picture[rows[0] : rows[-1] + 1, : blocks * _BLOCK + 1], np.float64)
-        sums[k] = np.abs(np.diff(part, axis=1)).mean(axis=0).reshape(blocks, _BLOCK)
-    best = -math.inf
-    for phase in range(period):
-        values = sums[:, :, phase::period, np.newaxis]
-        ordered, count = values[..., 0][..., np.newaxis, :], _BLOCK // period
-        rank = ((ordered < values).sum(axis=3) + (ordered <= values).sum(axis=3) - count) / 2.0
-        means = rank.mean(axis=(0, 1))
-        best = max(best, float(means.max()) * math.sqrt(_RANKED * blocks * 12.0 / (count**2 - 1)))
-    return best
 
 
 def _ratio(products: Vector, squares: Vector) -> tuple[float, float]:

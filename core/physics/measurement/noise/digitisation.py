@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.noise.flat_blocks import FINE, MIDDLE, SIDE, picture_blocks
+from core.physics.measurement.noise.flat_blocks import SIDE
 
 Matrix = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -98,56 +98,47 @@ def rounding_step(*, picture: Matrix) -> float | None:
 
 # Whether a picture was compressed in blocks of 8 × 8 samples, as JPEG does.
 
-_MOST_SIDE = 512  # samples along a side that are looked at
-_LEAST_BLOCKS = 60
-_DIFFERS = 0.1  # logarithm of what the blocks' waves and those of shifted blocks differ by
-_CHANCES = 3.0  # times what two sets of shifted blocks differ by
-_SHIFTS = ((4, 4), (2, 6))  # samples down and across
-_TAIL = 4.0  # times the mean of neighbours' differences, at which edges are cut
+_RANKED = 4  # parts of a picture, whose steps are ranked
+_SURE, _SURE_EITHER = 7.0, 2.5  # standard deviations: across and down together, and either
 
 
-def compressed_in_blocks(*, picture: Matrix) -> bool:
-    """Whether waves of blocks, wherever they begin, are rounded, and of shifted blocks not.
+def compressed_in_blocks(*, picture: NDArray[np.floating], period: int = 1) -> bool:
+    """Whether steps at the borders of blocks are larger than those within them.
+
+    Parameters
+    ----------
+    period : int
+        Of what else the steps of a block may repeat with: only steps of one phase are compared.
+    """
+    if min(picture.shape) <= SIDE:
+        return False
+    sure = [_block_steps(view, period) for view in (picture, picture.T)]
+    return min(sure) > _SURE_EITHER and math.hypot(*sure) > _SURE
+
+
+def _block_steps(picture: NDArray[np.floating], period: int) -> float:
+    """How sure it is that steps between columns are larger at borders of blocks than in them.
+
+    Returns
+    -------
+    float
+        Mean rank of the border among the eight steps of a block, in standard deviations of the
+        mean of so many random ranks (Wilcoxon); a scene's own edges are large in few blocks only.
 
     Notes
     -----
-    The compression rounds the waves of its blocks, many to zero. The spread of a wave, and the
-    shape of its distribution, by quartiles of its modulus, are then others than in blocks that lie
-    part of a block further, where nothing else makes them differ. Where else than at the first
-    sample blocks may begin is where neighbours differ most unlike the rest.
+    The borders are taken where the steps are largest: a picture may have been cropped.
     """
-    first = [max(0, (size - _MOST_SIDE) // 2) // SIDE * SIDE for size in picture.shape]
-    part = picture[first[0] : first[0] + _MOST_SIDE, first[1] : first[1] + _MOST_SIDE]
-    begin = _begin(part), _begin(part.T)
-    return _rounded(part) or (any(begin) and _rounded(part[begin[0] :, begin[1] :]))
-
-
-def _begin(part: Matrix) -> int:
-    """First row, of the first eight, at which blocks may begin, by neighbours down."""
-    step = np.diff(part, axis=0)
-    step -= step.mean(axis=1, keepdims=True)  # rows have offsets of their own
-    size = np.abs(step, out=step)
-    np.minimum(size, _TAIL * float(size.mean()), out=size)
-    rows = size.mean(axis=1)
-    phases = np.array([rows[k::SIDE].mean() for k in range(min(SIDE, len(rows)))])
-    unlike = np.abs(phases - np.median(phases))
-    return (int(np.argmax(unlike)) + 1) % SIDE
-
-
-def _rounded(part: Matrix) -> bool:
-    """Whether waves of the blocks from the first sample on are rounded."""
-    shifts = ((0, 0), *_SHIFTS)
-    sets = [picture_blocks(picture=part[down:, across:]) for down, across in shifts]
-    if min(len(blocks.level) for blocks in sets) < _LEAST_BLOCKS:
-        return False
-    waves = FINE | MIDDLE
-    largest = float(np.abs(sets[0].level).max())
-    least = max((1e-6 * largest) ** 2, 1e-30)
-    quartiles = []
-    for blocks in sets:
-        power = np.maximum(blocks.power[:, waves], least)
-        quartiles.append(0.5 * np.log(np.quantile(power, (0.25, 0.75), axis=0)).mean(axis=1))
-    own, chance = quartiles[0] - quartiles[1], quartiles[2] - quartiles[1]
-    spread = abs(own[1]) > _DIFFERS + _CHANCES * abs(chance[1])
-    shape = abs(own[1] - own[0]) > _DIFFERS + _CHANCES * abs(chance[1] - chance[0])
-    return bool(spread or shape)
+    blocks = (picture.shape[1] - 1) // SIDE
+    sums = np.zeros((_RANKED, blocks, SIDE))
+    for k, rows in enumerate(np.array_split(np.arange(picture.shape[0]), _RANKED)):
+        part = np.asarray(picture[rows[0] : rows[-1] + 1, : blocks * SIDE + 1], np.float64)
+        sums[k] = np.abs(np.diff(part, axis=1)).mean(axis=0).reshape(blocks, SIDE)
+    best = -math.inf
+    for phase in range(period):
+        values = sums[:, :, phase::period, np.newaxis]
+        ordered, count = values[..., 0][..., np.newaxis, :], SIDE // period
+        rank = ((ordered < values).sum(axis=3) + (ordered <= values).sum(axis=3) - count) / 2.0
+        means = rank.mean(axis=(0, 1))
+        best = max(best, float(means.max()) * math.sqrt(_RANKED * blocks * 12.0 / (count**2 - 1)))
+    return best
