@@ -359,13 +359,8 @@ def flat_without_lines(
     low: float | None,
     high: float | None,
     check: Callable[[], None],
-) -> tuple[PictureBlocks, FlatBlocks | None, Lines, Lines]:
-    """Blocks without periodic lines, the flat ones of them, these lines, and those of the scene.
-
-    Notes
-    -----
-    Waves of a pattern of the scene are not taken off: they are few of many, and end where it does.
-    """
+) -> tuple[PictureBlocks, FlatBlocks | None, Lines]:
+    """Blocks without periodic lines, the flat ones of them, and these lines."""
     lines: Lines = ()
     frequencies = line_frequencies(picture=picture, check=check)
     if frequencies:
@@ -388,15 +383,7 @@ def flat_without_lines(
         lines = _fitted(picture, free, even, places, flat.line.middle, structure)
         free = _less(picture, good, blocks, lines, check)
         flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
-    pattern: Lines = ()
-    if flat is not None and lines:
-        sigma = math.sqrt(max(flat.line.middle, 0.0))
-        pattern = scene_pattern(lines=lines, sigma=sigma, shape=picture.shape)
-    if pattern:
-        lines = tuple(line for line in lines if line not in pattern)
-        free = _less(picture, good, blocks, lines, check)
-        flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
-    return free, flat, lines, pattern
+    return free, flat, lines
 
 
 def _less(
@@ -433,51 +420,3 @@ def _fitted(
         variance=variance,
         structure=None if structure is None else structure[chosen],
     )
-
-
-# Which periodic lines are a pattern of the scene: bars have waves at multiples of a frequency.
-
-_MOST_TIMES = 9  # times the frequency of the pattern
-_TWO = 2  # lines of a pattern that is strong; weak ones may be two by chance
-_BINS = 0.5  # of the spectrum, by which a multiple may be missed
-
-
-def scene_pattern(*, lines: Lines, sigma: float, shape: tuple[int, int]) -> Lines:
-    """Lines at whole multiples of one frequency: three, or two and the strongest above the noise.
-
-    Notes
-    -----
-    Bars and other repeated shapes of a scene have harmonics, folded where they pass half a cycle a
-    sample; what electronics pick up is mostly one wave, or weak. The fundamental itself may be too
-    low to be looked for.
-    """
-    if not lines:
-        return ()
-    best: Lines = ()
-    for order in range(1, _MOST_TIMES + 1):
-        base = lines[0].across / order, lines[0].down / order
-        family = tuple(line for line in lines if _is_multiple(line, base, order, shape))
-        if len(family) > max(1, len(best)):
-            best = family
-    enough = _TWO if lines[0].amplitude > sigma else _TWO + 1
-    return best if len(best) >= enough else ()
-
-
-def _is_multiple(
-    line: PeriodicLine, base: tuple[float, float], order: int, shape: tuple[int, int]
-) -> bool:
-    """Whether a line lies at a whole multiple of a frequency known by its `order`-th multiple."""
-    rows, columns = shape
-    for times in range(1, _MOST_TIMES + 1):
-        bins = _BINS * max(1.0, times / order)
-        for sign in (1.0, -1.0):
-            across = _folded(times * base[0] - sign * line.across)
-            down = _folded(times * base[1] - sign * line.down)
-            if abs(across) * columns <= bins and abs(down) * rows <= bins:
-                return True
-    return False
-
-
-def _folded(frequency: float) -> float:
-    """The frequency, −0.5 to 0.5 cycles per sample, that samples take it for."""
-    return frequency - round(frequency)

@@ -139,11 +139,10 @@ def noise_of_picture(
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step)
     lines: Lines = ()
-    pattern = lines
     flat = None
     if enough:
         hidden = 0.0 if step is None else (_COARSE_STEPS**2 + 1.0 / 12.0) * step**2
-        blocks, flat, lines, pattern = flat_without_lines(
+        blocks, flat, lines = flat_without_lines(
             picture=picture,
             good=good,
             blocks=blocks,
@@ -161,7 +160,7 @@ def noise_of_picture(
             mean,
             step,
         )
-    return _measured(blocks, flat, lines, pattern, mean, step, offset, check)
+    return _measured(blocks, flat, lines, mean, step, offset, check)
 
 
 def _still(blocks: PictureBlocks) -> bool:
@@ -181,7 +180,6 @@ def _measured(
     blocks: PictureBlocks,
     flat: FlatBlocks,
     lines: Lines,
-    pattern: Lines,
     mean: float,
     step: float | None,
     offset: float,
@@ -229,11 +227,6 @@ def _measured(
         )
         figures = {"gain_reason": reason, "read_noise_reason": reason}
     sigma = math.sqrt(at_mean)
-    if pattern:
-        remarks.append(
-            f"{len(pattern)} waves at multiples of one frequency, the strongest with amplitude "
-            f"{pattern[0].amplitude:.3g}, are a pattern of the scene, not periodic noise"
-        )
     if strong:
         remarks.append(
             f"a periodic line of amplitude {lines[0].amplitude:.3g} is far above the noise: it "

@@ -78,22 +78,6 @@ def test_a_grating_in_the_scene_is_no_periodic_line():
     assert "may be a pattern of the scene" in everywhere.remarks[0]
 
 
-def test_bars_are_a_pattern_of_the_scene():
-    y, x = np.indices((240, 320))
-    noise = 5 * np.random.default_rng(18).standard_normal(x.shape)
-    phase = 2 * math.pi * (0.081 * x + 0.047 * y)
-    bars = 40 * np.cos(phase) - 9 * np.cos(3 * phase + 0.4) + 3 * np.cos(9 * phase)
-    hum = 6 * np.cos(2 * math.pi * (0.23 * x - 0.11 * y))
-    everywhere = noise_of_picture(picture=500 + bars + hum + noise)
-    assert everywhere.sigma is None
-    assert "texture or edges are everywhere" in everywhere.sigma_reason
-    without = noise_of_picture(picture=500 + np.where(x < 230, bars, 0.0) + hum + noise)
-    assert without.sigma is None or len(without.lines) == 1
-    only = noise_of_picture(picture=500 + hum + noise)
-    assert only.sigma == pytest.approx(5.0, rel=0.03)
-    assert [round(line.across, 2) for line in only.lines] == [0.23]
-
-
 def test_tails_of_squares_are_no_periodic_line():
     y, x = np.indices((300, 400)) / 24.0
     one, other = np.sin(math.pi * (x + 0.3 * y)), np.sin(math.pi * (y - 0.3 * x))
