@@ -83,7 +83,7 @@ class EdgeProblem:
         self.evaluations = 0
         self._chain, self._work = chain, work
         period = period_for(reach=max(patch.reach for patch in patches))
-        angles = [patch.angle_deg for patch in patches]
+        angles = [patch.edge.angle_deg for patch in patches]
         self._transfer = EdgeTransfer(work, angles, period)
         self._fits = EdgeFits(self.patches)
         self._last: tuple[Vector, SpreadTable, EdgesAt] | None = None
@@ -154,7 +154,7 @@ class EdgeProblem:
         return noise
 
     def thinned(self) -> EdgeProblem:
-        order = np.argsort([patch.angle_deg % 180.0 for patch in self.patches], kind="stable")
+        order = np.argsort([patch.edge.angle_deg % 180.0 for patch in self.patches], kind="stable")
         taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
         patches = [self.patches[order[place]].thinned(_THIN) for place in taken]
         thin = EdgeProblem(self._chain, self._work, self.free, patches, self.noise)

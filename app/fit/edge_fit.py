@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from app.fit.patch import MARGIN, Patch, Window
+from app.fit.patch import MARGIN, Patch, Window, curvature
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -319,12 +319,12 @@ def reaching_in(
 def _alone(patch: Patch, window: Window, edges: EdgesAt, number: int, table: SpreadTable) -> Matrix:
     """The edge as fitted, alone and endless, over the window."""
     rows, columns = window.samples.shape
-    x = np.arange(window.left, window.left + columns) - patch.x
-    y = (np.arange(window.top, window.top + rows) - patch.y)[:, np.newaxis]
-    across, down = patch.normal
+    x = np.arange(window.left, window.left + columns) - patch.edge.x
+    y = (np.arange(window.top, window.top + rows) - patch.edge.y)[:, np.newaxis]
+    across, down = patch.edge.normal
     half = float(np.abs(patch.along).max()) or 1.0
     along = np.clip((across * y - down * x) / half, -1.0, 1.0)
-    distance = across * x + down * y - patch.curvature * (along * half) ** 2
+    distance = across * x + down * y - curvature(patch.edge) * (along * half) ** 2
     incline = np.clip(distance / patch.reach, -1.0, 1.0)
     place, turn, bend = edges.own[number]
     distance = distance - place - turn * along - bend * (along**2 - 1.0 / 3.0)

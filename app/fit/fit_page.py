@@ -125,9 +125,9 @@ def _table(result: FitResult) -> list[Block]:
         rows.append(
             (
                 f"{index + 1}{'' if index in drawn else ' (not drawn)'}",
-                f"{patch.x:.1f}",
-                f"{patch.y:.1f}",
-                f"{patch.angle_deg:.1f}",
+                f"{patch.edge.x:.1f}",
+                f"{patch.edge.y:.1f}",
+                f"{patch.edge.angle_deg:.1f}",
                 str(len(patch.value)),
                 short(float(edges_of(result).step[index])),
                 f"{chi2 / len(patch.value):.3f}",
@@ -165,7 +165,7 @@ _WIDE = 4.0  # deviations of a residual's grey levels
 
 def drawn_edges(result: FitResult) -> list[int]:
     patches = result.fit.patches
-    order = np.argsort([patch.angle_deg % 180.0 for patch in patches], kind="stable")
+    order = np.argsort([patch.edge.angle_deg % 180.0 for patch in patches], kind="stable")
     places = np.linspace(0, len(order) - 1, min(MOST, len(order))).astype(np.intp)
     return [int(order[place]) for place in places]
 
@@ -215,7 +215,7 @@ def patches_png(result: FitResult) -> bytes:
                 axis.set_xticks([])
                 axis.set_yticks([])
                 axis.grid(visible=False)
-            axes[0, column].set_title(f"{edge + 1}: {patch.angle_deg:.0f}°", fontsize=9)
+            axes[0, column].set_title(f"{edge + 1}: {patch.edge.angle_deg:.0f}°", fontsize=9)
         for row, words in enumerate(("real", "simulated", "difference, ±4 σ")):
             axes[row, 0].set_ylabel(words)
     return out.getvalue()

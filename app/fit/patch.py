@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from core.physics.measurement.edges.edge_line import edge_samples
 from core.physics.measurement.edges.picture_checks import FoundEdge
 
 # The part of a picture about an edge.
@@ -61,8 +62,8 @@ _FAINT = 1e-4  # of the contrast: a noise that is less is that of rounding in a 
 @dataclass(frozen=True)
 class Patch:
     name: str  # for people: where the edge is
-    angle_deg: float  # of the normal, from x towards +y, to the brighter side
-    # of each sample: distance along the normal, place along the edge, sample
+    edge: FoundEdge
+    # of each sample: distance along the edge's normal, place along the edge, sample
     distance: Vector
     along: Vector
     value: Vector
@@ -76,24 +77,12 @@ class Patch:
     # levels of the sides
     low: float
     high: float
-    shaded: bool = False  # whether the sides are not level
-    least_variance: float = 0.0  # what rounding in the file alone makes
-    picture: int = 0  # which of the pictures it lies in
-    # middle of the edge
-    x: float = 0.0
-    y: float = 0.0
-    # of the edge: samples off its tangent, over the square of the place along it
-    curvature: float = 0.0
+    shaded: bool  # whether the sides are not level
+    least_variance: float  # what rounding in the file alone makes
 
     @property
     def reach(self) -> float:
         return float(np.abs(self.distance).max())
-
-    @property
-    def normal(self) -> tuple[float, float]:
-        """Unit vector (x, y) towards the brighter side."""
-        angle = math.radians(self.angle_deg)
-        return math.cos(angle), math.sin(angle)
 
     def thinned(self, most: int) -> Patch:
         """With no more samples than that, taken evenly over their distances."""
@@ -111,24 +100,15 @@ class Patch:
         )
 
 
-def patch_of(
-    *,
-    name: str,
-    angle_deg: float,
-    distance: Vector,
-    along: Vector,
-    value: Vector,
-    window: Window,
-    curvature: float = 0.0,
-    picture: int = 0,
-    place: tuple[float, float] = (0.0, 0.0),
-) -> Patch | str:
+def patch_of(*, picture: Matrix, edge: FoundEdge, name: str) -> Patch | str:
     """The patch of an edge's samples; or why they are no use.
 
-    `distance` is from the edge, which lies off its tangent by `curvature` · `along`². The noise is
-    that of the sides far from the edge, about a plane of their own. Of the rest what lies near the
-    edge counts, without its ends: all that is known of the blur is known near the edge.
+    The noise is that of the sides far from the edge, about a plane of their own. Of the rest what
+    lies near the edge counts, without its ends: all that is known of the blur is known near the
+    edge.
     """
+    samples = edge_samples(picture=picture, edge=edge)
+    distance, along, value = samples.distance, samples.along, samples.value
     reach = float(np.abs(distance).max(initial=0.0))
     half = float(np.abs(along).max(initial=0.0))
     middle = np.abs(along) <= half - min(_ENDS, 2.0 * half * _END_SHARE)
@@ -153,33 +133,24 @@ def patch_of(
     least = max((_FAINT * contrast) ** 2, _rounding(value) ** 2 / 12.0)
     near = middle & _near(distance, value, (levels[0], levels[1]))
     return Patch(
-        name,
-        angle_deg,
-        distance[near],
-        along[near],
-        value[near],
-        *_places(distance + curvature * along**2, along, angle_deg, place, near),
-        window,
-        max(variances[0], least),
-        max(variances[1], least),
-        levels[0],
-        levels[1],
-        shaded and min(variances) > least,
-        least,
-        picture,
-        *place,
-        curvature,
-    )
+        name, edge, distance[near], along[near], value[near],
+        *_places(edge, distance[near], along[near]), window_about(picture=picture, edge=edge),
+        max(variances[0], least), max(variances[1], least), levels[0], levels[1],
+        shaded and min(variances) > least, least,
+    )  # fmt: skip
 
 
-def _places(
-    off: Vector, along: Vector, angle_deg: float, middle: tuple[float, float], near: Near
-) -> tuple[Indices, Indices]:
+def curvature(edge: FoundEdge) -> float:
+    """Samples by which an edge is off its tangent, over the square of the place along it."""
+    return edge.bend / (edge.length / 2.0) ** 2
+
+
+def _places(edge: FoundEdge, distance: Vector, along: Vector) -> tuple[Indices, Indices]:
     """Columns and rows of the samples, from where they lie about the edge."""
-    angle = math.radians(angle_deg)
-    x = middle[0] + off * math.cos(angle) - along * math.sin(angle)
-    y = middle[1] + off * math.sin(angle) + along * math.cos(angle)
-    return np.rint(x[near]).astype(np.intp), np.rint(y[near]).astype(np.intp)
+    across, down = edge.normal
+    off = distance + curvature(edge) * along**2
+    x, y = edge.x + off * across - along * down, edge.y + off * down + along * across
+    return np.rint(x).astype(np.intp), np.rint(y).astype(np.intp)
 
 
 def _near(distance: Vector, value: Vector, levels: tuple[float, float]) -> NDArray[np.bool_]:

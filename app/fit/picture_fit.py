@@ -15,7 +15,7 @@ from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from app.fit.parameter_search import Refit, middle_of, refit_beside
-from app.fit.patch import Patch, patch_of, window_about
+from app.fit.patch import Patch, patch_of
 from app.fit.scene_fit import SceneProblem, fit_scene
 from app.measure.measurement_text import file_warnings, in_words, repeated_words
 from app.measure.measuring import measured_file, refuse_small
@@ -26,9 +26,8 @@ from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
-from core.physics.measurement.edges.edge_line import edge_samples
 from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.picture_checks import FoundEdge, missing_samples, why_no_picture
+from core.physics.measurement.edges.picture_checks import missing_samples, why_no_picture
 from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_levels import LevelVariance
@@ -331,7 +330,9 @@ def edges_in(
             if not edge.used:
                 refused.append(edge.why_not)
                 continue
-            made = _patch(picture, edge, number, many=len(pictures) > 1)
+            where = f" of picture {number + 1}" if len(pictures) > 1 else ""
+            name = f"edge at x {edge.x:.0f}, y {edge.y:.0f}{where}"
+            made = patch_of(picture=picture, edge=edge, name=name)
             if isinstance(made, str):
                 refused.append(made)
             else:
@@ -347,19 +348,3 @@ def edges_in(
         chosen.append(patch)
         samples += len(patch.value)
     return EdgeChoice(tuple(chosen), tuple(refused))
-
-
-def _patch(picture: Matrix, edge: FoundEdge, number: int, *, many: bool) -> Patch | str:
-    samples = edge_samples(picture=picture, edge=edge)
-    where = f" of picture {number + 1}" if many else ""
-    return patch_of(
-        name=f"edge at x {edge.x:.0f}, y {edge.y:.0f}{where}",
-        angle_deg=edge.angle_deg,
-        distance=samples.distance,
-        along=samples.along,
-        value=samples.value,
-        curvature=edge.bend / (edge.length / 2.0) ** 2,
-        picture=number,
-        place=(edge.x, edge.y),
-        window=window_about(picture=picture, edge=edge),
-    )

@@ -25,7 +25,7 @@ def test_an_edge_without_noise_is_fitted_as_one_with_little():
     (patch,) = edges_in(pictures=[edge(0.0)]).patches
     (other,) = edges_in(pictures=[edge(1e-3)]).patches
     assert len(patch.value) == len(other.value)
-    assert patch.angle_deg == pytest.approx(other.angle_deg, abs=1e-3)
+    assert patch.edge.angle_deg == pytest.approx(other.edge.angle_deg, abs=1e-3)
 
 
 @pytest.mark.parametrize("text", ["detector.fill_x", "detector.fill_x=0:1"])

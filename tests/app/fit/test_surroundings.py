@@ -66,11 +66,11 @@ def test_what_neighbours_add_is_what_a_picture_shows_of_them():
     beyond = problem.beyond(true_value)
     left, added = [], []
     for patch, what in zip(problem.patches, beyond, strict=True):
-        alone = true_spread(CAMERA, patch.angle_deg, patch.distance)
+        alone = true_spread(CAMERA, patch.edge.angle_deg, patch.distance)
         true = frame.clean[patch.row, patch.column] - LOW - (HIGH - LOW) * alone
         # Levels and inclines are each edge's own: of what is added, only the rest counts.
         along, off = patch.along, patch.distance
-        moved = true_spread(CAMERA, patch.angle_deg, off + 0.01)
+        moved = true_spread(CAMERA, patch.edge.angle_deg, off + 0.01)
         slope = moved - alone
         own = np.column_stack(
             [np.ones_like(off), alone, off, along, slope, slope * along, slope * along**2]
