@@ -9,8 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_line import edge_samples
-from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.found_edge import FoundEdge, edge_samples
 
 # The part of a picture about an edge.
 

@@ -39,12 +39,9 @@ from core.physics.measurement.edges.edge_mtf import (
     pooled_mtf,
 )
 from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.found_edge import FoundEdge
 from core.physics.measurement.edges.long_tails import LongTails, long_tails
-from core.physics.measurement.edges.picture_checks import (
-    FoundEdge,
-    missing_samples,
-    why_interpolated,
-)
+from core.physics.measurement.edges.picture_checks import missing_samples, why_interpolated
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames

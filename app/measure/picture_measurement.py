@@ -17,7 +17,7 @@ from core.physics.measurement.edges.edge_mtf import (
     crossing_error,
     pooled_mtf,
 )
-from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.found_edge import FoundEdge
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.measurement.noise.frames_noise import FramesNoise

@@ -15,8 +15,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from core.physics.measurement.edges.edge_line import Target
-from core.physics.measurement.edges.slanted_edge import Window
+from core.physics.measurement.edges.slanted_edge import Target, Window
 from nodes.analysis.mtf_measuring import (
     Direction,
     Expected,

@@ -13,9 +13,9 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage, holds_region
 from core.evaluation.work import Work
-from core.physics.measurement.edges.edge_line import Target
 from core.physics.measurement.edges.row_average import row_average
 from core.physics.measurement.edges.slanted_edge import (
+    Target,
     Window,
     falls_to,
     jackknife_error,

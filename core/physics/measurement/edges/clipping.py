@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_line import edge_samples
-from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.found_edge import FoundEdge, edge_samples
 
 Vector = NDArray[np.float64]
 

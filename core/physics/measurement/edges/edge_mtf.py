@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edges.edge_line import EdgeSamples, edge_samples
+from core.physics.measurement.edges.found_edge import EdgeSamples, FoundEdge, edge_samples
 from core.physics.measurement.edges.long_tails import LongTails, TailShare
-from core.physics.measurement.edges.picture_checks import FoundEdge
 from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.edges.spread_fit import (
     TAIL,

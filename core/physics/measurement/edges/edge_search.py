@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.clipping import why_clipped, without_those_at
-from core.physics.measurement.edges.edge_line import EdgeSamples, edge_samples, rectangle_samples
-from core.physics.measurement.edges.picture_checks import (
+from core.physics.measurement.edges.found_edge import (
+    EdgeSamples,
     FoundEdge,
-    clear_of,
-    missing_samples,
-    why_no_picture,
+    edge_samples,
+    rectangle_samples,
 )
+from core.physics.measurement.edges.picture_checks import clear_of, missing_samples, why_no_picture
 from core.physics.measurement.edges.ridges import (
     SMOOTHING,
     Piece,

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_line import EdgeSamples, rectangle_samples
-from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.found_edge import EdgeSamples, FoundEdge, rectangle_samples
 from core.physics.measurement.edges.ridges import between
 
 Vector = NDArray[np.float64]

@@ -9,8 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edges.edge_line import Target
-from core.physics.measurement.edges.slanted_edge import jackknife_error
+from core.physics.measurement.edges.slanted_edge import Target, jackknife_error
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

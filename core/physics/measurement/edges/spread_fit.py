@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_line import EdgeSamples
+from core.physics.measurement.edges.found_edge import EdgeSamples
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

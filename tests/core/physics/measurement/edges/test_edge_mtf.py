@@ -8,7 +8,7 @@ import pytest
 from core.errors import DataError
 from core.physics.measurement.edges.edge_mtf import EdgeMtf, measure_edge, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.found_edge import FoundEdge
 from edge_pictures import edge_mtf, edge_picture
 
 FREQUENCY = np.linspace(0.0, 0.4, 21)  # cycles per sample, to 0.8 of Nyquist

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from core.physics.measurement.edges.edge_line import edge_samples
 from core.physics.measurement.edges.edge_mtf import measure_edge, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.found_edge import edge_samples
 from core.physics.measurement.edges.ridges import spread_out
 from edge_pictures import edge_mtf, edge_picture
 from edge_truth import gaussian_edge
