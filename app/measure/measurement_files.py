@@ -29,6 +29,7 @@ from nodes.files.mtf_table import LARGEST_MTF
 
 Json = dict[str, Any]
 WRITTEN = (JSON, CSV, HTML)
+_PLACE = ("x", "y", "angle_deg", "length", "reach", "low", "high")
 
 
 def measurement_json(measured: PictureMeasurement) -> str:
@@ -125,31 +126,17 @@ def _numbers(values: np.ndarray[Any, Any]) -> list[float]:
 def _noise(noise: NoiseFigures | None, reason: str) -> Json:
     if noise is None:
         return {"reason": reason}
-    return _given(
-        sigma=noise.sigma,
-        sigma_error=noise.sigma_error,
-        gain_e_per_dn=noise.gain_e_per_dn,
-        gain_error=noise.gain_error,
-        read_noise_dn=noise.read_noise_dn,
-        read_noise_error=noise.read_noise_error,
-        offset_dn=noise.offset_dn,
-        mean_level=noise.mean_level,
-        row_sigma=noise.row_sigma,
-        column_sigma=noise.column_sigma,
-        step=noise.step,
-        lines=[
-            {
-                "frequency_x_cyc_per_sample": line.across,
-                "frequency_y_cyc_per_sample": line.down,
-                "amplitude": line.amplitude,
-                "amplitude_error": line.amplitude_error,
-            }
-            for line in noise.lines
-        ],
-        levels=[asdict(level) for level in noise.levels],
-        remarks=list(noise.remarks) or None,
-        reason=noise.reason or None,
-    )
+    lines = [
+        {
+            "frequency_x_cyc_per_sample": line.across,
+            "frequency_y_cyc_per_sample": line.down,
+            "amplitude": line.amplitude,
+            "amplitude_error": line.amplitude_error,
+        }
+        for line in noise.lines
+    ]
+    content = asdict(noise) | {"lines": lines, "reason": noise.reason or None}
+    return _given(**content | {"remarks": list(noise.remarks) or None})
 
 
 def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
@@ -159,13 +146,7 @@ def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
     )
     return {
         **({"picture": edge.picture} if of_several else {}),
-        "x": edge.found.x,
-        "y": edge.found.y,
-        "angle_deg": edge.found.angle_deg,
-        "length": edge.found.length,
-        "reach": edge.found.reach,
-        "low": edge.found.low,
-        "high": edge.found.high,
+        **{name: getattr(edge.found, name) for name in _PLACE},
         **_given(**figures),
         **({} if curve is None or curve.tail is None else {"long_tail": asdict(curve.tail)}),
         "used": edge.used,

@@ -331,13 +331,13 @@ def pooled_noise(
     no_read = _once(one.read_noise_reason for one in noises) if read is None else []
     steps = [one.step for one in noises if one.step is not None]
     return NoiseFigures(
-        sigma, error, math.fsum(one.mean_level for one in noises) / len(noises), gain, gain_error,
-        read, read_error, offset_dn, _lines(one.rows for one in noises),
-        _lines(one.columns for one in noises), min(steps) if steps else None,
-        next((one.lines for one in noises if one.lines), ()),
+        sigma, error, gain, gain_error, read, read_error, offset_dn,
+        math.fsum(one.mean_level for one in noises) / len(noises),
+        _lines(one.rows for one in noises), _lines(one.columns for one in noises),
+        min(steps) if steps else None, next((one.lines for one in noises if one.lines), ()),
         tuple(level for one in noises for level in one.levels),
-        _missing(_first(no_gain), _first(no_read)),
         tuple(_once(line for one in noises for line in one.remarks)),
+        _missing(_first(no_gain), _first(no_read)),
     ), ""  # fmt: skip
 
 
@@ -356,10 +356,10 @@ def with_frames(
         frames.read_noise_reason if frames.read_noise_dn is None else "",
     )
     return NoiseFigures(
-        frames.sigma, frames.sigma_error, frames.mean_level, frames.gain_e_per_dn,
-        frames.gain_error, frames.read_noise_dn, frames.read_noise_error, offset_dn, None, None,
-        frames.step, () if noise is None else noise.lines, frames.levels, missing,
-        ("noise means changes from frame to frame, without fixed patterns",),
+        frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
+        frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
+        frames.step, () if noise is None else noise.lines, frames.levels,
+        ("noise means changes from frame to frame, without fixed patterns",), missing,
     ), ""  # fmt: skip
 
 

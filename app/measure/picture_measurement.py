@@ -86,21 +86,21 @@ class NoiseFigures:
 
     sigma: float  # standard deviation in the picture's unit
     sigma_error: float  # its standard error
-    mean_level: float  # of the pictures, which `sigma` is for
     # by how the variance rises with the level, where levels differ enough
     gain_e_per_dn: float | None
     gain_error: float | None
     read_noise_dn: float | None
     read_noise_error: float | None
     offset_dn: float  # the level without light, which the read noise is for
+    mean_level: float  # of the pictures, which `sigma` is for
     # of whole rows and columns; 0 where none stands out, None where it could not be measured
     row_sigma: float | None
     column_sigma: float | None
     step: float | None  # of the converter; None where the samples show none
     lines: tuple[PeriodicLine, ...]  # sine waves of the first picture that has any
     levels: tuple[LevelVariance, ...]
-    reason: str  # why what is missing could not be measured
     remarks: tuple[str, ...]
+    reason: str  # why what is missing could not be measured
 
 
 @dataclass(frozen=True)

@@ -255,8 +255,8 @@ def _edge_spread(
 ) -> EdgeSpread:
     """Average the samples of some rows in 2·`bins` + 1 bins by their distance from a line.
 
-    Bins are a quarter of a sample wide along a row. The samples of a bin do not lie evenly in it: what their mean distance is
-    off its middle is made good with slope and curvature.
+    Bins are a quarter of a sample wide along a row. The samples of a bin do not lie evenly in it:
+    what their mean distance is off its middle is made good with slope and curvature.
     """
     taken = slice(None) if rows is None else rows
     away = np.arange(picture.shape[1]) - line.columns()[taken, np.newaxis]
