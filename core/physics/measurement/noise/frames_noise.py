@@ -191,18 +191,16 @@ def _settled(
     if np.count_nonzero(inside) < _LEAST_BLOCKS:
         return None, inside, f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} are not clipped"
     limit = 2.0 * float(special.gammaincinv(freedom / 2.0, _KEPT)) / freedom
-    best: tuple[VarianceLine, NDArray[np.bool_]] | None = None
-    for usual in (np.full_like(power, np.median(power[inside])), _by_level(level, power, inside)):
-        settled = _from(inside & (power <= 2.0 * usual), inside, level, power, limit)
-        if settled is None:
-            continue
-        if best is None or np.count_nonzero(settled[1]) > np.count_nonzero(best[1]):
-            best = settled
-    if best is None:
-        return None, inside, _it_moves(1.0)
-    line, chosen = best
+    chosen = inside & (power <= 2.0 * _by_level(level, power, inside))
+    for _ in range(_ROUNDS):
+        if np.count_nonzero(chosen) < _LEAST_BLOCKS:
+            return None, inside, _it_moves(1.0)
+        line = variance_line(level=level[chosen], variance=power[chosen])
+        before, chosen = chosen, inside & (power <= limit * line.over(level))
+        if np.array_equal(before, chosen):
+            break
     moved = 1.0 - np.count_nonzero(chosen) / np.count_nonzero(inside)
-    if moved > _MOVED:
+    if moved > _MOVED or np.count_nonzero(chosen) < _LEAST_BLOCKS:
         return None, chosen, _it_moves(moved)
     return line, chosen, ""
 
@@ -222,17 +220,3 @@ def _by_level(level: Vector, power: Vector, inside: NDArray[np.bool_]) -> Vector
     for group in np.array_split(order, groups):
         usual[group] = np.median(power[group])
     return usual
-
-
-def _from(
-    chosen: NDArray[np.bool_], inside: NDArray[np.bool_], level: Vector, power: Vector, limit: float
-) -> tuple[VarianceLine, NDArray[np.bool_]] | None:
-    """Line and blocks that agree with it, from a first choice; None where too few do."""
-    for _ in range(_ROUNDS):
-        if np.count_nonzero(chosen) < _LEAST_BLOCKS:
-            return None
-        line = variance_line(level=level[chosen], variance=power[chosen])
-        before, chosen = chosen, inside & (power <= limit * line.over(level))
-        if np.array_equal(before, chosen):
-            break
-    return (line, chosen) if np.count_nonzero(chosen) >= _LEAST_BLOCKS else None
