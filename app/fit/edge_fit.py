@@ -182,7 +182,8 @@ class EdgeFits:
     def at(self, table: SpreadTable) -> EdgesAt:
         own, step = self._own, self._step
         for last in range(_PASSES, -1, -1):
-            distance = self._moved(own)
+            moved = np.matmul(own[:, np.newaxis, :], self._moves)[:, 0]
+            distance = self._distance - moved
             spread, slope = table.at_all(distance)
             weight = self._weight(spread)
             columns = self._columns(spread, slope) * weight[:, np.newaxis, :]
@@ -243,10 +244,6 @@ class EdgeFits:
             len(patch.value) - _OWN - _LINEAR - (_SHADED if patch.shaded else 0)
             for patch in self.patches
         )
-
-    def _moved(self, own: Matrix) -> Matrix:
-        moved = np.matmul(own[:, np.newaxis, :], self._moves)[:, 0]
-        return np.asarray(self._distance - moved, np.float64)
 
     def _columns(self, spread: Matrix, slope: Matrix) -> NDArray[np.float64]:
         moves, incline = self._moves, self._slope

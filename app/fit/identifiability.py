@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit, scales_of
-from app.fit.free_parameter import FreeParameter
 from app.fit.parameter_search import places
 
 Vector = NDArray[np.float64]
@@ -251,16 +250,13 @@ def _change(fit: ChainFit, cost: Cost, members: list[int], form: _Form, values: 
     worst, walked = 0.0, False
     for factor in (1.0 - _FAR, 1.0 + 0.3 * _FAR):
         moved = form.moved(values, factor)
-        if moved is None or not _allowed(fit.free, members, moved):
+        free = [fit.free[i] for i in members]
+        if moved is None or any(
+            not p.low <= value <= p.high for p, value in zip(free, moved, strict=True)
+        ):
             continue
         changed = fit.values.copy()
         changed[members] = moved
         walked = True
         worst = max(worst, abs(cost(changed) - before))
     return worst if walked else math.inf
-
-
-def _allowed(free: Sequence[FreeParameter], members: list[int], values: Vector) -> bool:
-    return all(
-        free[i].low <= value <= free[i].high for i, value in zip(members, values, strict=True)
-    )

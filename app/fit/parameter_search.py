@@ -77,7 +77,8 @@ def starts(free: Sequence[FreeParameter], cost: Cost, *, count: int, seed: int) 
     looked_at(here)
     rounds = _ROUNDS if len(free) > 1 else 1
     for _, index in itertools.product(range(rounds), range(len(free))):
-        trials = [_with(here, index, value) for value in grids[index]]
+        varied = np.arange(len(free)) == index
+        trials = [np.where(varied, value, here) for value in grids[index]]
         here = min([here, *trials], key=looked_at)
     if len(free) > 1:
         generator = np.random.default_rng(seed)
@@ -103,12 +104,6 @@ def _begin(parameter: FreeParameter, grid: Vector) -> float:
     if now is not None and parameter.low < now < parameter.high:
         return now
     return float(grid[len(grid) // 2])
-
-
-def _with(values: Vector, index: int, value: float) -> Vector:
-    changed = values.copy()
-    changed[index] = value
-    return changed
 
 
 def _is_apart(one: Vector, other: Vector) -> bool:

@@ -47,7 +47,6 @@ def window_about(*, picture: Matrix, edge: FoundEdge) -> Window:
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
-Near = NDArray[np.bool_]
 
 _NARROW, _WIDTHS = 5.0, 2.5  # samples, and widths of the step: the fit's reach on both sides
 _LEAST_REACH = 8.0  # samples
@@ -129,8 +128,10 @@ def patch_of(*, picture: Matrix, edge: FoundEdge, name: str) -> Patch | str:
     if contrast <= 0.0:
         return "no contrast"
     # In a file of whole numbers a level side may have no noise at all, and rounds to one number.
-    least = max((_FAINT * contrast) ** 2, _rounding(value) ** 2 / 12.0)
-    near = middle & _near(distance, value, (levels[0], levels[1]))
+    rounded = np.array_equal(value, np.rint(value))
+    least = max((_FAINT * contrast) ** 2, 1.0 / 12.0 if rounded else 0.0)
+    width = _width(distance, value, (levels[0], levels[1]))
+    near = middle & (np.abs(distance) <= max(_LEAST_REACH, _NARROW + _WIDTHS * width))
     return Patch(
         name, edge, distance[near], along[near], value[near],
         *_places(edge, distance[near], along[near]), window_about(picture=picture, edge=edge),
@@ -152,12 +153,6 @@ def _places(edge: FoundEdge, distance: Vector, along: Vector) -> tuple[Indices, 
     return np.rint(x).astype(np.intp), np.rint(y).astype(np.intp)
 
 
-def _near(distance: Vector, value: Vector, levels: tuple[float, float]) -> NDArray[np.bool_]:
-    reach = max(_LEAST_REACH, _NARROW + _WIDTHS * _width(distance, value, levels))
-    near: NDArray[np.bool_] = np.abs(distance) <= reach
-    return near
-
-
 def _width(distance: Vector, value: Vector, levels: tuple[float, float]) -> float:
     """Samples from a tenth to nine tenths of the step, of means over a sample's distance."""
     place = np.floor(distance).astype(np.intp)
@@ -167,8 +162,3 @@ def _width(distance: Vector, value: Vector, levels: tuple[float, float]) -> floa
     share = (mean - levels[0]) / (levels[1] - levels[0])
     inside = np.flatnonzero((share > 0.1) & (share < 0.9) & (count > 0))
     return float(inside[-1] - inside[0] + 1) if len(inside) else 1.0
-
-
-def _rounding(value: Vector) -> float:
-    """Step of whole numbers, where the samples are that; else 0."""
-    return 1.0 if np.array_equal(value, np.rint(value)) else 0.0

@@ -374,6 +374,7 @@ def _within_surroundings(
     for reach_now in sorted({r for r in _REACHES if r <= wide}, reverse=True):
         within = good[:, wide - reach_now : wide + reach_now + 1]
         in_frame = room >= reach_now - 0.5
+        beside = np.abs(np.arange(-wide, wide + 1))
         first, last = _longest_run(np.asarray(within.all(axis=1)) & in_frame)
         piece_length = (last - first) * length / cells
         if piece_length < _LEAST_LENGTH:
@@ -382,7 +383,8 @@ def _within_surroundings(
                 if not in_frame.any()
                 else (
                     "its sides or its contrast vary along its length, by "
-                    f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
+                    f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
+                    "the contrast"
                 )
             )
             continue
@@ -404,12 +406,6 @@ def _within_surroundings(
     start, end = max(start, -length / 2.0 + _ENDS), min(end, length / 2.0 - _ENDS)
     own = _part_of(edge, start, end)
     return replace(own, reach=reach, low=low, high=high, noise_sigma=noise)
-
-
-def _beside(off: Matrix, wide: int, reach: int) -> float:
-    """Largest departure of a cell beside the edge, within its reach."""
-    near = np.abs(np.arange(-wide, wide + 1))
-    return float(off[:, (near > _STEEP) & (near <= reach)].max())
 
 
 def _least_contrast(length: float) -> float:

@@ -76,7 +76,9 @@ def straight_pieces(
         mean = np.bincount(label, points.strength) / np.maximum(count, 1)
         needed = np.maximum(least_strength, strength_of_16 * np.sqrt(16.0 / np.maximum(count, 1)))
         enough = (count >= _POINTS * least_length) & (mean >= needed)
-        for chain in _clearest(points, _chains(label, count, enough), mean[enough], shape):
+        ordered, ends = np.argsort(label, kind="stable"), np.cumsum(count)
+        chains = [ordered[ends[k] - count[k] : ends[k]] for k in np.flatnonzero(enough)]
+        for chain in _clearest(points, chains, mean[enough], shape):
             if not np.array_equal(chain, parted.get(int(chain[0]), ())):
                 pieces.extend(_parted(points, chain, least_length))
             parted[int(chain[0])] = chain
@@ -105,13 +107,6 @@ def _neighbours(points: RidgePoints, shape: tuple[int, ...]) -> tuple[Index, Ind
         first.append(here[alike])
         second.append(there[alike])
     return np.concatenate(first), np.concatenate(second)
-
-
-def _chains(label: Index, count: Index, enough: NDArray[np.bool_]) -> list[Index]:
-    """The points of each label that is enough."""
-    order = np.argsort(label, kind="stable")
-    ends = np.cumsum(count)
-    return [order[ends[k] - count[k] : ends[k]] for k in np.flatnonzero(enough)]
 
 
 def _clearest(

@@ -370,7 +370,9 @@ def slanted_edge(
     _check_spread(picture=picture, line=line, spread=spread, target=target)
     # Leaving out rows turns the line too little to be worth a cosine of its own.
     along_row = frequency * math.cos(math.atan(line.slope))
-    waves = _waves(along_row, len(spread_to_line(spread=spread, target=target)))
+    many = len(spread_to_line(spread=spread, target=target))
+    middles = (np.arange(many) - (many - 1) / 2) / BINS_PER_SAMPLE
+    waves = np.exp(-2j * np.pi * np.outer(along_row, middles))
     whole = _transform(spread, along_row, waves, target, window)
     group = np.arange(line.rows) % min(_GROUPS, line.rows // 2)
     replicas = np.empty((int(group.max()) + 1, len(frequency)), np.complex128)
@@ -382,12 +384,6 @@ def slanted_edge(
         replicas[left_out] = _transform(part, along_row, waves, target, window)
     error = modulus_error(whole=whole, replicas=replicas)
     return SlantedEdge(frequency, np.abs(whole), error, np.abs(replicas), line, spread)
-
-
-def _waves(along_row: Vector, bins: int) -> Complex:
-    """Waves of these frequencies at the middles of so many bins about the edge."""
-    away = (np.arange(bins) - (bins - 1) / 2) / BINS_PER_SAMPLE
-    return np.asarray(np.exp(-2j * np.pi * np.outer(along_row, away)), np.complex128)
 
 
 def _transform(
@@ -468,7 +464,8 @@ def _check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target
     """Refuse an edge that is not one, does not settle in the region, or is clipped."""
     values = spread.values
     left, right = spread.levels
-    height = abs(right - left) if target == "edge" else _line_height(spread)
+    background = np.linspace(left, right, len(values))
+    height = abs(right - left) if target == "edge" else float(np.abs(values - background).max())
     count = picture.shape[0] / (BINS_PER_SAMPLE + abs(line.slope))
     error = spread.noise / np.sqrt(max(1.0, count))  # of one bin
     if height < 0.5 * float(np.ptp(values)) or height < 5.0 * error:
@@ -514,8 +511,3 @@ def _refuse_narrow(spread: EdgeSpread, height: float, error: float) -> None:
             f"the region is too small: {outside / height:.0%} of the edge's step lies more than "
             f"{spread.away[-1] / 2:.3g} samples from it. Widen the region"
         )
-
-
-def _line_height(spread: EdgeSpread) -> float:
-    background = np.linspace(*spread.levels, len(spread.values))
-    return float(np.max(np.abs(spread.values - background)))

@@ -103,7 +103,9 @@ class FlatFrames:
                 f"earlier frames, {self._sum.shape[0]} × {self._sum.shape[1]}"
             )
         samples = frame.astype(np.float64)
-        self._whole = self._whole and _is_whole(samples)
+        # Double precision has whole numbers up to that exactly.
+        self._whole &= bool((samples == np.rint(samples)).all())
+        self._whole &= bool(np.abs(samples).max() < _LARGEST_WHOLE)
         self._origin = float(samples[0, 0]) if self._origin is None else self._origin
         if self._whole and self._step != 1:  # 12 bits are often stored as 16, 16 apart
             steps = (samples - self._origin).astype(np.int64)
@@ -165,11 +167,6 @@ class FlatFrames:
             structure_variance(usual),
             *line_variances(usual),
         )
-
-
-def _is_whole(samples: NDArray[np.float64]) -> bool:
-    """Whether all samples are whole numbers that double precision has exactly."""
-    return bool((samples == np.rint(samples)).all() and np.abs(samples).max() < _LARGEST_WHOLE)
 
 
 def structure_variance(means: NDArray[np.float64]) -> float:

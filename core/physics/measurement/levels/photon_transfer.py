@@ -171,7 +171,8 @@ def photon_transfer(
     cut_off = dark is not None and dark.cut_off
     dark = None if cut_off else dark
     zero = dark.mean_dn if dark is not None else offset_dn
-    saturated = _saturated(means, variances)
+    top = int(np.argmax(variances))
+    saturated = (means > means[top]) & (variances < _COLLAPSED * variances[top])
     foot = zero if zero is not None else 0.0
     ceiling = foot + _USED * (means[saturated].min() - foot) if saturated.any() else math.inf
     used = ~saturated & (means <= ceiling)
@@ -235,12 +236,6 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
             f"the dark frames' mean, {dark.mean_dn:.6g}, is not below the mean of the "
             f"brightest level, {brightest:.6g}: give frames without light as --dark"
         )
-
-
-def _saturated(means: Vector, variances: Vector) -> NDArray[np.bool_]:
-    """Levels at or beyond the mean of the largest variance that have less than half of it."""
-    top = int(np.argmax(variances))
-    return np.asarray((means > means[top]) & (variances < _COLLAPSED * variances[top]))
 
 
 @dataclass(frozen=True)

@@ -126,7 +126,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
         allowed[:-1] = _CHORD_END * span
         allowed[-1] = _CHORD * span**2
     error = np.hypot(error, allowed * slope)
-    levels = [_components(one.noise) for one in ordered]
+    levels = [{name: one.noise.variances.variance(name) for name in COMPONENTS} for one in ordered]
     errors = [one.noise.errors.tvh for one in ordered]
     between = {name: float(np.interp(middle, kelvin, [one[name] for one in levels]))
                for name in COMPONENTS}  # fmt: skip
@@ -280,10 +280,6 @@ def _left(kelvin: Vector, means: Vector, width: float) -> float:
     """Sum of squares that is left."""
     design = np.stack([np.ones_like(kelvin), _shape(kelvin, width, kelvin)], axis=1)
     return float(np.sum((means - design @ (np.linalg.pinv(design) @ means)) ** 2))
-
-
-def _components(noise: MeasuredNoise) -> dict[str, float]:
-    return {name: noise.variances.variance(name) for name in COMPONENTS}
 
 
 def _figures(

@@ -85,7 +85,9 @@ def picture_blocks(
         Which samples count; all.
     """
     grid = picture.shape[0] // SIDE, picture.shape[1] // SIDE
-    transform = _transform()
+    one = _cosines()
+    # Of a whole block, to be multiplied from the right.
+    transform = np.kron(one, one).T.astype(np.float32)
     level, power, rows, columns, place = [], [], [], [], []
     for first in range(0, max(grid[0], 1), _STRIP):
         check()
@@ -120,12 +122,6 @@ def _level_waves(waves: NDArray[np.float32]) -> NDArray[np.float32]:
     """Waves from the second on, less those of the ramp that the first one shows."""
     ramp = (_cosines()[1:] @ (_ORDER - _ORDER.mean())).astype(np.float32)
     return np.asarray(waves[:, 1:] - waves[:, :1] * (ramp[1:] / ramp[0]), np.float32)
-
-
-def _transform() -> NDArray[np.float32]:
-    """Orthonormal cosine transform of a block, to be multiplied from the right."""
-    one = _cosines()
-    return np.kron(one, one).T.astype(np.float32)
 
 
 def _cosines() -> Matrix:
