@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import ChainFit, end_of, positive, scales_of
+from app.fit.chain_fit import ChainFit, Misfit, end_of, positive, scales_of
 from app.fit.chain_transfer import ChainAt, final_image
 from app.fit.fit_result import FitResult, result_of
 from app.fit.free_parameter import FreeParameter
-from app.fit.misfit import Misfit
 from app.fit.parameter_search import middle_of, places
 from app.fit.scene_match import OWN, Registration, SceneFit, SceneMatch
 from app.run.transfer_chain import find_chain

@@ -18,6 +18,7 @@ from core.physics.measurement.edges.spread_fit import (
     TAIL,
     TAIL_ASSUMED,
     TAIL_WIDTH,
+    Complex,
     SpreadFit,
     fit_spread,
     line_transform,
@@ -103,9 +104,10 @@ def measure_edge(
             f"samples; allowed: at most {_LARGEST_GAP:g}"
         )
     check()
-    mtf, sigma, shared = _modulus(samples, fit, edge, frequency)
+    transform = line_transform(spline=fit.basis.spline, frequency=np.append(0.0, frequency))
+    mtf, sigma, shared = _modulus(samples, fit, transform, edge, frequency)
     if tails is not None:
-        moved, doubt = _with_tails(samples, fit, edge, frequency, tails)
+        moved, doubt = _with_tails(samples, fit, transform, edge, frequency, tails)
         mtf = np.maximum(mtf + moved, 0.0)
         sigma, shared = np.hypot(sigma, doubt), np.hypot(shared, doubt)
     return EdgeMtf(
@@ -120,7 +122,7 @@ def measure_edge(
 
 
 def _modulus(
-    samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge, frequency: Vector
+    samples: EdgeSamples, fit: SpreadFit, transform: Complex, edge: FoundEdge, frequency: Vector
 ) -> tuple[Vector, Vector, Vector]:
     """Modulus, 1 at zero, standard error, and the part of it from what is assumed of the tail.
 
@@ -130,7 +132,6 @@ def _modulus(
     is taken off. What cannot be is an error: n²/(2|H|), at most n, for an |H| that is three errors
     less than what was measured.
     """
-    transform = line_transform(spline=fit.spline, frequency=np.concatenate([[0.0], frequency]))
     whole = transform @ fit.coefficients
     step, whole = whole[0].real, whole[1:] / whole[0]
     length = np.abs(whole)
@@ -152,7 +153,12 @@ def _modulus(
 
 
 def _with_tails(
-    samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge, frequency: Vector, tails: LongTails
+    samples: EdgeSamples,
+    fit: SpreadFit,
+    transform: Complex,
+    edge: FoundEdge,
+    frequency: Vector,
+    tails: LongTails,
 ) -> tuple[Vector, Vector]:
     """What long tails add to the modulus, and the standard error of that.
 
@@ -162,7 +168,6 @@ def _with_tails(
     core alone, C(f). With b of the light of the core in the tail, whose transfer function is T, the
     whole is (C + b·T) / (1 + b).
     """
-    transform = line_transform(spline=fit.spline, frequency=np.concatenate([[0.0], frequency]))
     (across_x, across_y), half = edge.normal, edge.length / 2.0
     off = samples.distance + edge.bend * (samples.along / half) ** 2
     x = edge.x + off * across_x - samples.along * across_y

@@ -101,19 +101,10 @@ class GradedSpline:
 
 
 def graded_spline(*, half_width: float, spacing: float) -> GradedSpline:
-    """Splines from −`half_width` to `half_width` with intervals of `spacing` at the middle.
+    """Splines from −`half_width` to `half_width` with intervals of `spacing` samples at the middle.
 
-    Parameters
-    ----------
-    half_width : float
-        Samples from the middle to where the spline becomes level.
-    spacing : float
-        Of the breaks within four samples of the middle; farther out it grows as the distance.
-
-    Notes
-    -----
-    What lies far from an edge changes slowly there: its blur's tails. Fine intervals would bring
-    noise of high frequencies from there and nothing else.
+    Farther out they grow as the distance: what lies there, a blur's tails, changes slowly. Fine
+    intervals would bring noise of high frequencies from there and nothing else.
     """
     place, places = 0.0, [0.0]
     while place < half_width:
@@ -196,16 +187,9 @@ class SpreadBasis:
 def spread_basis(
     *, spline: GradedSpline, distance: Vector, away: Vector, slope: Vector
 ) -> SpreadBasis:
-    """The functions at samples.
+    """The functions at samples, `distance` from the edge and `away` along it, from −1 to 1.
 
-    Parameters
-    ----------
-    distance : ndarray
-        Of the samples from the edge.
-    away : ndarray
-        Place along the edge, from −1 to 1.
-    slope : ndarray
-        Line spread at the samples, as far as it is known: it is what a turn and a bend change.
+    `slope` is the line spread there, as far as it is known: it is what a turn and a bend change.
     """
     values, which = spline.at(distance)
     others = np.empty((OTHERS, len(distance)))
@@ -223,12 +207,9 @@ def line_spread(*, spline: GradedSpline, coefficients: Vector, distance: Vector)
 
 
 def line_transform(*, spline: GradedSpline, frequency: Vector) -> Complex:
-    """Transform of the derivative of each function; of ramps, turn and bend zero.
+    """Transform of each function's derivative, shape (frequencies, functions).
 
-    Returns
-    -------
-    ndarray
-        Shape (frequencies, functions).
+    Of ramps, turn and bend it is zero.
     """
     others = np.zeros((len(frequency), OTHERS))
     others[:, TAIL] = np.exp(-2.0 * np.pi * TAIL_WIDTH * np.abs(frequency))
@@ -263,24 +244,19 @@ class SpreadFit:
     gap: float  # largest distance near the edge between neighbouring samples
 
     @property
-    def spline(self) -> GradedSpline:
-        """The spline of the spread."""
-        return self.basis.spline
-
-    @property
     def levels(self) -> tuple[float, float]:
         """Levels on both sides."""
-        size = self.spline.size
+        size = self.basis.spline.size
         tail = float(self.coefficients[size + TAIL])
         low, high = float(self.coefficients[0]), float(self.coefficients[size - 1])
         return low - tail / 2.0, high + tail / 2.0
 
     def at(self, distance: Vector) -> Vector:
         """The spread at distances, without ramps."""
-        nothing = np.zeros(len(distance))
-        basis = spread_basis(spline=self.spline, distance=distance, away=nothing, slope=nothing)
+        spline, nothing = self.basis.spline, np.zeros(len(distance))
+        basis = spread_basis(spline=spline, distance=distance, away=nothing, slope=nothing)
         level = self.coefficients.copy()
-        level[self.spline.size + TAIL + 1 :] = 0.0
+        level[spline.size + TAIL + 1 :] = 0.0
         return basis.spread(level)
 
 
@@ -301,17 +277,10 @@ def fit_spread(
 ) -> SpreadFit:
     """Fit the spread of an edge, and by how much its course is to be turned and bent.
 
-    Parameters
-    ----------
-    coarse_turns, fine_turns : int
-        Times the course is adjusted with a coarse spline, and with the fine one.
-
-    Notes
-    -----
     Gauss–Newton: the functions of the spread and what a turn and a bend would change are fitted
-    together. First with a coarse spline, since a fine one follows each row by itself where the
-    edge crosses few columns, whatever its turn. The distance is not fitted: it cannot be told
-    from the spread.
+    together, so many times with a coarse spline and with the fine one. First the coarse one, since
+    a fine one follows each row by itself where the edge crosses few columns, whatever its turn. The
+    distance is not fitted: it cannot be told from the spread.
     """
     away = samples.along / half_length
     centre = float(samples.value.mean())
@@ -360,8 +329,6 @@ def _solved(
 ) -> tuple[Vector, Matrix, Matrix]:
     """Coefficients, inverse normal matrix, and the doubts of what is assumed.
 
-    Notes
-    -----
     What is assumed of tail, ramps and course is a measurement like others, in the noise's units.
     A thousand-millionth on third differences only settles what no sample determines.
     """
