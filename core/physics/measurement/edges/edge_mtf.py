@@ -303,30 +303,19 @@ _LEAST_VARIANCE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class MtfCurve:
-    """MTF of one direction, pooled over edges.
+    """MTF of one direction, pooled over edges."""
 
-    Parameters
-    ----------
-    frequency : ndarray
-        Cycles per sample along the axis.
-    mtf, sigma : ndarray
-        Of the edges together, and its standard error, widened by `scatter`.
-    mtf50, mtf50_sigma : float or None
-        Frequency at which the MTF falls to one half, and its standard error; None where it does
-        not within these frequencies.
-    edges : int
-        How many lie within 30° of the axis.
-    scatter : float
-        Root of the mean square of all edges' departures over their errors; 1 where they agree
-        within their errors, and for one edge.
-    """
-
-    frequency: Vector
+    frequency: Vector  # cycles per sample along the axis
+    # of the edges together, and its standard error, widened by `scatter`
     mtf: Vector
     sigma: Vector
+    # frequency at which the MTF falls to one half, and its standard error; None where it does not
+    # within these frequencies
     mtf50: float | None
     mtf50_sigma: float | None
-    edges: int
+    edges: int  # how many lie within 30° of the axis
+    # root of the mean square of all edges' departures over their errors; 1 where they agree within
+    # these, and for one edge
     scatter: float
 
 

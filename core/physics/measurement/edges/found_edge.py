@@ -13,44 +13,23 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FoundEdge:
-    """A straight, or slightly bent, step between two levels of a picture.
+    """A straight, or slightly bent, step between two levels of a picture."""
 
-    Parameters
-    ----------
-    x, y : float
-        Middle of the edge; the middle of the sample in row i and column j is x = j, y = i.
-    angle_deg : float
-        Of the normal towards the brighter side, from the x axis towards +y, in (-180, 180].
-    length : float
-        Samples along the edge.
-    reach : float
-        Samples on both sides, along the normal, that belong to this edge alone.
-    low, high : float
-        Levels on both sides.
-    noise_sigma : float
-        Standard deviation of a sample on the flat sides, mean square of both.
-    used : bool
-        Whether its MTF can be measured.
-    why_not : str
-        Why not; empty when used.
-    bend : float
-        Samples, towards the brighter side, by which both ends lie off the line through the middle.
-    softness : float
-        Standard deviation of the Gaussian with the line spread's height, samples, the height taken
-        after a blur of one sample; 0 where it was not measured.
-    """
-
+    # its middle; that of the sample in row i and column j is x = j, y = i
     x: float
     y: float
-    angle_deg: float
-    length: float
-    reach: float
+    angle_deg: float  # of the normal to the brighter side, from the x axis to +y, in (-180, 180]
+    length: float  # samples
+    reach: float  # samples on both sides, along the normal, that belong to this edge alone
+    # levels on both sides
     low: float
     high: float
-    noise_sigma: float
-    used: bool
-    why_not: str = ""
-    bend: float = 0.0
+    noise_sigma: float  # of a sample on the flat sides, mean square of both
+    used: bool  # whether its MTF can be measured
+    why_not: str = ""  # why not
+    bend: float = 0.0  # samples, to the brighter side, of both ends off the line through the middle
+    # standard deviation of the Gaussian with the line spread's height, samples, the height taken
+    # after a blur of one sample; 0 where it was not measured
     softness: float = 0.0
 
     @property
@@ -111,16 +90,8 @@ def rectangle_samples(
 ) -> EdgeSamples:
     """Take the samples of a turned rectangle, whose long axis may be a parabola.
 
-    Parameters
-    ----------
-    middle : tuple of float
-        x and y of the rectangle's middle.
-    angle_deg : float
-        Of the normal.
-    half_length, reach : float
-        Half the sides along and across, samples.
-    bend : float
-        Distance of the axis's ends from the tangent at its middle, along the normal.
+    `angle_deg` is that of its normal, `half_length` and `reach` half its sides along and across,
+    and `bend` the distance of the axis's ends from the tangent at its middle, along the normal.
     """
     across_x, across_y = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     wide = reach + abs(bend)

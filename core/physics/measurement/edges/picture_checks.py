@@ -26,16 +26,8 @@ _LEAST_DETAIL = 0.1  # of its mean, added where detail may be none
 def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = False) -> str:
     """Why no edge of a picture can be believed; empty if nothing speaks against it.
 
-    Parameters
-    ----------
-    interpolated_too : bool
-        Whether the edges of an interpolated picture may be measured, as they are in it.
-
-    Returns
-    -------
-    str
-        That its odd and even rows are shifted (interlaced), that it was made of a mosaic of
-        colour filters, or that it has borders of blocks of 8 × 8 samples (JPEG).
+    It is interlaced, interpolated from a mosaic of colour filters (whose edges may be measured as
+    they are, `interpolated_too`), or compressed in blocks of 8 × 8 samples (JPEG).
     """
     if min(picture.shape) < _LEAST_SIDE:
         return ""
@@ -138,17 +130,10 @@ def row_shift(*, picture: NDArray[np.floating]) -> tuple[float, float]:
 def mosaic_detail(*, picture: NDArray[np.floating]) -> tuple[float, float]:
     """How much finer detail has one diagonal of each 2 × 2 samples than the other, and its error.
 
-    Returns
-    -------
-    float, float
-        Difference of the logarithms, summed over the two samples of a diagonal, and the standard
-        error of it, from strips of rows.
-
-    Notes
-    -----
-    Detail is what a sample departs from the mean of its four neighbours, its median over the
-    picture. Samples that were made of their neighbours have less. Rows or columns of two
-    amplifiers differ too, but then both diagonals have one of each.
+    As a difference of logarithms, summed over the two samples of a diagonal; its standard error is
+    from strips of rows. Detail is what a sample departs from the mean of its four neighbours, its
+    median over the picture. Samples that were made of their neighbours have less. Rows or columns
+    of two amplifiers differ too, but then both diagonals have one of each.
     """
     rows = picture.shape[0]
     tops = np.linspace(0, (rows - 4) // 2, _STRIPS + 1).astype(np.intp) * 2

@@ -48,19 +48,12 @@ def straight_pieces(
 ) -> list[Piece]:
     """Link ridge points of like direction and part them into pieces, longest first.
 
-    Parameters
-    ----------
-    least_length : float
-        Of a piece, samples.
-    least_strength, strength_of_16 : float
-        Of a chain of any length, and of one of 16 points; of others as the root of the number.
-
-    Notes
-    -----
-    Neighbours are linked within sectors of 40°, once more with the sectors shifted by half, so
-    that every direction lies well inside one; of pieces that share their points the longest
-    remains. A chain that leaves its parabola is parted where it is farthest from its chord. Of
-    more than 3,000 chains, as of a picture full of texture, the clearest are taken.
+    A piece has a least length, samples; a chain of any length a least strength, one of 16 points
+    another, and others that of 16 as the root of their number. Neighbours are linked within sectors
+    of 40°, once more with the sectors shifted by half, so that every direction lies well inside
+    one; of pieces that share their points the longest remains. A chain that leaves its parabola is
+    parted where it is farthest from its chord. Of more than 3,000 chains, as of a picture full of
+    texture, the clearest are taken.
     """
     if len(points.x) == 0:
         return []
@@ -213,15 +206,9 @@ class RidgePoints:
 def rough_noise(*, picture: Picture, missing: float = 0.0) -> float:
     """Standard deviation of a sample where the picture is quietest.
 
-    Parameters
-    ----------
-    missing : float
-        Share of them that have no noise, as they hold no data.
-
-    Notes
-    -----
-    Source: Immerkær, Fast noise variance estimation, 1996, in blocks of 16 × 16 samples of which
-    the quietest quarter is taken. Good enough for thresholds.
+    A share of them, `missing`, has no noise, as it holds no data. Source: Immerkær, Fast noise
+    variance estimation, 1996, in blocks of 16 × 16 samples of which the quietest quarter is taken.
+    Good enough for thresholds.
     """
     rows, columns = (side // _BLOCK * _BLOCK for side in picture.shape)
     if rows == 0 or columns == 0:

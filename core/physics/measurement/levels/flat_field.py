@@ -70,13 +70,7 @@ class FlatField:
 
 
 class FlatFrames:
-    """Takes frames of a flat field one by one and keeps sums alone.
-
-    Parameters
-    ----------
-    rows, columns : int
-        Size of the frames.
-    """
+    """Takes frames of a flat field, of so many rows and columns, one by one; keeps sums alone."""
 
     def __init__(self, rows: int, columns: int) -> None:
         self._first: NDArray[np.float64] | None = None
@@ -90,13 +84,7 @@ class FlatFrames:
         self._least = math.inf
 
     def add(self, frame: NDArray[Any]) -> None:
-        """Take another frame, shape (rows, columns).
-
-        Raises
-        ------
-        DataError
-            For a frame of another size.
-        """
+        """Take another frame, shape (rows, columns)."""
         if frame.shape != self._sum.shape:
             raise DataError(
                 f"a frame of {frame.shape[0]} × {frame.shape[1]} samples does not match the "
@@ -123,13 +111,7 @@ class FlatFrames:
         self._squares += samples * samples
 
     def good_pixels(self) -> NDArray[np.bool_]:
-        """Pixels that are no bad ones, in the frames so far.
-
-        Raises
-        ------
-        DataError
-            With fewer than two frames.
-        """
+        """Pixels that are no bad ones, in the frames so far."""
         return _near(self._means(), whole=self._whole)
 
     def _means(self) -> NDArray[np.float64]:
@@ -139,13 +121,7 @@ class FlatFrames:
         return np.asarray(self._first + self._sum / n + self._levels / n)
 
     def measured(self) -> FlatField:
-        """What the frames so far show.
-
-        Raises
-        ------
-        DataError
-            With fewer than two frames.
-        """
+        """What the frames so far show; two or more are needed."""
         n, means = self._frames, self._means()
         drift = self._sum / n
         variances = (self._squares - n * drift**2) / (n - 1)

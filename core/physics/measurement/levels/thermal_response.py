@@ -149,13 +149,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
 
 
 def filled(frame: NDArray[np.floating], good: Mask) -> Vector:
-    """The frame with the sample of the good pixel nearest along the rows in place of a bad one.
-
-    Raises
-    ------
-    DataError
-        No pixel is good.
-    """
+    """The frame with the sample of the good pixel nearest along the rows in place of a bad one."""
     if good.all():
         return np.asarray(frame, np.float64)
     if not good.any():

@@ -19,13 +19,7 @@ _LEAST = 64  # samples at the end of the values that make a pile
 
 
 def clipped_ends(*, picture: Matrix) -> tuple[float | None, float | None]:
-    """Lowest and highest value where samples pile up there: clipped.
-
-    Raises
-    ------
-    DataError
-        For samples that are not finite.
-    """
+    """Lowest and highest value where samples pile up there: clipped."""
     low, high = float(picture.min()), float(picture.max())
     if not (math.isfinite(low) and math.isfinite(high)):
         raise DataError(
@@ -105,10 +99,7 @@ _SURE, _SURE_EITHER = 7.0, 2.5  # standard deviations: across and down together,
 def compressed_in_blocks(*, picture: NDArray[np.floating], period: int = 1) -> bool:
     """Whether steps at the borders of blocks are larger than those within them.
 
-    Parameters
-    ----------
-    period : int
-        Of what else the steps of a block may repeat with: only steps of one phase are compared.
+    Steps of a block may repeat with another `period`: then only those of one phase are compared.
     """
     if min(picture.shape) <= SIDE:
         return False
@@ -119,15 +110,9 @@ def compressed_in_blocks(*, picture: NDArray[np.floating], period: int = 1) -> b
 def _block_steps(picture: NDArray[np.floating], period: int) -> float:
     """How sure it is that steps between columns are larger at borders of blocks than in them.
 
-    Returns
-    -------
-    float
-        Mean rank of the border among the eight steps of a block, in standard deviations of the
-        mean of so many random ranks (Wilcoxon); a scene's own edges are large in few blocks only.
-
-    Notes
-    -----
-    The borders are taken where the steps are largest: a picture may have been cropped.
+    The mean rank of the border among the eight steps of a block, in standard deviations of the
+    mean of so many random ranks (Wilcoxon); a scene's own edges are large in few blocks only. The
+    borders are taken where the steps are largest: a picture may have been cropped.
     """
     blocks = (picture.shape[1] - 1) // SIDE
     sums = np.zeros((_RANKED, blocks, SIDE))

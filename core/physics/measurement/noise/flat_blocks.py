@@ -77,12 +77,7 @@ def picture_blocks(
 ) -> PictureBlocks:
     """Level and power of the blocks whose samples are all good.
 
-    Parameters
-    ----------
-    picture : ndarray, shape (rows, columns)
-        Samples; what is left of whole blocks at the right and below is not looked at.
-    good : ndarray of bool, optional
-        Which samples count; all.
+    What is left of whole blocks at the right and below is not looked at.
     """
     grid = picture.shape[0] // SIDE, picture.shape[1] // SIDE
     one = _cosines()

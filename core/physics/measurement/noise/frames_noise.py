@@ -43,15 +43,8 @@ class FramesNoise(SampleNoise):
 
 
 class SceneFrames:
-    """Takes frames of a scene one by one and keeps sums alone.
+    """Takes frames of a scene, of 2 rows and columns or more, one by one; keeps sums alone.
 
-    Parameters
-    ----------
-    rows, columns : int
-        Size of the frames, 2 or more.
-
-    Notes
-    -----
     A sample's variance in time needs no flat area. What whole rows, columns and frames share is
     taken off each frame against the first, by the means of their difference where nothing passes
     through.
@@ -66,13 +59,7 @@ class SceneFrames:
         self._frames = 0
 
     def add(self, frame: NDArray[Any]) -> None:
-        """Take another frame, shape (rows, columns).
-
-        Raises
-        ------
-        DataError
-            For a frame of another size, or samples that are not finite.
-        """
+        """Take another frame, shape (rows, columns)."""
         samples = np.asarray(frame, np.float64)
         if not np.isfinite(samples).all():
             raise DataError(
@@ -93,13 +80,7 @@ class SceneFrames:
         self._frames += 1
 
     def measured(self, *, offset: float = 0.0) -> FramesNoise:
-        """The noise of the frames so far; `offset` is the level without light.
-
-        Raises
-        ------
-        DataError
-            With fewer than two frames.
-        """
+        """The noise of the frames so far, two or more; `offset` is the level without light."""
         components = self._cube.measured()
         n = self._frames
         assert self._first is not None
@@ -153,17 +134,10 @@ def _means(away: Matrix, still: NDArray[np.bool_], axis: int) -> Matrix:
 def _with_means(variance: Matrix, averaged: Matrix) -> Matrix:
     """Variances of samples, of those of the samples less the means of their rows and columns.
 
-    Parameters
-    ----------
-    variance : ndarray, shape (rows, columns)
-        Of the samples less these means.
-    averaged : ndarray, shape (rows, columns)
-        The part of it that went into the means.
-
-    Notes
-    -----
-    A sample less the mean of n that it is in has lost 2/n of its own variance, and got 1/n of the
-    mean variance of all n: shot noise of what is bright beside it. Exact for equal variances.
+    `averaged` is the part of their variance that went into the means, both of shape (rows,
+    columns). A sample less the mean of n that it is in has lost 2/n of its own variance, and got
+    1/n of the mean variance of all n: shot noise of what is bright beside it. Exact for equal
+    variances.
     """
     rows, columns = variance.shape
     whole = averaged / ((1.0 - 1.0 / rows) * (1.0 - 1.0 / columns))
