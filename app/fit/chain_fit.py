@@ -508,21 +508,11 @@ def widened_by_scatter(
 ) -> tuple[Matrix, Vector]:
     """Derivatives with which errors are at least those of the scatter between edges.
 
-    Parameters
-    ----------
-    jacobian : ndarray
-        Derivatives of the residuals, shape (samples, parameters), in units of their errors.
-    residual : ndarray
-        In the same units, what is each edge's own taken out.
-    edge : ndarray of int
-        Which edge a sample is of; below 0 for those of none.
-
-    Returns
-    -------
-    jacobian : ndarray
-        As given, less where edges scatter by more than it says; never more.
-    edges : ndarray
-        On how many edges each parameter rests: (Σ h)² / Σ h² of their shares h of its information.
+    `jacobian` holds derivatives of the residuals, shape (samples, parameters), in units of their
+    errors; in `residual`, in the same units, what is each edge's own is taken out; `edge` is below
+    0 for samples of none. Given are the derivatives, less where edges scatter by more than they
+    say, and on how many edges each parameter rests: (Σ h)² / Σ h² of their shares h of its
+    information.
     """
     lengths = np.linalg.norm(jacobian, axis=0) + 1e-300
     left, singular, rows = np.linalg.svd(jacobian / lengths, full_matrices=False)

@@ -89,19 +89,9 @@ def spread_table(*, transfer: Complex, period: int) -> SpreadTable:
 
     ESF(d) = 1/2 + ∫ H(f)·exp(2πifd) / (2πif) df (Goodman 2005, Fourier Optics, section 2): the
     integral becomes a sum over a period much longer than the edge's reach, so that what
-    neighbouring steps of the period leave is next to nothing, and the sum one transform.
-
-    Parameters
-    ----------
-    transfer : ndarray
-        H at `frequencies` from 0 on, 1 at zero frequency; shape (edges, frequencies).
-    period : int
-        Samples of a period.
-
-    Returns
-    -------
-    SpreadTable
-        With steps of 1/16 of a sample or finer.
+    neighbouring steps of the period leave is next to nothing, and the sum one transform. `transfer`
+    is H at `frequencies` from 0 on, 1 at zero frequency, shape (edges, frequencies); the table has
+    steps of 1/16 of a sample or finer.
     """
     edges, given = transfer.shape
     highest = max(_LEAST_HIGHEST, -(-given // period))

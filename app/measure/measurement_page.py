@@ -161,7 +161,7 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
     blocks: list[Block] = []
     several = measured.picture_count > 1
     if used:
-        rows = [(*_place(edge, n, several), *_strength(edge), _half(edge)) for n, edge in used]
+        rows = [(*_place(edge, n, several), *_figures(edge)) for n, edge in used]
         blocks += [
             Heading(2, "Edges used"),
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
@@ -199,15 +199,10 @@ def _place(edge: MeasuredEdge, place: int, several: bool) -> tuple[str, ...]:
     return name, f"{found.x:.1f}", f"{found.y:.1f}", angle, f"{found.length:.0f}"
 
 
-def _strength(edge: MeasuredEdge) -> tuple[str, str]:
-    step = edge.found.high - edge.found.low
-    share = step / edge.found.noise_sigma if edge.found.noise_sigma > 0.0 else None
-    return number(_short(step)), "–" if share is None else f"{share:.3g}"
-
-
-def _half(edge: MeasuredEdge) -> str:
-    curve = edge.curve
-    return "–" if curve is None else with_error(curve.mtf50, edge.mtf50_sigma)
+def _figures(edge: MeasuredEdge) -> tuple[str, str, str]:
+    step, noise, curve = edge.found.contrast, edge.found.noise_sigma, edge.curve
+    half = with_error(None if curve is None else curve.mtf50, edge.mtf50_sigma)
+    return number(_short(step)), f"{step / noise:.3g}" if noise > 0.0 else "–", half
 
 
 # Figures of a measurement: edges drawn on the pictures, and the MTF with its error.

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,11 +72,7 @@ def emva_figures(
         least = _LEAST_DARK * dark.step_dn**2
         threshold = gain * math.sqrt(max(dark.temporal_dn2, least)) + 0.5
     known = capacity is not None and capacity > 0.0 and threshold is not None
-    kinds: list[Callable[[FlatField], float]] = [
-        lambda field: field.rows_dn2,
-        lambda field: field.columns_dn2,
-        lambda field: field.single_pixels_dn2,
-    ]
+    kinds = [attrgetter(name) for name in ("rows_dn2", "columns_dn2", "single_pixels_dn2")]
     lit = [level for level, taken in zip(levels, used, strict=True) if taken]
     dsnu = [None if dark is None else gain * math.sqrt(max(part(dark), 0.0)) for part in kinds]
     prnu = [None if dark is None else prnu_percent(lit, dark, part) for part in kinds]
@@ -197,7 +194,11 @@ def photon_transfer(
         brightest = gain * float(means.max() - zero)
         if saturated.any():
             full_well = gain * float(means[saturated].mean() - zero)
-    dsnu, prnu = _fixed(levels, used, dark, gain)
+    dsnu = prnu = None
+    if dark is not None:
+        lit = [level for level, taken in zip(levels, used, strict=True) if taken]
+        dsnu = gain * math.sqrt(max(dark.fixed_dn2, 0.0))
+        prnu = prnu_percent(lit, dark, lambda field: field.fixed_dn2)
     return PhotonTransfer(
         gain,
         line.slope_error / line.slope**2,
@@ -291,14 +292,3 @@ def _read_noise(
     own, of_gain = error / (2.0 * variance), line.slope_error * gain
     shared = line.covariance * gain / variance
     return gain * noise, gain * noise * math.sqrt(max(own**2 + of_gain**2 - shared, 0.0))
-
-
-def _fixed(
-    levels: Sequence[FlatField], used: NDArray[np.bool_], dark: FlatField | None, gain: float
-) -> tuple[float | None, float | None]:
-    """DSNU in electrons, PRNU in percent of the signal."""
-    if dark is None:
-        return None, None
-    lit = [level for level, taken in zip(levels, used, strict=True) if taken]
-    dsnu = gain * math.sqrt(max(dark.fixed_dn2, 0.0))
-    return dsnu, prnu_percent(lit, dark, lambda field: field.fixed_dn2)

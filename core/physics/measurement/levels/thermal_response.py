@@ -110,7 +110,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     variance = np.array([_variance_of_mean(one.noise) for one in ordered])
     middle = float(kelvin[0] + kelvin[-1]) / 2.0
     span = float(np.ptp(kelvin))
-    chord = _Law.straight(kelvin, means)
+    chord = _Law.fitted(kelvin, means)
     rise, of_rise = chord.slopes(np.array([middle]), variance)
     law = chord if many < _CURVED else _Law.of_planck(kelvin, means)
     slope, error = law.slopes(np.append(kelvin, middle), variance)
@@ -190,24 +190,20 @@ class _Law:
     effect: NDArray[np.float64]
 
     @classmethod
-    def straight(cls, kelvin: Vector, means: Vector) -> _Law:
-        """The straight line of least squares."""
-        return cls._with(kelvin, means, None)
-
-    @classmethod
     def of_planck(cls, kelvin: Vector, means: Vector) -> _Law:
         """The law of least squares; a straight line where no width is better."""
         grid = np.geomspace(_WIDTHS[0] * kelvin.max(), _WIDTHS[1] * kelvin.min(), _GRID)
         best = int(np.argmin([_left(kelvin, means, width) for width in grid]))
         if best in (0, _GRID - 1):
-            return cls.straight(kelvin, means)
+            return cls.fitted(kelvin, means)
         while grid[-1] - grid[0] > _WIDTH_KNOWN * grid[0]:
             grid = np.geomspace(grid[max(best - 1, 0)], grid[min(best + 1, _GRID - 1)], _GRID)
             best = int(np.argmin([_left(kelvin, means, width) for width in grid]))
-        return cls._with(kelvin, means, float(grid[best]))
+        return cls.fitted(kelvin, means, float(grid[best]))
 
     @classmethod
-    def _with(cls, kelvin: Vector, means: Vector, width: float | None) -> _Law:
+    def fitted(cls, kelvin: Vector, means: Vector, width: float | None = None) -> _Law:
+        """The law of that width, or a straight line, by least squares."""
         columns = [np.ones_like(kelvin), _shape(kelvin, width, kelvin)]
         level, rise = np.linalg.pinv(np.stack(columns, axis=1)) @ means
         if width is not None:

@@ -341,20 +341,10 @@ def flat_blocks(
 ) -> FlatBlocks | None:
     """Choose the flat blocks; None where there are too few to begin with.
 
-    Parameters
-    ----------
-    at : float
-        Level at which the noise is to be known best.
-    least : float
-        Variance that rounding hides.
-    low, high : float, optional
-        Where samples are clipped.
-
-    Notes
-    -----
-    A narrower choice has fewer blocks, and less structure in them. Of those whose blocks scatter as
-    noise of one kind does, the one is taken whose error, of both, is the least: errors do not
-    depend on how the noise came out.
+    The noise is to be known best `at` a level; rounding hides a variance of `least`, and samples
+    are clipped at `low` and `high`. A narrower choice has fewer blocks, and less structure in them.
+    Of those whose blocks scatter as noise of one kind does, the one is taken whose error, of both,
+    is the least: errors do not depend on how the noise came out.
     """
     waves = _Waves(
         blocks.level,

@@ -208,23 +208,12 @@ def fitted_lines(
     variance: float,
     structure: NDArray[np.float64] | None = None,
 ) -> Lines:
-    """Amplitudes and phases of waves in blocks of the picture.
+    """Amplitudes and phases of waves in blocks of the picture, less a plane through each.
 
-    Parameters
-    ----------
-    places : ndarray of int
-        Blocks to fit in; the fit is to samples less a plane through each block.
-    variance : float
-        Of the white noise.
-    structure : ndarray, optional
-        Power of each place's block that is not of the waves.
-
-    Returns
-    -------
-    tuple of PeriodicLine
-        Those whose power noise alone reaches in one of a thousand pictures, that quarters of the
-        blocks agree on, and that the half with less structure shows by itself: the tails of a
-        pattern's edges are in the other half alone.
+    `variance` is that of the white noise, `structure` the power of each block that is not of the
+    waves. Given are those whose power noise alone reaches in one of a thousand pictures, that
+    quarters of the blocks agree on, and that the half with less structure shows by itself: the
+    tails of a pattern's edges are in the other half alone.
     """
     if not frequencies or not len(places):
         return ()

@@ -317,20 +317,11 @@ def line_noise(
 ) -> LineNoise | None:
     """Offsets of rows from the waves down of the blocks that lie side by side.
 
-    Parameters
-    ----------
-    waves : ndarray, shape (blocks, waves)
-        Coefficients of waves down, constant across.
-    noise : ndarray, shape (blocks,)
-        Variance of a sample of each.
-    line : ndarray of int, shape (blocks,)
-        Which row of blocks.
-
-    Notes
-    -----
-    What a row has of its own is common to all blocks of it, and so in their median, beyond the
-    chance that their scatter leaves there. An edge along some blocks does not move a median; along
-    all of them it is left out, as more than three deviations of the others.
+    `waves` are coefficients of waves down, constant across, shape (blocks, waves); `noise` is the
+    variance of a sample of each block, and `line` its row. What a row has of its own is common to
+    all blocks of it, and so in their median, beyond the chance that their scatter leaves there. An
+    edge along some blocks does not move a median; along all of them it is left out, as more than
+    three deviations of the others.
     """
     order = np.argsort(line, kind="stable")
     ends = np.flatnonzero(np.diff(line[order])) + 1
