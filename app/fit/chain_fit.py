@@ -20,7 +20,7 @@ from app.fit.chain_transfer import ChainAt, EdgeTransfer
 from app.fit.edge_fit import EdgeFits, EdgesAt, SpreadTable, period_for, reaching_in
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseProblem
-from app.fit.parameter_search import apart, hops, inner, middle_of, starts
+from app.fit.parameter_search import apart, inner, middle_of, starts
 from app.fit.patch import MARGIN, Patch
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
@@ -32,7 +32,6 @@ Watch = Callable[[tuple[Patch, ...], EdgesAt], None]
 _THIN, _THIN_EDGES = 200, 8  # samples of an edge, and edges, while a start is sought
 _STARTS, _FIRST, _LAST = 5, 10, 25  # starts; evaluations from each, and from the best
 _BEST = 3  # starts that are followed to the end
-_HOLD = 1e-4  # of a scale, within which a parameter is held
 _RIVAL, _RIVAL_THIN = 12.0, 40.0  # of the sum of squares, within which another solution counts
 _SEED = 1996
 _STEP = 1e-3  # of a parameter's scale, for differences
@@ -364,20 +363,14 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     lows = np.array([parameter.low for parameter in free])
     highs = np.array([parameter.high for parameter in free])
 
-    def solved(
-        on: EdgeProblem, start: Vector, most: int, held: int | None = None
-    ) -> tuple[Vector, float]:
+    def solved(on: EdgeProblem, start: Vector, most: int) -> tuple[Vector, float]:
         scales = scales_of(free, start)
         inside = np.clip(start, lows + 1e-9 * scales, highs - 1e-9 * scales)
-        low, high = lows.copy(), highs.copy()
-        if held is not None:
-            low[held] = max(low[held], inside[held] - _HOLD * scales[held])
-            high[held] = min(high[held], inside[held] + _HOLD * scales[held])
         result = least_squares(
             on.residual,
             inside,
             jac=lambda v: on.jacobian(v, scales_of(free, v)),
-            bounds=(low, high),
+            bounds=(lows, highs),
             x_scale="jac",
             xtol=1e-7,
             ftol=1e-9,
@@ -387,10 +380,6 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
 
     thin.freeze(begin[0])
     first = sorted((solved(thin, start, _FIRST) for start in begin), key=lambda pair: pair[1])
-    for start, held in hops(free, first[0][0], thin.cost):
-        there, _ = solved(thin, start, _FIRST, held)
-        first.append(solved(thin, there, _FIRST))
-    first.sort(key=lambda pair: pair[1])
     near = [v for v, cost in first if 2.0 * (cost - first[0][1]) < _RIVAL_THIN]
     last = sorted(
         (solved(thin, start, _LAST) for start in apart(near)[:_BEST]), key=lambda pair: pair[1]

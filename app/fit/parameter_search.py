@@ -22,8 +22,6 @@ _SHARES = 1e-4, 0.3  # of a range to both sides of 0, in equal factors
 _ROUNDS = 2
 _DRAWN = 32  # sets for each parameter beyond the first
 _APART = 0.3  # of a value, between starts
-_MANY, _HOP = 3, 1.7  # parameters, from which on others are looked for a factor away
-_MATTERS = 30.0  # of the sum of squares
 _DIFFERENT = 0.05  # of values, between solutions
 
 
@@ -109,33 +107,6 @@ def _begin(parameter: FreeParameter, grid: Vector) -> float:
 def _is_apart(one: Vector, other: Vector) -> bool:
     scale = np.maximum(np.abs(one), np.abs(other)) + 1e-300
     return bool(np.max(np.abs(one - other) / scale) > _APART)
-
-
-def hops(
-    free: Sequence[FreeParameter], values: Vector, cost: Callable[[Vector], float]
-) -> list[tuple[Vector, int]]:
-    """Starts with one parameter away from a solution, to be held first.
-
-    So far away that it matters; the others may make up for it, and all go on from there to another
-    solution.
-    """
-    if len(free) < _MANY:
-        return []
-    here, away = cost(values), []
-    for index, parameter in enumerate(free):
-        value = float(values[index])
-        grid = places(parameter)
-        upper = [value * _HOP, *grid[grid > value * _HOP]] if value > 0.0 else list(grid[grid > 0])
-        for trials in (upper, [value / _HOP]):
-            for trial in trials:
-                other = values.copy()
-                other[index] = trial
-                if not parameter.low < trial < parameter.high or trial == value:
-                    continue
-                if trials is not upper or cost(other) - here > _MATTERS:
-                    away.append((other, index))
-                    break
-    return away
 
 
 def apart(solutions: Sequence[Vector]) -> list[Vector]:
