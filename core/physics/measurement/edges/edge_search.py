@@ -54,7 +54,7 @@ _SAMPLES_EXAMINED = 10_000  # of a picture, for each candidate between these num
 _BLURRED = 2.0  # times a step's contrast may be what its gradient says, for its blur
 _LEAST_SOFTNESS = 0.5  # samples, below which none is softer than another
 _WIDTHS_IN_REACH = 5.5  # so many standard deviations, and nothing of a Gaussian is left
-_LEAST_STEP = 0.3  # samples between two levels
+_NEAR, _LEAST_STEP = 3.0, 0.3  # samples about an edge, and between its two levels
 
 
 def find_edges(
@@ -252,7 +252,9 @@ def _settled(
     )
     if reason:
         return replace(edge, why_not=reason)
-    if 6.0 * np.mean(~np.isin(samples.value[np.abs(distance) < 3.0], extremes)) < _LEAST_STEP:
+    near = samples.value[np.abs(distance) < _NEAR]
+    between = 2.0 * _NEAR * float(np.mean(~np.isin(near, extremes)))
+    if clip_levels is None and between < _LEAST_STEP:
         return replace(
             edge,
             why_not="clipped: nearly all of its samples have one of two values, so little of its "
