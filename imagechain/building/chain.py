@@ -26,14 +26,14 @@ from core.names import shown
 from core.network.file import format_network, load_network
 from core.network.linked_values import expression_text
 from core.network.macro import declared_node
-from core.network.network import Link, Network, Node
+from core.network.network import Link, Network
 from core.network.validation import NetworkProblems
 from imagechain.building.camera import Camera
 from imagechain.building.chain_state import ChainState, Check, checked, saved
 from imagechain.parts.module_part import Part, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, plain_errors, table
 from imagechain.results.chain_result import Result, run_plan
-from imagechain.results.run_options import Origin, RunOptions, current_folder, whole_path
+from imagechain.results.run_options import RunOptions, current_folder, whole_path
 from nodes.library import standard_library
 
 Precision = Literal["single", "double"]
@@ -63,9 +63,10 @@ class Chain:
         self._planned: Plan | None = None
 
     @classmethod
-    def _of(cls, state: ChainState, engine: Engine) -> Chain:
+    def _of(cls, state: ChainState, engine: Engine | None = None) -> Chain:
         chain = object.__new__(cls)
-        chain._engine, chain._state, chain._planned = engine, state, None
+        chain._engine = Engine(standard_library()) if engine is None else engine
+        chain._state, chain._planned = state, None
         return chain
 
     # What it is
@@ -122,7 +123,7 @@ class Chain:
 
     @plain_errors
     def __getitem__(self, name: str) -> ChainNode:
-        self.raw_node(name)
+        self._state.node(name)
         return ChainNode(self, name)
 
     def __contains__(self, name: object) -> bool:
@@ -203,7 +204,7 @@ class Chain:
         return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self._state,)
+        return Chain._of, (self._state,)
 
     # Nodes and wires
 
@@ -399,10 +400,9 @@ class Chain:
         ImagechainError
             The first error, as in the command `imagechain run`.
         """
-        options = RunOptions.of(
-            Policy(precision, tolerance, threads), frames, outputs, region, memory, scratch
-        )
-        named = frozenset(node for node, _ in self._state.given)
+        policy, named = Policy(precision, tolerance, threads), {n for n, _ in self._state.given}
+        origin = {"file": self._state.file, "given": frozenset(named)}
+        options = RunOptions.of(policy, frames, outputs, region, memory, scratch, **origin)
         spare = [port.rpartition(".")[0] for port in options.outputs or ()]
         chain = self
 
@@ -426,7 +426,7 @@ class Chain:
             plan = self.planned(seed)[1]
         except ImagechainError as error:
             plan = smaller(error)
-        return run_plan(self._engine, plan, options, Origin(self._state.file, named), smaller)
+        return run_plan(self._engine, plan, options, smaller)
 
     @plain_errors
     def camera(
@@ -494,21 +494,11 @@ class Chain:
         """The text of the network file."""
         return format_network(self.network, library=self._engine.library)
 
-    # For what belongs to a chain
-
-    def raw_node(self, name: str) -> Node:
-        """The node in the network; inside a macro, ``MACRO/NODE``."""
-        return self._state.node(name)
-
-    def declared(self, name: str) -> Declaration:
-        """What a node's module declares."""
-        return self._state.declared(name, self._engine.library)
-
     def part(self, name: str) -> Part:
         """A node's module with its set values and absolute file names, for another chain."""
-        node = self.raw_node(name)
+        node = self._state.node(name)
         samples = self._state.samples.get(name)
-        paths = {p.name for p in self.declared(name).parameters if p.kind == "path"}
+        paths = {p.name for p in ChainNode(self, name)._declared.parameters if p.kind == "path"}
         params = {
             key: str((self.folder / value).absolute())
             if key in paths and isinstance(value, str) and value and samples is None
@@ -524,10 +514,6 @@ class Chain:
         if errors:
             raise NetworkProblems(errors)
         return self._engine, plan
-
-    def value_of(self, node: str, parameter: Parameter) -> Any:
-        """The value of a node's parameter that a run uses."""
-        return self._state.value(node, parameter, self._engine.library)
 
     def __repr__(self) -> str:
         title = f"<Chain {shown(self.name) if self.name else ''}".rstrip()
@@ -572,7 +558,7 @@ class ChainNode:
     @property
     def module(self) -> str:
         """Key of its module."""
-        return self._chain.raw_node(self._name).module
+        return self._chain._state.node(self._name).module
 
     @property
     def title(self) -> str:
@@ -610,7 +596,7 @@ class ChainNode:
 
     @property
     def _declared(self) -> Declaration:
-        return self._chain.declared(self._name)
+        return self._chain._state.declared(self._name, self._chain._engine.library)
 
     @property
     def _known(self) -> Declaration | None:
@@ -620,7 +606,7 @@ class ChainNode:
             return None
 
     def _value(self, parameter: Parameter) -> Any:
-        return self._chain.value_of(self._name, parameter)
+        return self._chain._state.value(self._name, parameter, self._chain._engine.library)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -647,7 +633,7 @@ class ChainNode:
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """Name, value, unit and meaning of every parameter, as strings."""
-        given: Mapping[str, Any] = self._chain.raw_node(self._name).params
+        given: Mapping[str, Any] = self._chain._state.node(self._name).params
         rows: list[tuple[str, str, str, str]] = []
         known = self._known
         if known is None:
@@ -662,10 +648,8 @@ class ChainNode:
 
     def __repr__(self) -> str:
         head = f"<{self._name}: {self.title}>"
-        rows = [row[:3] for row in self.rows()]
-        return (
-            f"{head}\n{columns([('  ' + name, *rest) for name, *rest in rows])}" if rows else head
-        )
+        rows = [("  " + name, value, unit) for name, value, unit, _ in self.rows()]
+        return f"{head}\n{columns(rows)}" if rows else head
 
     def _repr_html_(self) -> str:
         return table(
@@ -699,7 +683,3 @@ def open(network: str | PathLike[str]) -> Chain:
 def networks() -> list[str]:
     """Names of the shipped networks."""
     return list(shipped_networks())
-
-
-def _unpickled(state: ChainState) -> Chain:
-    return Chain._of(state, Engine(standard_library()))

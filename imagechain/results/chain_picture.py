@@ -25,14 +25,6 @@ _MOST_PX = 1024
 
 
 @dataclass(frozen=True, eq=False)
-class PictureValues:
-    """Where the bands of a picture come from."""
-
-    work: Work
-    region: Region | None = None
-
-
-@dataclass(frozen=True, eq=False)
 class Picture:
     """A picture that a chain has computed.
 
@@ -47,7 +39,8 @@ class Picture:
     port: str
     _image: Image = field(repr=False)
     samples: NDArray[Any] = field(repr=False)
-    _values: PictureValues = field(repr=False)
+    _work: Work = field(repr=False)
+    _region: Region | None = field(repr=False)
 
     __reduce__ = stays_here
 
@@ -84,9 +77,8 @@ class Picture:
         if bands is None or not 0 <= index < count:
             allowed = f"0 to {count - 1}" if count else "the picture has no bands"
             raise ParameterError("band", index, allowed)
-        region = self._values.region
-        samples = self._values.work.value(bands.band(index))
-        samples = samples if region is None else region.cut(samples)
+        samples = self._work.value(bands.band(index))
+        samples = samples if self._region is None else self._region.cut(samples)
         samples.flags.writeable = False
         return samples.view()
 
@@ -110,7 +102,7 @@ class Picture:
             Give all bands, over wavelength (µm), y and x, instead of their sum.
         """
         xarray = needed("xarray", "pictures as DataArrays")
-        image, region = self._image, self._values.region
+        image, region = self._image, self._region
         coordinates = {}
         spans = zip(
             ("y", "x"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 from os import PathLike, fspath
@@ -27,14 +27,13 @@ from core.chain.realize import asked_for
 from core.chain.skipped import skips
 from core.chain.wires import Image
 from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
-from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.machine import store_bytes
 from core.modules.panel_sections import Caution
 from core.names import close, shown
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
-from imagechain.results.chain_picture import Picture, PictureValues
-from imagechain.results.run_options import Origin, RunOptions
+from imagechain.results.chain_picture import Picture
+from imagechain.results.run_options import RunOptions
 from imagechain.results.tables import (
     ReadoutTable,
     StageCurves,
@@ -60,14 +59,13 @@ class Result:
         plan: Plan,
         options: RunOptions,
         work: TimedWork,
-        origin: Origin,
         smaller: Smaller,
     ) -> None:
         self._engine = engine
         self._plan = plan
         self._options = options
         self._work = work
-        self._origin, self._smaller = origin, smaller
+        self._smaller = smaller
         self._values: dict[str, NDArray[Any]] = {}
 
     __reduce__ = stays_here
@@ -99,7 +97,8 @@ class Result:
     def picture(self, port: str | None = None) -> Picture:
         """A picture with its unit, sampling interval and band; the port as for `image`."""
         name = self._port(port)
-        return Picture(name, self._image(name), self._samples(name), self._of(name))
+        image, samples = self._image(name), self._samples(name)
+        return Picture(name, image, samples, self._work, self._region(image))
 
     @property
     def images(self) -> Images:
@@ -204,10 +203,34 @@ class Result:
             Further folders where a network from a file may write, over any file. Otherwise it may
             write only in its own folder, and overwrite only files that it has written itself. Files
             that were named in Python are always written.
-        """
-        from imagechain.results.chain_result import write_files
 
-        return write_files(self._evaluation, self._origin, allow)
+        Raises
+        ------
+        FileError
+            If a file cannot be written, or a network from a file names one outside its own folder
+            or one that it has not written itself.
+        """
+        evaluation, plan, origin = self._evaluation, self._plan, self._options
+        targets = sink_targets(plan, plan.folder)
+        file = origin.file if origin.file is not None else plan.folder / "chain without a file.json"
+        rules = WriteRules(
+            folders=(Path(os.path.realpath(plan.folder)),),
+            allowed=tuple(Path(os.path.realpath(fspath(one))) for one in allow),
+            given=origin.given,
+            record=read_record(file),
+        )
+        with Staging(None, [file, *input_files(plan, plan.folder)]) as staging:
+            for node, path in targets.items():
+                where = shlex.quote(os.path.dirname(os.path.realpath(path)))  # noqa: PTH120
+                told = replace(rules, how_to_allow=f"write_files(allow=[{where}]) allows it")
+                staging.claim(path, partial(told.check, node))
+            for _, path, writer in sink_files(evaluation):
+                staging.write(path, writer)
+            if origin.file is None:
+                staging.commit()
+            else:
+                rules.commit(staging)
+        return list(targets.values())
 
     # Inside
 
@@ -268,9 +291,6 @@ class Result:
     def _region(self, image: Image) -> Region | None:
         return self._options.region_of(image.shape)
 
-    def _of(self, port: str) -> PictureValues:
-        return PictureValues(self._work, self._region(self._image(port)))
-
     def __repr__(self) -> str:
         parts = [shown(self._plan.network.name) if self._plan.network.name else "", self.final]
         words = ", ".join([*filter(None, parts), f"{self._work.policy.precision} precision"])
@@ -321,9 +341,7 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
     )
 
 
-def run_plan(
-    engine: Engine, plan: Plan, options: RunOptions, origin: Origin, smaller: Smaller
-) -> Result:
+def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) -> Result:
     """Compute what the options name, by default the final picture.
 
     Everything else is computed on access. Pictures in blocks are the exception: their space on disk
@@ -339,12 +357,14 @@ def run_plan(
     most = store_bytes() if options.memory is None else min(store_bytes(), options.memory)
     engine.store.capacity_bytes = most if kept is None else kept.capacity_bytes
     work = TimedWork(options.policy, engine.store, workers=engine.workers)
-    result = Result(engine, plan, options, work, origin, smaller)
-    ports = list(options.outputs) if options.outputs is not None else _final(plan)
+    result = Result(engine, plan, options, work, smaller)
+    ports = options.outputs
+    if ports is None:
+        ports = tuple(filter(None, [find_output(plan).port]))
     how: dict[str, Any] = {"ports": ports, "report": False, "scratch": options.scratch}
     with (
         blocks_of(way, engine, plan, options.policy, **how) as work.blocks,
-        work.hold(_recipes(plan, ports)),
+        work.hold(recipe for port in ports for recipe in asked_for(plan.output(port))),
     ):
         everything = options.outputs is None and options.region is None
         if everything and (way.in_blocks or not ports):
@@ -354,15 +374,6 @@ def run_plan(
     return result
 
 
-def _final(plan: Plan) -> list[str]:
-    port = find_output(plan).port
-    return [] if port is None else [port]
-
-
-def _recipes(plan: Plan, ports: Sequence[str]) -> list[Recipe]:
-    return [recipe for port in ports for recipe in asked_for(plan.output(port))]
-
-
 def _read_only(samples: NDArray[Any]) -> NDArray[Any]:
     """A view that nobody can make writable again, because its base is read-only too."""
     owner: Any = samples
@@ -370,39 +381,3 @@ def _read_only(samples: NDArray[Any]) -> NDArray[Any]:
         owner.flags.writeable = False
         owner = owner.base
     return samples.view()
-
-
-def write_files(
-    evaluation: Evaluation, origin: Origin, allowed: Iterable[str | PathLike[str]]
-) -> list[Path]:
-    """Write the files of write nodes; returns their paths.
-
-    Raises
-    ------
-    FileError
-        If a file cannot be written, or a network from a file names one outside its own folder or
-        one that it has not written itself.
-    """
-    plan = evaluation.plan
-    folder = plan.folder
-    targets = sink_targets(plan, folder)
-    file = origin.file if origin.file is not None else folder / "chain without a file.json"
-    rules = WriteRules(
-        folders=(Path(os.path.realpath(folder)),),
-        allowed=tuple(Path(os.path.realpath(fspath(one))) for one in allowed),
-        given=origin.given,
-        record=read_record(file),
-    )
-    inputs = [file, *input_files(plan, folder)]
-    with Staging(None, inputs) as staging:
-        for node, path in targets.items():
-            where = shlex.quote(os.path.dirname(os.path.realpath(path)))  # noqa: PTH120
-            told = replace(rules, how_to_allow=f"write_files(allow=[{where}]) allows it")
-            staging.claim(path, partial(told.check, node))
-        for _, path, writer in sink_files(evaluation):
-            staging.write(path, writer)
-        if origin.file is None:
-            staging.commit()
-        else:
-            rules.commit(staging)
-    return list(targets.values())

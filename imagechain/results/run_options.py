@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 from app.options.option_values import size_in_bytes
 from app.run.saving import MOST_FRAMES
@@ -18,16 +19,12 @@ _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 
 
 @dataclass(frozen=True)
-class Origin:
-    """Where a chain comes from, which decides what it may write."""
-
-    file: Path | None  # the network file, where the chain is in one
-    given: frozenset[str]  # nodes whose files were named in Python
-
-
-@dataclass(frozen=True)
 class RunOptions:
-    """Options of a run, as for `Chain.run`."""
+    """Options of a run, as for `Chain.run`, and what decides where the chain may write.
+
+    `file` is the network file, where the chain is in one; `given` are the nodes whose files were
+    named in Python.
+    """
 
     policy: Policy
     frames: int | None = None
@@ -35,6 +32,8 @@ class RunOptions:
     region: tuple[slice, slice] | None = None
     memory: int | None = None
     scratch: Path = Path()
+    file: Path | None = None
+    given: frozenset[str] = frozenset()
 
     @classmethod
     def of(
@@ -45,14 +44,9 @@ class RunOptions:
         region: tuple[slice, slice] | None,
         memory: int | str | None,
         scratch: str | PathLike[str] | None,
+        **origin: Any,
     ) -> RunOptions:
-        """Check the options.
-
-        Raises
-        ------
-        ParameterError
-            If an option is not allowed.
-        """
+        """The options, checked: raises `ParameterError` if one is not allowed."""
         if frames is not None and not (_is_whole(frames) and 1 <= frames <= MOST_FRAMES):
             raise ParameterError("frames", frames, f"a whole number from 1 to {MOST_FRAMES}")
         chosen = (outputs,) if isinstance(outputs, str) else outputs
@@ -64,15 +58,12 @@ class RunOptions:
             raise ParameterError("region", region, _REGION)
         ports = None if chosen is None else tuple(chosen)
         folder = current_folder() if scratch is None else Path(fspath(scratch))
-        return cls(policy, frames, ports, region, _bytes(memory), folder)
+        return cls(policy, frames, ports, region, _bytes(memory), folder, **origin)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
         """The rows and columns to compute in a picture of that shape; None for all of it.
 
-        Raises
-        ------
-        ParameterError
-            If the region is empty.
+        Raises `ParameterError` if the region is empty.
         """
         if self.region is None:
             return None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from app.study.study_request import StudyRows
 
 Vector = NDArray[np.float64]
+Value = TypeVar("Value")
 _SHOWN = 20  # rows of a notebook's table
 
 
@@ -45,28 +47,42 @@ class ReadoutRow:
     meaning: str
 
 
-class ReadoutTable(Mapping[str, Mapping[str, Any]]):
+class _Named(Mapping[str, Value]):
+    """Values by name, given as copies."""
+
+    def __init__(self, values: Mapping[str, Value]) -> None:
+        self._values = dict(values)
+
+    @plain_errors
+    def __getitem__(self, name: str) -> Value:
+        if name not in self._values:
+            raise self._no(name)
+        return copy(self._values[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def _no(self, name: str) -> Exception:
+        """The error for a name that it does not have."""
+        raise NotImplementedError
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+
+class ReadoutTable(_Named[Mapping[str, Any]]):
     """Read-outs as ``readouts[NODE][NAME]``; `rows` also has their units and meanings."""
 
     def __init__(self, rows: tuple[ReadoutRow, ...], nodes: tuple[str, ...]) -> None:
         self.rows = rows
-        self._nodes: dict[str, dict[str, Any]] = {node: {} for node in nodes}
-        for row in rows:
-            self._nodes[row.node][row.name] = row.value
+        super().__init__({n: {r.name: r.value for r in rows if r.node == n} for n in nodes})
 
-    @plain_errors
-    def __getitem__(self, node: str) -> Mapping[str, Any]:
-        if node not in self._nodes:
-            raise KeyError(
-                f"there is no node {shown(node)} with read-outs{close(node, self._nodes)}"
-            )
-        return dict(self._nodes[node])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._nodes)
-
-    def __len__(self) -> int:
-        return len(self._nodes)
+    def _no(self, name: str) -> Exception:
+        hint = close(name, self._values)
+        return KeyError(f"there is no node {shown(name)} with read-outs{hint}")
 
     @plain_errors
     def row(self, name: str) -> ReadoutRow:
@@ -86,7 +102,7 @@ class ReadoutTable(Mapping[str, Mapping[str, Any]]):
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Read-outs by node and name, as plain values; infinite values are strings."""
-        plain: dict[str, dict[str, Any]] = jsonable(self._nodes)
+        plain: dict[str, dict[str, Any]] = jsonable(self._values)
         return plain
 
     @plain_errors
@@ -124,9 +140,6 @@ class ReadoutTable(Mapping[str, Mapping[str, Any]]):
     def _repr_html_(self) -> str:
         return table(("node", "read-out", "value", "unit"), self._texts(), right=2)
 
-    def _ipython_key_completions_(self) -> list[str]:
-        return list(self)
-
 
 def readout_table(evaluation: Evaluation) -> ReadoutTable:
     """The read-outs of an evaluation."""
@@ -154,7 +167,7 @@ class StageCurve:
         return np.asarray(self.mtf * np.exp(1j * self.ptf_rad), np.complex128)
 
 
-class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
+class StageCurves(_Named[Mapping[str, StageCurve]]):
     """Curves as ``curves[STAGE][AXIS]``.
 
     Stages are nodes; ``"total"`` is their product before pixels are combined, and
@@ -165,29 +178,20 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
     def __init__(
         self, curves: Mapping[str, Mapping[str, StageCurve]], titles: Mapping[str, str], drawn: Any
     ) -> None:
-        self._curves = {name: dict(axes) for name, axes in curves.items()}
+        super().__init__(curves)
         self.titles = dict(titles)
         self._drawn = drawn
 
     __reduce__ = stays_here
 
-    @plain_errors
-    def __getitem__(self, stage: str) -> Mapping[str, StageCurve]:
-        if stage not in self._curves:
-            known = close(stage, self._curves) or f"; it has {', '.join(self._curves) or 'none'}"
-            raise KeyError(f"the chain has no stage {shown(stage)}{known}")
-        return dict(self._curves[stage])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._curves)
-
-    def __len__(self) -> int:
-        return len(self._curves)
+    def _no(self, name: str) -> Exception:
+        known = close(name, self) or f"; it has {', '.join(self) or 'none'}"
+        return KeyError(f"the chain has no stage {shown(name)}{known}")
 
     @property
     def total(self) -> Mapping[str, StageCurve]:
         """The product of all stages, electronics included where there are any."""
-        name = "total_with_electronics" if "total_with_electronics" in self._curves else "total"
+        name = "total_with_electronics" if "total_with_electronics" in self._values else "total"
         return self[name]
 
     @plain_errors
@@ -201,7 +205,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
         """
         every = [
             (stage, axis, curve)
-            for stage, axes in self._curves.items()
+            for stage, axes in self._values.items()
             for axis, curve in axes.items()
         ]
         lengths = [len(curve.frequency) for _, _, curve in every]
@@ -225,10 +229,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
         return f"<curves of {', '.join(self) or 'no stage'}>"
 
     def _repr_html_(self) -> str:
-        return png(self.to_png(), alt="MTF of every stage") if self._curves else text(repr(self))
-
-    def _ipython_key_completions_(self) -> list[str]:
-        return list(self)
+        return png(self.to_png(), alt="MTF of every stage") if self._values else text(repr(self))
 
 
 def curves_of(evaluation: Evaluation) -> StageCurves:
@@ -275,7 +276,7 @@ def _joined(arrays: list[Vector]) -> Vector:
     return np.concatenate(arrays) if arrays else np.zeros(0)
 
 
-class StudyTable(Mapping[str, list[Any]]):
+class StudyTable(_Named[list[Any]]):
     """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
 
     The columns are the varied parameters, the figures, ``point``, ``key`` (of what was computed),
@@ -285,21 +286,12 @@ class StudyTable(Mapping[str, list[Any]]):
 
     def __init__(self, rows: StudyRows) -> None:
         self._rows = rows
-        self._columns = {column.name: list(column.values) for column in rows.columns()}
+        super().__init__({column.name: list(column.values) for column in rows.columns()})
         self.units: dict[str, str] = {column.name: column.unit for column in rows.columns()}
 
-    @plain_errors
-    def __getitem__(self, name: str) -> list[Any]:
-        if name not in self._columns:
-            known = close(name, self._columns) or f"; it has {', '.join(self._columns)}"
-            raise ParameterError("column", name, f"the study has no such column{known}")
-        return list(self._columns[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
+    def _no(self, name: str) -> Exception:
+        known = close(name, self) or f"; it has {', '.join(self)}"
+        return ParameterError("column", name, f"the study has no such column{known}")
 
     @property
     def failed(self) -> dict[int, str]:
@@ -323,7 +315,7 @@ class StudyTable(Mapping[str, list[Any]]):
         return _frame({column.head: column.typed for column in self._rows.columns()})
 
     def _texts(self, most: int) -> list[list[str]]:
-        rows = zip(*self._columns.values(), strict=True)
+        rows = zip(*self._values.values(), strict=True)
         return [[_word(cell) for cell in row] for row, _ in zip(rows, range(most), strict=False)]
 
     def __repr__(self) -> str:

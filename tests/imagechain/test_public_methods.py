@@ -70,9 +70,6 @@ CALLED = {
         "mark_final": lambda c: c.mark_final("back").final == "back.image",
         "save": lambda c: ic.open(c.save("mine.json")).name == "Mine",
         "part": lambda c: c.part("blur") is not None,
-        "raw_node": lambda c: c.raw_node("blur").module == "gaussian_mtf",
-        "declared": lambda c: c.declared("blur").key == "gaussian_mtf",
-        "value_of": lambda c: c.value_of("blur", c.declared("blur").parameters[0]) is not None,
     },
     ic.ChainNode: {"set": lambda n: n.set(sigma_x_mrad=0.2) is None and n.sigma_x_mrad == 0.2},
     ic.Result: {
