@@ -22,6 +22,9 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     was at `path` before is untouched. A symbolic link is followed: its target is replaced.
     What a killed process has left in the folder is removed.
 
+    Raises `FileError`: `path` is a folder or no regular file, its folder is missing or cannot be
+    written, or the disk is full. An `OSError` from within the block is given as `FileError` too.
+
     Parameters
     ----------
     path
@@ -31,12 +34,6 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     ------
     pathlib.Path
         An existing empty file to write into; it must be closed when the block ends.
-
-    Raises
-    ------
-    FileError
-        `path` is a folder or no regular file, its folder is missing or cannot be written, or
-        the disk is full. An `OSError` from within the block is given as `FileError` too.
     """
     target = _target(path)
     mode = _mode_of_existing(target)

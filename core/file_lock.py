@@ -46,10 +46,7 @@ def take(path: Path) -> FileLock | None:
 
     Nor is there one where another process holds it, or is just testing whether it is held.
 
-    Raises
-    ------
-    OSError
-        If the file cannot be made.
+    Raises `OSError` if the file cannot be made.
     """
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:

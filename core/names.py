@@ -16,10 +16,7 @@ from core.errors import NetworkError
 def check_id(name: str) -> None:
     """Refuse a node id that is empty or has a dot, an equals sign or a control character.
 
-    Raises
-    ------
-    NetworkError
-        Saying what is allowed.
+    Raises `NetworkError`, saying what is allowed.
     """
     # Cs: half a surrogate pair cannot be saved; Zl and Zp break lines as control characters do.
     barred = (c in ".=" or unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in name)

@@ -17,14 +17,16 @@ import weakref
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import FileError
 from core.machine import amount_text
+
+if TYPE_CHECKING:
+    from core.evaluation.recipes import Recipe
 
 Array = NDArray[Any]
 _TRIM_EVERY_S = 0.01
@@ -36,16 +38,9 @@ _SHARE_PICTURE = 16  # of the budget, from which on a picture lies on disk
 
 
 class ScratchDisk:
-    """Where the pictures and spectra of one run in blocks lie.
+    """Where the pictures and spectra of a run in blocks lie, which may take so much memory.
 
     Used as a context manager, within which mapped pages are let go of as they become many.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the scratch files are made.
-    memory_bytes : int
-        What the run may take.
     """
 
     def __init__(self, folder: Path, memory_bytes: int) -> None:
@@ -67,10 +62,7 @@ class ScratchDisk:
     def empty(self, shape: tuple[int, ...], dtype: DTypeLike) -> Array:
         """An array on disk, its samples 0.
 
-        Raises
-        ------
-        FileError
-            If the disk has no room, or the folder cannot be written to.
+        Raises `FileError` if the disk has no room, or the folder cannot be written to.
         """
         mapped = self._mapped(_size(shape, dtype))
         return np.frombuffer(mapped, dtype, count=int(np.prod(shape))).reshape(shape)
@@ -101,12 +93,7 @@ class ScratchDisk:
             self._trimming.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._end.set()
         if self._trimming is not None:
             self._trimming.join()
@@ -203,54 +190,25 @@ Empty = Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]
 Shape = tuple[int, int]
 
 
-class Made(Protocol):
-    """A `core.evaluation.recipes.Recipe`."""
-
-    @property
-    def key(self) -> str: ...  # noqa: D102
-    @property
-    def by_rows(self) -> bool: ...  # noqa: D102
-
-
 @dataclass(frozen=True)
 class BlockRun:
-    """A run in blocks.
-
-    Parameters
-    ----------
-    disk : ScratchDisk
-        Where pictures lie that memory is not to hold.
-    shapes : mapping of key to (rows, columns)
-        The pictures among its recipes that lie there.
-    """
+    """A run in blocks: `shapes` has, by key, the pictures among its recipes that lie on disk."""
 
     disk: ScratchDisk
     shapes: Mapping[str, Shape]
 
-    def slabs_of(self, recipe: Made) -> Shape | None:
+    def slabs_of(self, recipe: Recipe) -> Shape | None:
         """Size of a picture that is made by blocks of rows; None for every other value."""
         return self.shapes.get(recipe.key) if recipe.by_rows else None
 
 
-# A 2-D array on disk that is written by rows and transformed by columns, or the other way round.
-#
-# Blocks of columns ("strips") lie together, each by rows. A block of rows is then as many pieces
-# as
-# there are strips, and all rows of a strip are one piece: either way disks read and write long
-# runs.
-
-
 class StripArray:
-    """Rows are read and written by ``array[start:stop]``, strips are views.
+    """A 2-D array on disk that is written by rows and transformed by columns, or the reverse.
 
-    Parameters
-    ----------
-    flat : ndarray, shape (rows·columns,)
-        Where the samples lie.
-    shape : (int, int)
-        Rows and columns.
-    width : int
-        Columns of a strip; the last may have fewer.
+    Blocks of columns ("strips") lie together, each by rows. A block of rows is then as many pieces
+    as there are strips, and all rows of a strip are one piece: either way disks read and write long
+    runs. Rows are read and written by ``array[start:stop]``, strips are views. `flat` holds the
+    samples, (rows·columns,); a strip has `width` columns, the last perhaps fewer.
     """
 
     def __init__(self, flat: Array, shape: tuple[int, int], width: int) -> None:
@@ -261,11 +219,6 @@ class StripArray:
             flat[rows * place.start : rows * place.stop].reshape(rows, place.stop - place.start)
             for place in self.places
         ]
-
-    @property
-    def nbytes(self) -> int:
-        """Size on disk."""
-        return self.shape[0] * self.shape[1] * self.dtype.itemsize
 
     def __len__(self) -> int:
         return self.shape[0]

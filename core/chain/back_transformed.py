@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.band_stack import BandStack, Row, SteppedBands, weighted_factors
+from core.chain.band_stack import BandStack, Row, Rows, SteppedBands, stacked, weighted_factors
 from core.chain.filtered_sum import FilteredSum
 from core.chain.linear_change import Axis, Blocks, Filtering, Linear, Vector
 from core.chain.noise_power import NoisePower
 from core.chain.pixel_samples import PixelSamples
-from core.chain.results import DeliveredBands
 from core.chain.step_lineage import Lineage, picture_step
 from core.chain.wavelength_rank import WavelengthRank, spectral_of
 from core.chain.wires import Image, Magnitude, Phase
@@ -36,10 +35,7 @@ BinMode = Literal["mean", "sum"]
 def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = None) -> Image:
     """The image of a magnitude and a phase, which may stem from different images.
 
-    Raises
-    ------
-    DataError
-        If the two do not have the same size.
+    Raises `DataError` if the two do not have the same size.
     """
     if magnitude.grid.shape != phase.grid.shape:
         raise DataError(
@@ -52,22 +48,19 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
     bands = _bands_of(recipe)
     if bands is not None:
         recipe = replace(recipe, weights=bands.whole)
-    unit = like.unit if like is not None else ""
-    return Image(
-        recipe,
-        grid.rows,
-        grid.columns,
-        grid.interval_x_mrad,
-        grid.interval_y_mrad,
-        unit=unit,
-        band_um=like.band_um if like is not None else None,
-        edges="reflect" if recipe.mirrored else "periodic",
-        camera=like.camera if like is not None else None,
-        pixel_mrad=like.pixel_mrad if like is not None else (None, None),
-        bands=bands,
-        air=like.air if like is not None else (),
-        responses=like.responses if like is not None else (),
-        vignetting=like.vignetting if like is not None else 1.0,
+    interval = grid.interval_x_mrad, grid.interval_y_mrad
+    made = Image(recipe, *grid.shape, *interval, unit="", edges=recipe.edges, bands=bands)
+    if like is None:
+        return made
+    return replace(
+        made,
+        unit=like.unit,
+        band_um=like.band_um,
+        camera=like.camera,
+        pixel_mrad=like.pixel_mrad,
+        air=like.air,
+        responses=like.responses,
+        vignetting=like.vignetting,
     )
 
 
@@ -225,15 +218,12 @@ class Delivered(Recipe):
         part = region.columns / shape[1] if self.mirrored else region.rows / shape[0]
         return 0.5 + 0.5 * part
 
-    def compute(self, work: Work) -> Array:
-        """One multiplication of the spectrum and one inverse transform."""
-        return self._made(work)
-
     def compute_part(self, work: Work, region: Region) -> Array:
         """The same, the second half of the transform for the region alone."""
-        return self._made(work, region)
+        return self.compute(work, region)
 
-    def _made(self, work: Work, region: Region | None = None) -> Array:
+    def compute(self, work: Work, region: Region | None = None) -> Array:
+        """One multiplication of the spectrum and one inverse transform."""
         factors, _ = self.spent(work)
         if not self.one_source:
             return self._filtered(work, self._crossed(work), factors, region)
@@ -309,6 +299,37 @@ class Delivered(Recipe):
         )
 
 
+@dataclass(frozen=True)
+class DeliveredBands(BandStack):
+    """Bands behind a back transform: each sum of them is filtered as one picture."""
+
+    before: BandStack
+    delivered: Delivered
+
+    @classmethod
+    def of(cls, before: BandStack, delivered: Delivered) -> DeliveredBands:
+        plain = replace(delivered, weights=None)
+        return cls(before.centres_um, before.widths_um, before, plain, density=before.density)
+
+    @property
+    def in_blocks(self) -> bool:
+        return self.before.in_blocks and self.picture(self.whole).in_blocks
+
+    def _content(self) -> tuple[object, ...]:
+        return self.before.key, self.delivered.key
+
+    def picture(self, weights: Row) -> Recipe:
+        """The filtered sum."""
+        return replace(self.delivered, weights=weights)
+
+    def sums(self, weights: Rows) -> Recipe:
+        return stacked(tuple(self.picture(row) for row in weights))
+
+    def means(self) -> Recipe:
+        """Means of the bands before: no transfer function changes them."""
+        return self.before.means()
+
+
 def combine_pixels(
     image: Image, *, factor_x: int, factor_y: int, mode: BinMode = "mean", node: str | None = None
 ) -> Image:
@@ -317,10 +338,7 @@ def combine_pixels(
     Straight after a back transform, and where the factors divide the size, the spectrum is folded
     and a smaller inverse transform taken; otherwise the pixels are combined.
 
-    Raises
-    ------
-    DataError
-        If a factor exceeds the image's size.
+    Raises `DataError` if a factor exceeds the image's size.
     """
     if factor_x > image.columns or factor_y > image.rows:
         raise DataError(
@@ -366,10 +384,7 @@ def sample_pixels(
     Straight after a back transform the filtered spectrum itself is taken there; of any other image
     the samples' own, mirrored at the frame's edges or periodic as that image has them.
 
-    Raises
-    ------
-    DataError
-        If not one pixel fits the image.
+    Raises `DataError` if not one pixel fits the image.
     """
     recipe = image.recipe
     edges: Edges = image.edges or "reflect"
@@ -443,45 +458,19 @@ def block_combine(
 # What becomes of a picture in a filtered image: its factors, and its pixels' means, in one.
 
 
-class Filtered(Protocol):
-    """A `core.chain.back_transformed.Delivered`, whose file imports this one."""
-
-    @property
-    def magnitude(self) -> Magnitude: ...
-    @property
-    def phase(self) -> Phase: ...
-    @property
-    def factor_x(self) -> int: ...
-    @property
-    def factor_y(self) -> int: ...
-    @property
-    def mode(self) -> Literal["mean", "sum"]: ...
-    @property
-    def sampled(self) -> PixelSamples | None: ...
-    @property
-    def weights(self) -> Row | None: ...
-    @property
-    def bands(self) -> BandStack: ...
-    @property
-    def mirrored(self) -> bool: ...
-    @property
-    def plain(self) -> bool: ...
-
-
 @dataclass(frozen=True)
 class Delivery(Linear):
     """What a delivered image's factors and pixel means do, in one."""
 
-    recipe: Filtered
+    recipe: Delivered
 
     @property
     def _filtering(self) -> Filtering:
         magnitude, phase = self.recipe.magnitude, self.recipe.phase
-        edges: Edges = "reflect" if self.recipe.mirrored else "periodic"
         factors: tuple[Factor, ...] = (*magnitude.factors, *phase.factors)
         if self.recipe.weights is not None:
             factors = weighted_factors(factors, self.recipe.bands, self.recipe.weights)
-        return Filtering(factors, magnitude.grid, edges)
+        return Filtering(factors, magnitude.grid, self.recipe.edges)
 
     @property
     def _pixels(self) -> Blocks | PixelSamples:

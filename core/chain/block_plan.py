@@ -46,30 +46,19 @@ def largest_picture(plan: Plan, policy: Policy) -> LargestPicture | None:
 def planned_blocks(
     plan: Plan, recipes: Iterable[Recipe], disk: ScratchDisk, policy: Policy
 ) -> BlockRun:
-    """What a run in blocks keeps on disk.
+    """What a run in blocks keeps on disk, where it reads the values of all these recipes.
 
-    Parameters
-    ----------
-    plan : Plan
-        The network.
-    recipes : iterable of Recipe
-        All whose values the run reads.
-    disk : ScratchDisk
-        Where large pictures are to lie.
-    policy : Policy
-        Precision.
-
-    Raises
-    ------
-    DataError
-        On the first node that would take or make a picture as a whole that has to lie on disk.
+    Raises `DataError` on the first node that would take or make a picture as a whole that has to
+    lie on disk.
     """
-    pictures = _Shapes({value.key: value.shape for value in _images(plan)})
+    pictures = {value.key: value.shape for value in _images(plan)}
     on_disk: dict[str, Shape] = {}
     for recipe in _furthest_first(recipes):
-        shape = pictures.of(recipe)
-        if shape is not None and disk.wants(shape, policy.dtype):
-            on_disk[recipe.key] = shape
+        shape = _shape(recipe, pictures)
+        if shape is not None:
+            pictures[recipe.key] = shape
+            if disk.wants(shape, policy.dtype):
+                on_disk[recipe.key] = shape
         large = [on_disk[one.key] for one in recipe.inputs if one.key in on_disk]
         if recipe.key in on_disk:
             large.append(on_disk[recipe.key])
@@ -115,40 +104,25 @@ def _what(recipe: Recipe) -> str:
     return name.strip("_").replace("_", " ")
 
 
-class _Shapes:
-    """Sizes of pictures: those on wires, and what is made of them sample by sample."""
-
-    def __init__(self, known: Mapping[str, Shape]) -> None:
-        self._known = dict(known)
-
-    def of(self, recipe: Recipe) -> Shape | None:
-        """Size of a picture; None for all that is none. What it is made of has been here before."""
-        shape = self._known.get(recipe.key) or self._made(recipe)
-        if shape is not None:
-            self._known[recipe.key] = shape
-        return shape
-
-    def _made(self, recipe: Recipe) -> Shape | None:
-        if isinstance(recipe, Delivered):
-            return _delivered(recipe)
-        if not isinstance(recipe, Step) or not recipe.in_parts:
-            return None
-        how = dict(recipe.parameters)
-        given = how.get("shape")
-        if {"old", "factor_y", "factor_x"} <= how.keys():  # pixels combined inside a node
-            given = how["old"][0] // how["factor_y"], how["old"][1] // how["factor_x"]
-        if given is not None:
-            return int(given[0]), int(given[1])
-        sizes = [self._known[one.key] for one in recipe.inputs if one.key in self._known]
-        return max(sizes, default=None)  # patterns of one line are spread over the picture
-
-
-def _delivered(recipe: Delivered) -> Shape:
-    if recipe.sampled is not None:
-        rows, columns = recipe.sampled.new
-        return rows, columns
-    grid = recipe.magnitude.grid
-    return grid.rows // recipe.factor_y, grid.columns // recipe.factor_x
+def _shape(recipe: Recipe, known: Mapping[str, Shape]) -> Shape | None:
+    """Size of a picture; None for all that is none. What it is made of is known."""
+    if recipe.key in known:
+        return known[recipe.key]
+    if isinstance(recipe, Delivered):
+        if recipe.sampled is not None:
+            return recipe.sampled.new
+        grid = recipe.magnitude.grid
+        return grid.rows // recipe.factor_y, grid.columns // recipe.factor_x
+    if not isinstance(recipe, Step) or not recipe.in_parts:
+        return None
+    how = dict(recipe.parameters)
+    given = how.get("shape")
+    if {"old", "factor_y", "factor_x"} <= how.keys():  # pixels combined inside a node
+        given = how["old"][0] // how["factor_y"], how["old"][1] // how["factor_x"]
+    if given is not None:
+        return int(given[0]), int(given[1])
+    sizes = [known[one.key] for one in recipe.inputs if one.key in known]
+    return max(sizes, default=None)  # patterns of one line are spread over the picture
 
 
 def _images(plan: Plan) -> list[Image]:

@@ -101,15 +101,10 @@ class Plan:
     def output(self, port: str) -> Any:
         """The value on ``node.port``; a macro's port stands for one inside.
 
-        Raises
-        ------
-        ImagechainError
-            The node's own error, or that there is no such port.
+        Raises `ImagechainError`: the node's own error, or that there is no such port.
         """
         name, _, output = self.network.port_names.get(port, port).rpartition(".")
-        planned = self.node(name)
-        if planned.error is not None:
-            raise planned.error
+        planned = self.node(name).sound()
         if output not in planned.outputs:
             known = ", ".join(planned.outputs) or "none"
             raise NetworkError(f"{port}: {name} has no output {output!r}; it has {known}")
@@ -118,10 +113,7 @@ class Plan:
     def node(self, name: str) -> PlannedNode:
         """The planned node of that id.
 
-        Raises
-        ------
-        NetworkError
-            If there is none.
+        Raises `NetworkError` if there is none.
         """
         if name not in self.nodes:
             known = ", ".join(self.nodes) or "none"
@@ -143,25 +135,13 @@ class Plan:
 
 
 class Engine:
-    """Plans and evaluates networks over one store.
-
-    Parameters
-    ----------
-    library : mapping of key to module class
-        The modules a network may use.
-    store : Store, optional
-        Where computed values are kept between evaluations.
-    """
+    """Plans and evaluates networks of a library's modules; one store keeps the computed values."""
 
     def __init__(self, library: Library, store: Store | None = None) -> None:
         self.library = library
         self.store = store if store is not None else Store()
-        self._workers = Workers()
-
-    @property
-    def workers(self) -> Workers:
+        self.workers = Workers()
         """The threads that its evaluations share."""
-        return self._workers
 
     def plan(
         self,
@@ -212,7 +192,7 @@ class Engine:
         progress: Callable[[str | None], None] | None = None,
     ) -> Work:
         """One evaluation over this engine's store."""
-        return Work(policy, self.store, cancel, progress, self._workers)
+        return Work(policy, self.store, cancel, progress, self.workers)
 
     def value(self, plan: Plan, port: str, work: Work, region: Region | None = None) -> Any:
         """The computed value of one ``node.port``.
@@ -233,10 +213,7 @@ class Engine:
     ) -> dict[str, Any]:
         """Values of a node's read-outs by name; of those in `names`, if given.
 
-        Raises
-        ------
-        ImagechainError
-            The node's own error, or one met while computing.
+        Raises `ImagechainError`: the node's own error, or one met while computing.
         """
         values = self.planned_readouts(plan, node, names)
         recipes = [value for value in values.values() if isinstance(value, Recipe)]
@@ -253,10 +230,7 @@ class Engine:
     def why_none(self, plan: Plan, node: str, work: Work, name: str) -> str:
         """Why a read-out has no value, where its module gives the reason; else an empty text.
 
-        Raises
-        ------
-        ImagechainError
-            The node's own error, or one met while computing.
+        Raises `ImagechainError`: the node's own error, or one met while computing.
         """
         value = self.planned_readouts(plan, node, (name,)).get(name)
         reason = value.reason if isinstance(value, Step) else None
@@ -281,14 +255,9 @@ class Engine:
     ) -> dict[str, Any]:
         """A node's read-outs as values, or as recipes where they have to be computed.
 
-        Raises
-        ------
-        ImagechainError
-            The node's own error.
+        Raises `ImagechainError`: the node's own error.
         """
-        planned = plan.node(node)
-        if planned.error is not None:
-            raise planned.error
+        planned = plan.node(node).sound()
         values: dict[str, Any] = {}
         if planned.result is None and planned.node.disabled:
             return values

@@ -11,10 +11,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from core.chain.back_transformed import Delivered
+from core.chain.back_transformed import Delivered, DeliveredBands
 from core.chain.band_stack import AttenuatedBands, BandStack, SteppedBands
 from core.chain.random_fields import FrameNumber, Stream
-from core.chain.results import DeliveredBands
 from core.chain.wires import Magnitude, Phase
 from core.evaluation.recipes import Recipe, Step
 from core.transfer.factors import Law, Planar, Separable

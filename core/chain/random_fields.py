@@ -161,6 +161,8 @@ def poisson_field(
     is Poisson, their places are uniform, and an event stays with the probability mean/largest.
     The deviates then have exactly the Poisson distribution too (thinning).
 
+    Raises `DataError` for means that are negative or not finite.
+
     Parameters
     ----------
     mean
@@ -173,11 +175,6 @@ def poisson_field(
     Returns
     -------
     Counts, of the shape and type of `mean`.
-
-    Raises
-    ------
-    DataError
-        For means that are negative or not finite.
 
     Source: Lewis and Shedler 1979 (thinning); Hörmann 1993 (numpy's rejection above 10).
     """

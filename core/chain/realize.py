@@ -29,10 +29,7 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
     real and signed, PTF and phase in radians, at Nyquist as they act. Curve:
     `CurveData`. Table: `TableData`. Context: itself. A pupil gives its samples.
 
-    Raises
-    ------
-    ParameterError
-        For a region of what is no image, or beyond the image.
+    Raises `ParameterError` for a region of what is no image, or beyond the image.
     """
     if region is not None:
         if not isinstance(value, Image):

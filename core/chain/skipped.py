@@ -9,9 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from core.chain.back_transformed import Delivered
+from core.chain.back_transformed import Delivered, DeliveredBands
 from core.chain.engine import Plan, PlannedNode
-from core.chain.results import DeliveredBands
 from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work

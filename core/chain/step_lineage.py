@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, marked
 from core.evaluation.work import Work
 
 # Noise where a step adds it: its name, whether it changes in time, its power.
@@ -51,8 +51,7 @@ def noises_in_blocks(function: F) -> F:
 
     Their power is one number, and variances of samples are made by `AtStep.by_rows`.
     """
-    function.in_blocks = True  # type: ignore[attr-defined]
-    return function
+    return marked(in_blocks=True)(function)
 
 
 @dataclass(frozen=True)
@@ -74,20 +73,9 @@ class Noise:
 class AtStep:
     """A step that adds noise, and the picture there.
 
-    Parameters
-    ----------
-    work : Work
-        Makes the values of inputs.
-    step : Step
-        The step itself.
-    rows, columns : int
-        Size of its picture.
-    before : tuple of Noise
-        What its picture has already.
-    uniform : bool
-        Whether gain errors are to be those of a uniform field of the picture's mean.
-    filtered : bool
-        Whether any noise is filtered on its way: what is not needs no sample's own variance.
+    `before` are the noises that its picture has already. With `uniform`, gain errors are those of a
+    uniform field of the picture's mean. `filtered`: whether any noise is filtered on its way; what
+    is not needs no sample's own variance.
     """
 
     work: Work
@@ -132,22 +120,11 @@ _POSITIONAL = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 @dataclass(frozen=True)
 class Noises:
-    """What a step adds.
+    """What a step adds: `at` gives the noises where the step is, which are added to `picture`.
 
-    Parameters
-    ----------
-    at : callable
-        The noises that are added, where the step is.
-    on : callable
-        The step on another picture.
-    free : callable
-        What takes its place on a picture without noise.
-    picture : Recipe
-        What they are added to.
-    leaves_change : bool
-        Whether what takes its place makes the step's linear change too.
-    in_blocks : bool
-        Whether `at` is marked by `noises_in_blocks`.
+    `on` is the step on another picture, `free` what takes its place on a picture without noise; if
+    it `leaves_change`, that makes the step's linear change too. `in_blocks`: whether `at` is marked
+    by `noises_in_blocks`.
     """
 
     at: Callable[[AtStep], list[Noise]]
@@ -162,23 +139,11 @@ class Noises:
 class Lineage:
     """What becomes of a picture in one recipe.
 
-    Parameters
-    ----------
-    picture : Recipe or None
-        The picture that goes on; None where one begins.
-    linear : Linear
-        The linear change that is made of it.
-    noise : Noises or None
-        What is added.
-    looks_at : tuple of Recipe
-        What these make the values of.
-    area_means : bool
-        Whether the samples of a picture that begins here are means over their area.
+    `picture` is the one that goes on, None where one begins; `linear` the change that is made of
+    it, `noise` what is added, whose values are made of `looks_at`. `area_means`: the samples of a
+    picture that begins here are means over their area.
 
-    Raises
-    ------
-    ValueError
-        Where a step adds noise and filters, and nothing filters without its noise.
+    Raises `ValueError` where a step adds noise and filters, and nothing filters without its noise.
     """
 
     picture: Recipe | None
@@ -255,17 +220,10 @@ def picture_step(
                     return made
                 return replace(made, node=step.node)
 
-            return Noises(
-                at,
-                on,
-                free,
-                inputs[place],
-                leaves_change=noise_free is not None,
-                in_blocks=getattr(noise, "in_blocks", False),
-            )
+            blocks = getattr(noise, "in_blocks", False)
+            return Noises(at, on, free, inputs[place], noise_free is not None, blocks)
 
-        function.lineage = lineage  # type: ignore[attr-defined]
-        return function
+        return marked(lineage=lineage)(function)
 
     return mark
 
@@ -273,12 +231,7 @@ def picture_step(
 def source_step(*, area_means: bool) -> Callable[[F], F]:
     """Mark a step's function that begins a picture: all that is made of it starts here."""
     begun = Lineage(None, area_means=area_means)
-
-    def mark(function: F) -> F:
-        function.lineage = lambda _: begun  # type: ignore[attr-defined]
-        return function
-
-    return mark
+    return marked(lineage=lambda _: begun)
 
 
 def _inputs(function: Callable[..., Any]) -> list[str]:

@@ -125,10 +125,7 @@ class Image:
     def grid(self) -> Grid:
         """Sampling of the image.
 
-        Raises
-        ------
-        DataError
-            If the interval is not known.
+        Raises `DataError` if the interval is not known.
         """
         if self.interval_x_mrad is None or self.interval_y_mrad is None:
             raise DataError(

@@ -26,19 +26,8 @@ PLUG_INS = "imagechain.modules"  # the entry points of packages that bring modul
 def watched(node: str | None, module: str = "") -> Iterator[None]:
     """Refuse overflow, division by zero and invalid operations inside the block.
 
-    Parameters
-    ----------
-    node : str or None
-        Where errors are placed.
-    module : str
-        The key of the node's module, where that is known.
-
-    Raises
-    ------
-    DataError
-        Placed on `node`.
-    PlugInError
-        For any other error in the code of a plug-in.
+    Errors are placed on the node: a `DataError`, or a `PlugInError` for any other error in the code
+    of a plug-in. `module` is the key of the node's module, where that is known.
     """
     import numpy as np  # who only looks for plug-ins has no use for it
 
@@ -66,14 +55,7 @@ def watched(node: str | None, module: str = "") -> Iterator[None]:
 def plug_in_error(error: Exception, node: str | None, module: str = "") -> PlugInError | None:
     """The error that names the plug-in in whose code another was raised; None where in no such.
 
-    Parameters
-    ----------
-    error : Exception
-        What was raised.
-    node : str or None
-        Where it is placed.
-    module : str
-        The key of the node's module; where it is not known, it is found by the code.
+    `module` is the key of the node's module; where it is not given, it is found by the code.
     """
     frames = _plug_in_frames(error)
     if not frames:
@@ -122,10 +104,7 @@ def _module_of(frame: FrameType) -> str:
 def require_finite(values: NDArray[Any]) -> None:
     """Refuse a transform of numbers too large for it, which raises no error by itself.
 
-    Raises
-    ------
-    FloatingPointError
-        For `watched` to make a `DataError` of.
+    Raises `FloatingPointError` for `watched` to make a `DataError` of.
     """
     import numpy as np
 

@@ -17,15 +17,10 @@ Precision = Literal["single", "double"]
 class Policy:
     """Numerical policy of one evaluation.
 
-    Parameters
-    ----------
-    precision : "single" or "double"
-        Type of the pictures and spectra; vectors and sums are always double.
-    tolerance : float, optional
-        Error budget: stages whose effect, as a fraction of the picture's range, stays below it are
-        left out. 0 leaves out exact identities only; None is an eighth of the samples' rounding.
-    threads : int
-        Worker threads; 0 takes as many as the process may use. Results do not depend on it.
+    `precision` is that of pictures and spectra; vectors and sums are always double. `tolerance` is
+    the error budget: stages whose effect, as a fraction of the picture's range, stays below it are
+    left out. 0 leaves out exact identities only; None is an eighth of the samples' rounding. 0
+    `threads` are as many as the process may use; results do not depend on them.
     """
 
     precision: Precision = "single"

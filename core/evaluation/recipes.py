@@ -128,18 +128,9 @@ def _without_key(recipe: Recipe) -> Iterator[Recipe]:
 
 @dataclass(frozen=True, eq=False)
 class Step(Recipe):
-    """One function applied to the values of other recipes.
+    """A module-level function, called as ``function(work, *values, **parameters)``.
 
-    Parameters
-    ----------
-    function : callable
-        Module-level function called as ``function(work, *values, **parameters)``.
-    inputs : tuple of Recipe
-        Recipes of the positional values.
-    parameters : tuple of (name, value)
-        Hashable keyword arguments.
-    node : str, optional
-        Node an error belongs to.
+    `inputs` are the recipes of the values, `parameters` hashable; an error belongs to the `node`.
     """
 
     function: Callable[..., Any]
@@ -213,23 +204,24 @@ class Step(Recipe):
         return share(region, shape)
 
 
-def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[F], F]:
-    """Mark a step's function with another that makes a region of its result.
-
-    Parameters
-    ----------
-    part : callable
-        Called as ``part(work, region, *inputs, **parameters)``, where `inputs` are the recipes:
-        it calls `work.part` or `work.parts` for what it needs of them.
-    share : callable, optional
-        Called with region and shape of the picture: share of the whole's work that it takes.
-    """
+def marked(**marks: Any) -> Callable[[F], F]:
+    """Mark a step's function: what it is asked for later stands in its attributes."""
 
     def mark(function: F) -> F:
-        function.part, function.share = part, share  # type: ignore[attr-defined]
+        vars(function).update(marks)
         return function
 
     return mark
+
+
+def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[F], F]:
+    """Mark a step's function with another that makes a region of its result.
+
+    It is called as ``part(work, region, *inputs, **parameters)``, where `inputs` are the recipes,
+    and calls `work.part` or `work.parts` for what it needs of them. `share` is called with region
+    and shape of the picture: the share of the whole's work that the region takes.
+    """
+    return marked(part=part, share=share)
 
 
 def pointwise(function: F) -> F:
@@ -244,57 +236,31 @@ def pointwise(function: F) -> F:
 def in_blocks(able: Callable[..., bool] = lambda **_: True) -> Callable[[F], F]:
     """Mark a step's function that takes and makes pictures that lie on disk, as `Work.empty` does.
 
-    Of those it holds blocks alone: they may be larger than memory.
-
-    Parameters
-    ----------
-    able : callable, optional
-        Called with the step's parameters: whether it does so with them.
+    Of those it holds blocks alone: they may be larger than memory. `able` is called with the step's
+    parameters: whether it does so with them.
     """
-
-    def mark(function: F) -> F:
-        function.in_blocks = able  # type: ignore[attr-defined]
-        return function
-
-    return mark
+    return marked(in_blocks=able)
 
 
 def holds_region(size: Callable[..., tuple[int, int]]) -> Callable[[F], F]:
     """Mark a step's function that cuts a region from pictures and makes no picture.
 
-    Parameters
-    ----------
-    size : callable
-        Called with the step's parameters: rows and columns of the region.
+    `size` is called with the step's parameters: rows and columns of the region.
     """
-
-    def mark(function: F) -> F:
-        function.held_size = size  # type: ignore[attr-defined]
-        return function
-
-    return mark
+    return marked(held_size=size)
 
 
 def whole_numbers(function: F) -> F:
     """Mark a step's function that makes whole numbers from 0 to 2^bits − 1, by its `bits`."""
-    function.whole_numbers = True  # type: ignore[attr-defined]
-    return function
+    return marked(whole_numbers=True)(function)
 
 
 def with_reason(reason: Callable[..., str]) -> Callable[[F], F]:
     """Mark a step's function with another that gives the reason where its value is None.
 
-    Parameters
-    ----------
-    reason : callable
-        Called as the function itself; gives an empty text where no reason is known.
+    It is called as the function itself; its text is empty where no reason is known.
     """
-
-    def mark(function: F) -> F:
-        function.reason = reason  # type: ignore[attr-defined]
-        return function
-
-    return mark
+    return marked(reason=reason)
 
 
 def number_bits(recipe: Recipe) -> int | None:
@@ -311,8 +277,7 @@ def ends_lineage(function: F) -> F:
     It makes figures, curves or patterns, or a picture of which no transfer function is known.
     Functions that do carry one on are marked in the words of `core.lineage`.
     """
-    function.lineage = _ended  # type: ignore[attr-defined]
-    return function
+    return marked(lineage=_ended)(function)
 
 
 def _ended(_: Step) -> None:
@@ -329,10 +294,7 @@ def content_key(*parts: object) -> str:
     functions, small arrays, frozen dataclasses (fields with ``compare=False`` do not count) and
     anything that has a `key` of its own.
 
-    Raises
-    ------
-    TypeError
-        For an object whose content has no defined form.
+    Raises `TypeError` for an object whose content has no defined form.
     """
     # The text of plain values is made in one go: half the time of feeding the hash bit by bit.
     text = repr(_plain(parts)).encode("utf-8", "surrogatepass")

@@ -17,19 +17,9 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class Region:
-    """Samples from row `top` and column `left` on, counted from 0.
+    """Samples from row `top` and column `left` on, counted from 0; at least one.
 
-    Parameters
-    ----------
-    top, left : int
-        First row and first column.
-    rows, columns : int
-        Size, at least one sample.
-
-    Raises
-    ------
-    ParameterError
-        For a number that is negative or not whole, or an empty region.
+    Raises `ParameterError` for a number that is negative or not whole, or an empty region.
     """
 
     top: int
@@ -69,10 +59,7 @@ class Region:
     def within(self, shape: tuple[int, int]) -> Region:
         """The region itself if a picture of that shape has all of it.
 
-        Raises
-        ------
-        ParameterError
-            If it goes beyond.
+        Raises `ParameterError` if it goes beyond.
         """
         if self.bottom > shape[0] or self.right > shape[1]:
             picture = f"within the picture's {shape[0]} rows and {shape[1]} columns"

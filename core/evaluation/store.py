@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,34 +20,29 @@ if TYPE_CHECKING:
     from core.evaluation.region import Region
 
 
+def _parts(value: object) -> Collection[object]:
+    """What a value that is no array holds."""
+    if isinstance(value, tuple | list):
+        return value
+    return (value if isinstance(value, dict) else getattr(value, "__dict__", {})).values()
+
+
 def size_in_bytes(value: object) -> int:
     """Bytes of memory a value keeps alive, nearly: arrays count, and containers of arrays."""
     if is_on_disk(value):
         return 64
     if isinstance(value, np.ndarray):
         return int(value.nbytes)
-    if isinstance(value, tuple | list):
-        return 64 + sum(size_in_bytes(item) for item in value)
-    if isinstance(value, dict):
-        return 64 + sum(size_in_bytes(item) for item in value.values())
-    if hasattr(value, "__dict__"):
-        return 64 + sum(size_in_bytes(item) for item in vars(value).values())
-    return 64
+    return 64 + sum(map(size_in_bytes, _parts(value)))
 
 
 def freeze(value: object) -> None:
     """Make the arrays of a value read-only: what is handed out is shared."""
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
-    elif isinstance(value, tuple | list):
-        for item in value:
-            freeze(item)
-    elif isinstance(value, dict):
-        for item in value.values():
-            freeze(item)
-    elif hasattr(value, "__dict__"):
-        for item in vars(value).values():
-            freeze(item)
+        return
+    for part in _parts(value):
+        freeze(part)
 
 
 _ABSENT = object()
@@ -64,10 +59,7 @@ class _Running:
 class Store:
     """Values by key. One computation per key at a time; safe to share between threads.
 
-    Parameters
-    ----------
-    capacity_bytes : int, optional
-        How much may stay beside what is pinned; what the machine's memory allows, if not given.
+    `capacity_bytes` may stay beside what is pinned; by default what the machine's memory allows.
     """
 
     def __init__(self, capacity_bytes: int | None = None) -> None:
@@ -106,13 +98,7 @@ class Store:
         return self.peek(key, _ABSENT) is not _ABSENT
 
     def pin(self, key: str) -> bool:
-        """Keep the value of `key`, or what it will be, until it is unpinned as often.
-
-        Returns
-        -------
-        bool
-            Whether it is there already.
-        """
+        """Keep the value of `key`, or what it will be, until unpinned as often; if it is there."""
         with self._lock:
             self._pins[key] = self._pins.get(key, 0) + 1
             entry = self._values.pop(key, None)
@@ -210,24 +196,17 @@ class EvaluationLog:
     """Notes of one evaluation; nothing that is computed depends on them.
 
     Each note is one operation on a built-in dict or set, which threads may share.
-
-    Attributes
-    ----------
-    requested : dict of key to Recipe
-        Recipes whose value was requested.
-    parts : dict of (key, Region) to Recipe
-        Pictures of which a region was requested.
-    computed : set of str or (key, Region)
-        Those of both whose computation was begun.
-    looked_at : set of str
-        Keys of spectra and transfer functions of which an array was made.
     """
 
     def __init__(self) -> None:
         self.requested: dict[str, Recipe] = {}
+        """Recipes whose value was requested, by key."""
         self.parts: dict[tuple[str, Region], Recipe] = {}
+        """Pictures of which a region was requested."""
         self.computed: set[str | tuple[str, Region]] = set()
+        """Those of both whose computation was begun."""
         self.looked_at: set[str] = set()
+        """Keys of spectra and transfer functions of which an array was made."""
 
     def add(self, other: EvaluationLog) -> None:
         """Take over the notes of another evaluation."""

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from types import TracebackType
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import EvaluationLog, Store
 from core.machine import Workers
-from core.scratch import BlockRun
+from core.scratch import BlockRun, ScratchDisk
 
 Progress = Callable[[str | None], None]
 DEEPEST = 24
@@ -28,20 +28,9 @@ DEEPEST = 24
 class Work:
     """One evaluation: turns recipes into values.
 
-    Parameters
-    ----------
-    policy : Policy
-        Precision, tolerance and number of threads.
-    store : Store
-        Where values are kept; may be shared by several evaluations.
-    cancel : threading.Event, optional
-        Set from another thread to stop at the next block of work.
-    progress : callable, optional
-        Called with a node's id whenever one of its recipes is about to be computed.
-    workers : Workers, optional
-        Threads to work in; may be shared like the store.
-    blocks : BlockRun, optional
-        Which pictures lie on disk, and where; without it all of them are in memory.
+    Store and workers may be shared by several evaluations. `cancel` is set from another thread to
+    stop at the next block of work. `progress` is called with a node's id before one of its recipes
+    is computed. `blocks` says which pictures lie on disk; without it all of them are in memory.
     """
 
     def __init__(
@@ -69,10 +58,7 @@ class Work:
 
         All that it is made of is made once, whatever the store can hold.
 
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
+        Raises `Cancelled` when the caller has requested a stop.
         """
         key = recipe.key
         self.log.requested[key] = recipe
@@ -104,16 +90,15 @@ class Work:
         before: Recipe | None = None
         passing = PassingValues(self.store, self.log, self._suffix) if forgetting else None
         try:
-            for recipe in recipes:
-                opened.append(self.hold([recipe]))
+            for recipe in chain(recipes, [None]):
+                if recipe is not None:
+                    opened.append(self.hold([recipe]))
                 if before is not None:
                     yield self.value(before) if region is None else self.part(before, region)
                     opened.pop(0).close()
-                    if passing is not None:
+                    if passing is not None and recipe is not None:
                         passing.forget()
                 before = recipe
-            if before is not None:
-                yield self.value(before) if region is None else self.part(before, region)
         finally:
             for held in opened:
                 held.close()
@@ -157,29 +142,29 @@ class Work:
         by_index = {index: self.part(recipes[index], region) for index in order}
         return [by_index[index] for index in range(len(recipes))]
 
-    def empty(self, shape: tuple[int, ...], dtype: Any = None) -> Any:
-        """An array to be filled in, of the policy's type if none is given.
+    def _disk_for(self, shape: tuple[int, ...], dtype: Any) -> ScratchDisk | None:
+        """The disk, where the run is in blocks and memory is not to hold such an array."""
+        disk = None if self.blocks is None else self.blocks.disk
+        return disk if disk is not None and disk.wants(shape, dtype) else None
 
-        It lies on disk where the run is in blocks and memory is not to hold it.
-        """
+    def empty(self, shape: tuple[int, ...], dtype: Any = None) -> Any:
+        """An array to be filled in, of the policy's type if none is given; large ones on disk."""
         dtype = self.policy.dtype if dtype is None else dtype
-        if self.blocks is not None and self.blocks.disk.wants(shape, dtype):
-            return self.blocks.disk.empty(shape, dtype)
-        return np.empty(shape, dtype)
+        disk = self._disk_for(shape, dtype)
+        return np.empty(shape, dtype) if disk is None else disk.empty(shape, dtype)
 
     def strips(self, shape: tuple[int, int], dtype: Any = None) -> Any:
         """The same for what is written by rows and read by columns: a `StripArray` on disk."""
         dtype = self.policy.dtype if dtype is None else dtype
-        if self.blocks is not None and self.blocks.disk.wants(shape, dtype):
-            return self.blocks.disk.strips(shape, dtype)
-        return np.empty(shape, dtype)
+        disk = self._disk_for(shape, dtype)
+        return np.empty(shape, dtype) if disk is None else disk.strips(shape, dtype)
 
     def row_slabs(self, picture: Any) -> list[slice]:
         """Blocks of rows to go through a picture: all of it at once where it is in memory."""
-        rows = len(picture)
-        if self.blocks is None or not self.blocks.disk.wants(picture.shape, picture.dtype):
+        rows, disk = len(picture), self._disk_for(picture.shape, picture.dtype)
+        if disk is None:
             return [slice(0, rows)]
-        step = self.blocks.disk.slab_rows(picture.shape[1], picture.dtype.itemsize)
+        step = disk.slab_rows(picture.shape[1], picture.dtype.itemsize)
         return [slice(top, min(top + step, rows)) for top in range(0, rows, step)]
 
     def check(self) -> None:
@@ -311,25 +296,13 @@ class Work:
             raise error.at(recipe.node) from error
 
 
-# What an evaluation still needs: values stay until all that is made of them has been made.
-#
-# A recipe that is to be made claims what it `needs`; so does each of those in turn, unless its
-# value
-# is there already. A claimed value is pinned in the store, whatever its size. Once a recipe has
-# been
-# made its claims are given up, and values without another claim may go. Chains of any length are
-# followed without recursion.
-
-
 class Claims:
-    """The claims of one evaluation; safe to share between threads.
+    """What an evaluation still needs: values stay until all that is made of them has been made.
 
-    Parameters
-    ----------
-    store : Store
-        Where the values are.
-    suffix : str
-        What follows a recipe's key there.
+    A recipe that is to be made claims what it `needs`; so does each of those in turn, unless its
+    value is there already. A claimed value is pinned in the store, whatever its size. Once a recipe
+    has been made its claims are given up, and values without another claim may go. Chains of any
+    length are followed without recursion. `suffix` follows a recipe's key in the store.
     """
 
     def __init__(self, store: Store, suffix: str) -> None:
@@ -426,12 +399,7 @@ class Held:
     def __enter__(self) -> Held:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -440,20 +408,10 @@ class Held:
         self._claims.give_up([recipe for alike in left.values() for recipe in alike])
 
 
-# Values of a long row of recipes that are read once: dropped when the next one comes.
-
-
 class PassingValues:
     """What each recipe of a row leaves in store and log, beyond what was there before the row.
 
     What is made a second time right after it was dropped is shared by all of the row: it stays.
-
-    Parameters
-    ----------
-    store, log : Store, EvaluationLog
-        Where recipes leave something.
-    suffix : str
-        What follows a recipe's key in the store.
     """
 
     def __init__(self, store: Store, log: EvaluationLog, suffix: str) -> None:

@@ -219,10 +219,7 @@ class Module:
     def build(cls, values: Mapping[str, object]) -> Module:
         """Construct from plain values as a network file has them.
 
-        Raises
-        ------
-        ParameterError
-            For an unknown name, or a value of the wrong kind or out of range.
+        Raises `ParameterError` for an unknown name, or a value of the wrong kind or out of range.
         """
         return cls(**coerce_all(declaration(cls).parameters, values, cls.title))
 
@@ -237,10 +234,7 @@ class Module:
 def declaration(module: type[Module]) -> Declaration:
     """Derive the declaration of a module from its class.
 
-    Raises
-    ------
-    TypeError
-        If the class is not written as the module docstring states.
+    Raises `TypeError` if the class is not written as the module docstring states.
     """
     untyped: Any = module  # mypy finds a class of frozen dataclasses unhashable
     return _derive(untyped)
@@ -413,10 +407,7 @@ class PackagedLibrary(Mapping[str, type[Module]]):
 def library_of(modules: Iterable[type[Module]]) -> dict[str, type[Module]]:
     """Modules by key.
 
-    Raises
-    ------
-    ValueError
-        If two modules share a key.
+    Raises `ValueError` if two modules share a key.
     """
     library: dict[str, type[Module]] = {}
     for module in modules:

@@ -76,10 +76,7 @@ class Section:
 def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[Section, ...]:
     """The sections, and one more with the parameters that none of them has.
 
-    Raises
-    ------
-    TypeError
-        A section names what is no parameter, or a parameter stands in two places.
+    Raises `TypeError`: a section names what is no parameter, or a parameter stands in two places.
     """
     placed = Counter(name for section in sections for name in section.parameters)
     wrong = [name for section in sections for name in section.mentioned() if name not in parameters]

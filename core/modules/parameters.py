@@ -91,10 +91,7 @@ class Parameter:
     def coerce(self, value: object) -> Any:
         """The value in its declared kind, so that 1 and 1.0 are the same network.
 
-        Raises
-        ------
-        ParameterError
-            Naming the parameter, the value, its unit and what is allowed.
+        Raises `ParameterError`, naming the parameter, the value, its unit and what is allowed.
         """
         if self.empty and (value is None or value == ""):
             return None
@@ -180,10 +177,8 @@ def coerce_all(
 ) -> dict[str, Any]:
     """Coerce what is given and fill in the defaults.
 
-    Raises
-    ------
-    ParameterError
-        For a name that no parameter has, a missing one without default, or a value not allowed.
+    Raises `ParameterError` for a name that no parameter has, a missing one without default, or a
+    value not allowed.
     """
     names = [parameter.name for parameter in parameters]
     for name in values:

@@ -60,10 +60,7 @@ def check_network(
 ) -> None:
     """Refuse a network that has problems; parameters as for `problems`.
 
-    Raises
-    ------
-    NetworkProblems
-        With all of them.
+    Raises `NetworkProblems` with all of them.
     """
     faults = problems(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
     if faults:

@@ -64,10 +64,7 @@ class Part:
 def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, Any]:
     """Values as in a network file, each checked against its parameter.
 
-    Raises
-    ------
-    ParameterError
-        If there is no such parameter, or a value is not allowed.
+    Raises `ParameterError` if there is no such parameter, or a value is not allowed.
     """
     return {name: file_value(declared, name, value) for name, value in values.items()}
 
@@ -94,10 +91,7 @@ def known_parameter(
 ) -> Parameter:
     """The parameter of that name.
 
-    Raises
-    ------
-    ParameterError
-        If there is none; the message names those that exist.
+    Raises `ParameterError` if there is none; the message names those that exist.
     """
     parameter = declared.parameter(name)
     if parameter is None:
