@@ -84,13 +84,7 @@ _KINDS = {
 
 
 def no_regular_file(mode: int) -> str:
-    """Why what is there cannot be replaced, and what can; empty for a regular file.
-
-    Parameters
-    ----------
-    mode : int
-        `st_mode` of what is there, links followed.
-    """
+    """Why what has this `st_mode` cannot be replaced, and what can; empty for a regular file."""
     if stat.S_ISREG(mode):
         return ""
     if stat.S_ISDIR(mode):

@@ -35,17 +35,8 @@ class Workers:
     def for_each(self, function: Callable[[Any], None], items: Sequence[Any], threads: int) -> None:
         """Call `function` on every item; items must write to different places.
 
-        The calling thread takes items too and never waits for one that has not begun, so that
-        a function may call `for_each` again.
-
-        Parameters
-        ----------
-        function : callable
-            Called with one item.
-        items : sequence
-            What there is to do.
-        threads : int
-            At most so many work at once, the calling one among them.
+        The calling thread is one of at most so many that work at once. It takes items too and never
+        waits for one that has not begun, so that a function may call `for_each` again.
         """
         helpers = min(threads, len(items)) - 1
         if helpers < 1:

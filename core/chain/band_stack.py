@@ -34,15 +34,9 @@ Rows = tuple[Row, ...]
 class BandStack(ABC):
     """Bands of one picture, by their weighted sums.
 
-    Parameters
-    ----------
-    centres_um : tuple of float
-        Middle wavelength of every band.
-    widths_um : tuple of float
-        Width of every band: its share of the spectrum that is summed up.
-    density : bool
-        Whether the samples are per µm, as a spectral radiance is; else they are numbers without a
-        share, as reflectances are, and all bands together are their mean.
+    Each has its middle wavelength and its width, its share of the spectrum that is summed up. With
+    `density` the samples are per µm, as a spectral radiance is; else they are numbers without a
+    share, as reflectances are, and all bands together are their mean.
     """
 
     centres_um: Row
@@ -116,17 +110,7 @@ class BandStack(ABC):
 
 @dataclass(frozen=True)
 class AttenuatedBands(BandStack):
-    """Every band times a factor, plus a number: a path of air, or a filter.
-
-    Parameters
-    ----------
-    before : BandStack
-        What it is made of.
-    gain, offset : tuple of float
-        Of every band; the offset per µm where the samples are.
-    node : str, optional
-        Node an error belongs to.
-    """
+    """Every band times a gain, plus an offset (per µm where the samples are): air, or a filter."""
 
     before: BandStack
     gain: Row
@@ -181,21 +165,9 @@ class AttenuatedBands(BandStack):
 class SteppedBands(BandStack):
     """Bands that all pass one linear step, such as blocks of samples averaged.
 
-    Parameters
-    ----------
-    before : BandStack
-        What it is made of.
-    function : callable
-        A step's function of one picture.
-    parameters : tuple of (name, value)
-        Its keyword arguments.
-    gain : float
-        What a uniform picture is multiplied by.
-    node : str, optional
-        Node an error belongs to.
-    blocks : (int, int) or None
-        Rows and columns of the blocks that the step takes the means of, times the gain; None for
-        another step.
+    `function` is that of a step of one picture. `gain` is what a uniform picture is multiplied by.
+    `blocks` are rows and columns of those that the step takes the means of, times the gain; None
+    for another step.
     """
 
     before: BandStack
@@ -323,17 +295,7 @@ def _attenuated(_: Work, means: Array, *, gain: Row, offset: Row) -> Array:
 
 
 def band_mean_otf(*, laws: tuple[Law, ...], shares: Array, **frequencies: Array) -> Array:
-    """Σ_b s_b·H(f, λ_b).
-
-    Parameters
-    ----------
-    laws : tuple of Law
-        One of each wavelength, without recipes among their arguments.
-    shares : ndarray, (wavelengths,)
-        Their shares of the light; the sum is 1.
-    **frequencies : ndarray
-        What the laws are called with.
-    """
+    """Σ_b s_b·H(f, λ_b): a law for each wavelength, and its share of the light; their sum is 1."""
     total: Array | None = None
     for law, share in zip(laws, shares, strict=True):
         part = share * law(None, **frequencies)

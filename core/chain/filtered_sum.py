@@ -96,17 +96,6 @@ class SummedSpectrum(Recipe):
 
     The factors are real and even in both axes, so that the product is the spectrum of a frame that
     goes on as the bands' did.
-
-    Parameters
-    ----------
-    sums : ComponentSums
-        The sums of bands.
-    grid : Grid
-        Their sampling.
-    axes : "mirrored" or "periodic"
-        How the frame goes on.
-    node : str, optional
-        Node an error belongs to.
     """
 
     sums: ComponentSums
@@ -183,20 +172,7 @@ class SummedSpectrum(Recipe):
 class FilteredSum:
     """A weighted sum of bands, each filtered at its own wavelength.
 
-    Parameters
-    ----------
-    bands : BandStack
-        The bands.
-    weights : tuple of float
-        Of every band.
-    factors : tuple of Planar
-        Those that depend on wavelength; without any it is the sum as it is.
-    grid : Grid
-        Sampling of the bands.
-    axes : "mirrored" or "periodic"
-        How the frame goes on.
-    node : str, optional
-        Node an error belongs to.
+    `factors` are those that depend on wavelength; without any it is the sum as it is.
     """
 
     bands: BandStack

@@ -86,10 +86,8 @@ def _pictures(recipe: Recipe) -> tuple[Recipe, ...]:
 class Remaking:
     """Makes recipes anew with some of those they are made of changed.
 
-    Parameters
-    ----------
-    change : callable
-        Called with each recipe: what takes its place, or None to look at its inputs instead.
+    `change` is called with each recipe: what takes its place, or None to look at its inputs
+    instead.
     """
 
     def __init__(self, change: Change) -> None:

@@ -29,18 +29,10 @@ Axis = Literal["x", "y"]
 class LevelChange:
     """What a change does about the level of its picture, where that depends on the picture.
 
-    Parameters
-    ----------
-    gain : float
-        Of small differences about the mean.
-    mean : float
-        Of the picture before.
-    signal : float
-        What the mean becomes, less what is there without any scene.
-    reason : str
-        Why the gain is 0, where it is.
-    per_sample : float or None
-        The gain of the picture's own samples, where `gain` is of a radiance that they stand for.
+    `gain` is that of small differences about the `mean` of the picture before, `reason` why it is
+    0, where it is. `signal` is what the mean becomes, less what is there without any scene.
+    `per_sample` is the gain of the picture's own samples, where `gain` is of a radiance that they
+    stand for.
     """
 
     gain: float
@@ -151,17 +143,7 @@ class Filtering(Linear):
 
 @dataclass(frozen=True)
 class Blocks(Linear):
-    """Mean or sum of blocks of pixels; what is left over is cropped.
-
-    Parameters
-    ----------
-    factor_x, factor_y : int
-        Pixels of a block.
-    mode : "mean" or "sum"
-        Which.
-    old : (int, int)
-        Rows and columns before.
-    """
+    """Mean or sum of blocks of a picture of the `old` size; what is left over is cropped."""
 
     factor_x: int
     factor_y: int

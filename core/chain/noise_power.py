@@ -307,21 +307,11 @@ CELLS = 48  # filters of sensors are smooth: more change no share of a noise by 
 
 
 def spectrum_of(powers: list[NoisePower], cells: int = CELLS) -> Vector | None:
-    """Power of all of these noises of one picture together.
+    """Power of all of these independent noises of one picture together, of frames of one size.
 
-    Parameters
-    ----------
-    powers : list of NoisePower
-        Of independent noises, of frames of one size.
-    cells : int
-        Most cells along an axis, from frequency zero to Nyquist's. A frame has no more than
-        samples, and as many whatever waves its noises are known on.
-
-    Returns
-    -------
-    ndarray or None
-        Mean power in each cell, shape (along, across), either 1 where all cells of an axis are
-        alike; None without any noise.
+    It is the mean power in each cell from frequency zero to Nyquist's, shape (along, across),
+    either 1 where all cells of an axis are alike; None without any noise. A frame has no more cells
+    along an axis than samples, and as many whatever waves its noises are known on.
     """
     total: Vector | None = None
     for power in powers:

@@ -67,26 +67,10 @@ def displaced_events(
 ) -> Array:
     """Poisson deviates whose means are `share` of the picture's Gaussian-weighted local mean.
 
-    Parameters
-    ----------
-    picture : ndarray, shape (rows, columns)
-        Float samples, 0 or above. Beyond its edges the picture is mirrored.
-    stream : Stream
-        Where the deviates come from.
-    share : float
-        Events per unit of the picture, above 0.
-    sigma_px : float
-        Standard deviation of the weights along each axis in samples, `LEAST_SIGMA_PX` to
-        `LARGEST_SIGMA_PX`.
-    for_each : callable
-        Calls a function on every block: `Work.for_each`.
-    empty : callable
-        Makes the array to be filled in: `Work.empty`.
-
-    Returns
-    -------
-    ndarray
-        Counts, of the picture's shape and type.
+    The picture, (rows, columns), has samples of 0 or above and is mirrored beyond its edges.
+    `share` are events per unit of it, `sigma_px` the standard deviation of the weights along each
+    axis in samples, `LEAST_SIGMA_PX` to `LARGEST_SIGMA_PX`. The counts have the picture's shape and
+    type.
     """
     flat = np.ravel(picture)
     steps = _gaussian_steps(sigma_px)
@@ -140,21 +124,9 @@ def _mirrored(places: Array, size: int) -> Array:
 
 
 def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
-    """Gaussian-weighted mean around each sample, the frame mirrored at its edges.
+    """Gaussian-weighted mean around each sample, the frame mirrored at its edges; a new array.
 
-    Parameters
-    ----------
-    work : Work
-        Threads and precision.
-    image : ndarray, shape (rows, columns)
-        The picture.
-    sigma_px : float
-        Standard deviation of the weights in samples; 0 gives the picture itself.
-
-    Returns
-    -------
-    ndarray
-        A new array of the picture's shape.
+    `sigma_px` is the standard deviation of the weights in samples; 0 gives the picture itself.
     """
     dtype = work.policy.dtype
     if sigma_px == 0:

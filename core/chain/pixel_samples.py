@@ -21,18 +21,9 @@ class PixelSamples(Linear):
     """One sample for each pixel of a frame, at its middle.
 
     Between samples the frame is that of its waves, exactly, so nothing is lost of the contrast of
-    any of them; what lies beyond the pixels' Nyquist frequency folds back, as in a camera.
-
-    Parameters
-    ----------
-    old : (int, int)
-        Rows and columns before.
-    ratio_x, ratio_y : float
-        Samples a pixel.
-    offset_x, offset_y : float
-        How far the samples lie from the pixels' middles, in pixels.
-    edges : "reflect" or "periodic"
-        How the frame goes on beyond its edges.
+    any of them; what lies beyond the pixels' Nyquist frequency folds back, as in a camera. `old`
+    are rows and columns before, ratios samples a pixel, offsets how far the samples lie from the
+    pixels' middles, in pixels.
     """
 
     old: tuple[int, int]

@@ -311,10 +311,7 @@ def _poisson_or_normal(generator: Generator, mean: _Array, counts: _Array) -> No
 class FrameNumber:
     """Stands among a step's or a law's parameters; a sequence puts each frame's own in its place.
 
-    Parameters
-    ----------
-    frame : int
-        The frame; a single picture is frame 0, those before it are negative.
+    A single picture is frame 0, those before it are negative.
     """
 
     frame: int = 0

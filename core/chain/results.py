@@ -86,30 +86,11 @@ class SampledTransfer:
 class CameraSheet:
     """What is known of the camera that takes an image; empty fields are None.
 
-    Parameters
-    ----------
-    pixels_x, pixels_y : int or None
-        Pixels of the detector.
-    pitch_x_um, pitch_y_um : float or None
-        From one pixel to the next.
-    focal_length_mm : float or None
-        Effective focal length.
-    f_number : float or None
-        Focal length over aperture, as the radiometry takes it.
-    aperture_mm : float or None
-        Diameter of the entrance pupil, as diffraction takes it.
-    obscuration_ratio : float
-        Inner over outer diameter of the aperture, 0 where it is clear.
-    t_number : float or None
-        F-number of a clear, lossless lens that gives the same light.
-    irradiance : {"disc", "sine"}
-        How the light goes with F-number and T-number.
-    fill_x, fill_y : float or None
-        Sensitive share of the pitch.
-    range_m : float or None
-        Distance of the scene.
-    orbit : OrbitView or None
-        Of a camera on a satellite.
+    A pitch is from one pixel to the next; `fill_x` and `fill_y` are its sensitive share. `f_number`
+    is as the radiometry takes it, `aperture_mm` the diameter of the entrance pupil, as diffraction
+    takes it. `obscuration_ratio` is the inner over the outer diameter of the aperture, `t_number`
+    the F-number of a clear, lossless lens that gives the same light, `irradiance` how the light
+    goes with either. `range_m` is the distance of the scene.
     """
 
     pixels_x: int | None = None

@@ -34,26 +34,15 @@ Kind = Literal[
 class Skip:
     """Something of a node that was not computed.
 
-    Parameters
-    ----------
-    node : str
-        The node's id.
-    kind : Kind
-        ``disabled``; ``identity``, a setting that changes nothing; ``below_budget``, a stage left
-        out; ``unseen``, outputs that were not requested; ``unchanged``, values that were there
-        already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
-        evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
-        ``region``, a picture of which only a region was wanted; ``wavelengths``, bands for which
-        other wavelengths stand.
-    text : str
-        One line for people, without `bound` and `share`.
-    bound : float, optional
-        Of a stage left out, or of wavelengths: the most it could change, as a fraction of the
-        picture's range.
-    share : float, optional
-        The part that was computed after all, where it is known.
-    ports : tuple of str
-        Outputs that were not requested.
+    Kinds: ``disabled``; ``identity``, a setting that changes nothing; ``below_budget``, a stage
+    left out; ``unseen``, outputs (`ports`) that were not requested; ``unchanged``, values that were
+    there already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
+    evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
+    ``region``, a picture of which only a region was wanted; ``wavelengths``, bands for which other
+    wavelengths stand.
+
+    `bound` is the most that a stage or wavelengths left out could change, as a fraction of the
+    picture's range; `share` the part that was computed after all. `text` has neither.
     """
 
     node: str
@@ -65,15 +54,7 @@ class Skip:
 
 
 def skips(plan: Plan, work: Work) -> tuple[Skip, ...]:
-    """Everything an evaluation has skipped so far, node by node in the plan's order.
-
-    Parameters
-    ----------
-    plan : Plan
-        The network as it was evaluated.
-    work : Work
-        The evaluation.
-    """
+    """Everything an evaluation has skipped so far, node by node in the plan's order."""
     account = _Account(work)
     skips_by_node: dict[str, list[Skip]] = {name: [] for name in plan.nodes}
     for name, planned in plan.nodes.items():

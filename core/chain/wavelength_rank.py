@@ -38,18 +38,11 @@ _SHARE = 0.5
 
 @dataclass(frozen=True)
 class WavelengthRank:
-    """Wavelengths that stand for all.
+    """Wavelengths that stand for all: `chosen` bands, and p_j at every band, (chosen, bands).
 
-    Parameters
-    ----------
-    chosen : tuple of int
-        Indices of their bands.
-    shares : ndarray
-        p_j at every band, (chosen, bands).
-    bound : float
-        Largest |H − Σ_j p_j·H_j| of any band at any frequency: by Parseval's theorem no band's
-        picture changes by more than this times the rms of its contrast. 0 where nothing is
-        approximated.
+    `bound` is the largest |H − Σ_j p_j·H_j| of any band at any frequency: by Parseval's theorem no
+    band's picture changes by more than this times the rms of its contrast. 0 where nothing is
+    approximated.
     """
 
     chosen: tuple[int, ...]
@@ -59,19 +52,7 @@ class WavelengthRank:
 
 @dataclass(frozen=True, eq=False)
 class ChosenWavelengths(Recipe):
-    """The wavelengths that a chain's factors need within the error budget.
-
-    Parameters
-    ----------
-    factors : tuple of Planar
-        Those that depend on wavelength.
-    centres_um : tuple of float
-        The bands.
-    grid : Grid
-        Whose frequencies count.
-    node : str, optional
-        Node an error belongs to.
-    """
+    """The wavelengths that factors need at a grid's frequencies within the error budget."""
 
     factors: tuple[Planar, ...]
     centres_um: Row
@@ -129,14 +110,9 @@ def few_wavelengths(
 ) -> WavelengthRank:
     """As few columns of a table as span all others.
 
-    Parameters
-    ----------
-    fitted, judged : ndarray, (places, bands)
-        Transfer functions at two sets of frequencies.
-    tolerance : float
-        Largest error wanted; where not even all but one column reach it, all are taken.
-    most : int, optional
-        All are taken, too, where more than so many are needed.
+    `fitted` and `judged`, (places, bands), are transfer functions at two sets of frequencies. Where
+    not even all but one column reach the tolerance, all are taken; so are they where more than
+    `most` are needed.
     """
     count = fitted.shape[1]
     order: list[int] = []

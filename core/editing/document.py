@@ -120,14 +120,9 @@ class Document:
 
         `over` writes over changes that another program made to its own file.
 
-        Raises
-        ------
-        ChangedFileError
-            If its own file is no longer what it was, and `over` is not set.
-        FileError
-            If it cannot be written: the document stays modified, the file as it was.
-        NetworkError
-            If it holds what no file can, or has no path.
+        Raises `ChangedFileError` if its own file is no longer what it was, and `over` is not set;
+        `FileError` if it cannot be written: the document stays modified, the file as it was;
+        `NetworkError` if it holds what no file can, or has no path.
         """
         target = path or self.path
         if target is None:

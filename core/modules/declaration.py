@@ -371,14 +371,8 @@ Library = Mapping[str, type[Module]]
 class PackagedLibrary(Mapping[str, type[Module]]):
     """Modules by key, each loaded when it is asked for, and packages of which some could not be.
 
-    Parameters
-    ----------
-    keys : iterable of str
-        In the order the library shows them.
-    load : callable
-        The module of a key.
-    faults : mapping
-        By package, why not all of its modules are there, in one line.
+    The keys stand in the order the library shows them. `faults` gives by package why not all of its
+    modules are there, in one line.
     """
 
     def __init__(

@@ -21,16 +21,8 @@ if TYPE_CHECKING:
 class Offer:
     """Which choices of a parameter are offered, as buttons, by the value of another.
 
-    A value that is not among them stays allowed, and is offered as long as it is set.
-
-    Parameters
-    ----------
-    parameter : str
-        The one whose choices they are.
-    by : str
-        The one whose value decides.
-    choices : tuple of (value, tuple)
-        The choices for each value of `by`; all for a value that is not there.
+    `choices` are those for each value of the parameter `by`; all for a value that is not there. A
+    value that is not among them stays allowed, and is offered as long as it is set.
     """
 
     parameter: str

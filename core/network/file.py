@@ -34,14 +34,8 @@ def load_network(
 
     `keep_unknown` and `unfinished` as for `core.network.validation.problems`.
 
-    Raises
-    ------
-    FileError
-        If it cannot be read.
-    NetworkError
-        If it is no network.
-    NetworkProblems
-        If its modules, values or links do not fit.
+    Raises `FileError` if it cannot be read, `NetworkError` if it is no network, `NetworkProblems`
+    if its modules, values or links do not fit.
     """
     network = read_network(path, library=library)
     check_network(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
@@ -110,12 +104,8 @@ def save_network(network: Network, path: str | PathLike[str], *, library: Librar
 
     A network that is unfinished, or holds unknown modules, can be saved. Returns the text written.
 
-    Raises
-    ------
-    FileError
-        If it cannot be written.
-    NetworkError
-        If it holds what no network file can hold.
+    Raises `FileError` if it cannot be written, `NetworkError` if it holds what no network file can
+    hold.
     """
     text = format_network(network, library=library)
     # Never put in the place of a good file what could not be opened again.

@@ -206,12 +206,8 @@ NewEnds = Callable[[End], Iterable[End]]
 class Interface:
     """The ports and parameters of a macro, in the order they are shown.
 
-    Parameters
-    ----------
-    inputs : mapping of str to tuple of End
-        The inner inputs that each input feeds: several, where one wire went to all of them.
-    outputs, parameters : mapping of str to End
-        The inner output or parameter that each stands for.
+    An input has the inner inputs that it feeds: several, where one wire went to all of them. An
+    output or parameter has the inner one that it stands for.
     """
 
     inputs: Mapping[str, tuple[End, ...]] = field(default_factory=dict)

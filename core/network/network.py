@@ -34,28 +34,14 @@ class _Frozen:
 
 @dataclass(frozen=True)
 class Node(_Frozen):
-    """One module on the canvas.
+    """One module on the canvas; `id` is the user's name for it, unique in the network.
 
-    Parameters
-    ----------
-    id : str
-        The user's name for it, unique in the network.
-    module : str
-        Key of the module.
-    params : mapping
-        What was set, as plain JSON values; what is left out has its default.
-    auto : bool or None
-        Auto-Generate; None where the file does not set it.
-    disabled : bool
-        Whether it passes its main input through.
-    extra : mapping
-        Other fields of the file, such as pinned panels, kept as they are.
-    final : bool
-        Whether the network's output is its first picture or, of a sink, the picture it takes.
-    noise : str
-        The name its noise is drawn under, where that is not its id.
-    macro : Network or None
-        The inside of a macro: nodes, links and layout, `name` its title, its interface in `extra`.
+    `params` is what was set, as plain JSON values; what is left out has its default. `auto` is
+    Auto-Generate, None where the file does not set it. A disabled node passes its main input
+    through. With `final` the network's output is its first picture or, of a sink, the picture it
+    takes. `noise` is the name its noise is drawn under, where that is not its id. `macro` is the
+    inside of a macro: nodes, links and layout, `name` its title, its interface in `extra`. `extra`
+    are other fields of the file, such as pinned panels, kept as they are.
     """
 
     id: str

@@ -58,10 +58,7 @@ class NetworkProblems(NetworkError):
 def check_network(
     network: Network, *, library: Library, keep_unknown: bool = False, unfinished: bool = False
 ) -> None:
-    """Refuse a network that has problems; parameters as for `problems`.
-
-    Raises `NetworkProblems` with all of them.
-    """
+    """Refuse a network that has `problems`: raises `NetworkProblems` with all of them."""
     faults = problems(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
     if faults:
         raise NetworkProblems(faults) from faults[0]
@@ -72,18 +69,10 @@ def problems(
 ) -> list[ImagechainError]:
     """Every fault of a network: of its nodes, of its links, cycles, then what is missing.
 
-    Parameters
-    ----------
-    network : Network
-        The document.
-    library : mapping
-        Modules by key.
-    keep_unknown : bool
-        Accept modules that are not in the library, with any parameters and ports.
-    unfinished : bool
-        Accept what keeps it from running but not from being worked on: inputs not linked yet,
-        links from outputs that have no value because their node is disabled, several nodes marked
-        as the output.
+    `keep_unknown` accepts modules that are not in the library, with any parameters and ports.
+    `unfinished` accepts what keeps it from running but not from being worked on: inputs not linked
+    yet, links from outputs that have no value because their node is disabled, several nodes marked
+    as the output.
     """
     faults = macro_problems(network, library, unfinished=unfinished)
     plain = expanded(network, library)
