@@ -103,39 +103,24 @@ __all__ = [
 ]
 
 # Where each name lies; imported when it is first used.
-_PLACES = {
-    **dict.fromkeys(
-        (
-            *("Cancelled", "ChangedFileError", "DataError", "FileError", "ImagechainError"),
-            *("InputError", "NetworkError", "ParameterError", "UnconnectedError", "UsageError"),
-        ),
-        "core.errors",
-    ),
-    "Camera": "imagechain.building.camera",
-    "Caution": "core.modules.panel_sections",
-    "Chain": "imagechain.building.chain",
-    "ChainNode": "imagechain.building.chain",
-    "CurveData": "core.chain.results",
-    "Expression": "imagechain.parts.module_part",
-    "FittedChain": "imagechain.building.fitted_chain",
-    "MeasuredPictures": "imagechain.building.measure_pictures",
-    "Part": "imagechain.parts.module_part",
-    "Picture": "imagechain.results.chain_picture",
-    "ReadoutTable": "imagechain.results.tables",
-    "Result": "imagechain.results.chain_result",
-    "StageCurves": "imagechain.results.tables",
-    "StudyTable": "imagechain.results.tables",
-    "TableData": "core.chain.results",
-    "fit": "imagechain.building.fitted_chain",
-    "measure": "imagechain.building.measure_pictures",
-    "networks": "imagechain.building.chain",
-    "open": "imagechain.building.chain",
-    "part": "imagechain.parts.module_functions",
-    "preset": "imagechain.parts.module_functions",
-    "presets": "imagechain.parts.module_functions",
-    "scene": "imagechain.parts.scene_array",
-    "study": "imagechain.building.chain_study",
+_NAMES = {
+    "core.chain.results": "CurveData TableData",
+    "core.errors": "Cancelled ChangedFileError DataError FileError ImagechainError InputError "
+    "NetworkError ParameterError UnconnectedError UsageError",
+    "core.modules.panel_sections": "Caution",
+    "imagechain.building.camera": "Camera",
+    "imagechain.building.chain": "Chain ChainNode networks open",
+    "imagechain.building.chain_study": "study",
+    "imagechain.building.fitted_chain": "FittedChain fit",
+    "imagechain.building.measure_pictures": "MeasuredPictures measure",
+    "imagechain.parts.module_functions": "part preset presets",
+    "imagechain.parts.module_part": "Expression Part",
+    "imagechain.parts.scene_array": "scene",
+    "imagechain.results.chain_picture": "Picture",
+    "imagechain.results.chain_result": "Result",
+    "imagechain.results.tables": "ReadoutTable StageCurves StudyTable",
 }
+_PLACES = {name: place for place, names in _NAMES.items() for name in names.split()}
 
 
 def _version() -> str:

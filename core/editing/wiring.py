@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,7 +17,6 @@ from core.editing.operations import (
     Together,
     fresh_name,
     named,
-    set_parameter,
 )
 from core.errors import NetworkError
 from core.modules.declaration import (
@@ -26,10 +25,9 @@ from core.modules.declaration import (
     Port,
     declaration,
     local_key,
-    where_absent,
+    no_module,
 )
-from core.names import close, shown
-from core.network.linked_values import naming, with_values
+from core.names import shown
 from core.network.network import Link, Network, Node, passed_through, reached
 
 Output = tuple[str, str]
@@ -285,9 +283,7 @@ def new_node(
     Raises `NetworkError` if the library has no such module.
     """
     if module not in library:
-        absent = where_absent(module, library)
-        hint = f": {absent}" if absent else close(module, library)
-        raise NetworkError(f"there is no module {shown(module)}{hint}")
+        raise NetworkError(no_module(module, library))
     name = fresh_name(local_key(module), network.nodes)
     return name, Add((Placed(Node(name, module), at),))
 
@@ -435,12 +431,9 @@ def wires_from_open_end(
     takes it leaves it open. Nothing that is wired already changes.
     """
     known, added = declared(network, library, node), declared(network, library, new)
-    if known is None or added is None:
-        return None
-    for output, entry in _pairs(known.outputs, added.inputs):
-        link = Link(node, output, new, entry)
+    for output, entry in _pairs(known.outputs, added.inputs) if known and added else ():
         open_end = _is_open(network, library, node, output)
-        if open_end and (wiring := _wired(network, library, link, new)):
+        if open_end and (wiring := _wired(network, library, Link(node, output, new, entry), new)):
             return wiring
     return None
 
@@ -479,28 +472,20 @@ def _pairs(outputs: tuple[Port, ...], inputs: tuple[Port, ...]) -> Iterator[tupl
 
 
 def dissolved(
-    network: Network, library: Library, names: Collection[str], verb: str = "Delete"
+    network: Network,
+    library: Library,
+    names: Collection[str],
+    verb: str = "Delete",
+    *,
+    only_one: bool = False,
 ) -> Operation:
     """Take nodes out; what each passed on is led past it.
 
     A wire that leaves them begins, afterwards, where the input came from that its output passes
     on, as it would with the nodes disabled. A wire whose output passes nothing on goes with them.
+    With `only_one` so does one through a node that is fed several wires of the type, as one that
+    adds two pictures: which of them was to go on is the user's to say.
     """
-    return _taken_out(network, library, names, verb, only_one=False)
-
-
-def deleted(network: Network, library: Library, names: Collection[str]) -> Operation:
-    """Take nodes out; a wire is led past them where there is one way through.
-
-    There is none through a node that is fed several wires of the type, as one that adds two
-    pictures: which of them was to go on is the user's to say.
-    """
-    return _taken_out(network, library, names, "Delete", only_one=True)
-
-
-def _taken_out(
-    network: Network, library: Library, names: Collection[str], verb: str, *, only_one: bool
-) -> Operation:
     gone = set(names)
     new = []
     for link in network.links:
@@ -510,25 +495,13 @@ def _taken_out(
             if past and past.source != past.target and misfit(network, library, past) is None:
                 new.append(past)
     text = f"{verb} {named([shown(name) for name in names])}"
-    steps: tuple[Operation, ...] = (
-        *_kept_values(network, library, gone),
-        Remove(tuple(names), text),
-    )
-    if new:
-        steps = (*steps, Rewire(add=tuple(new)))
-    return Together(steps, text) if len(steps) > 1 else steps[0]
+    taking = Remove(tuple(names), text)
+    return Together((taking, Rewire(add=tuple(new))), text) if new else taking
 
 
-def _kept_values(network: Network, library: Library, gone: set[str]) -> Iterator[Operation]:
-    """Parameters that follow those nodes keep the values that they have from them."""
-    followers = [(node, name) for node, name in naming(network, gone) if node not in gone]
-    if not followers:
-        return
-    held = with_values(network, library=library)
-    for node, name in followers:
-        value = held.value(node, name)
-        if value is not None and not isinstance(value, Mapping):
-            yield set_parameter(node, name, value)
+def deleted(network: Network, library: Library, names: Collection[str]) -> Operation:
+    """Take nodes out; a wire is led past them where there is one way through."""
+    return dissolved(network, library, names, only_one=True)
 
 
 def _origin(

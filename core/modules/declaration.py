@@ -39,6 +39,7 @@ from typing import (
 
 from core.modules.panel_sections import Caution, Section, complete
 from core.modules.parameters import Formula, Kind, Param, Parameter, coerce_all
+from core.names import close, shown
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe, Step
@@ -332,31 +333,26 @@ def _outputs(module: type[Module]) -> tuple[Port, ...]:
     return tuple(Port(name, _types(hint)[0]) for name, hint in get_type_hints(result).items())
 
 
-def _warnings(module: type[Module]) -> tuple[WarningCheck, ...]:
-    checks = {}
+def _marked(module: type[Module], mark: str) -> Iterator[tuple[str, Any, str, tuple[str, ...]]]:
+    """Name, method, meaning and needs of the methods with a mark, those of bases first."""
     for klass in reversed(module.__mro__):
         for name, method in vars(klass).items():
-            if hasattr(method, "is_warning"):
-                needs = tuple(inspect.signature(method).parameters)[1:]
-                checks[name] = WarningCheck(name, _meaning(method), needs)
+            if hasattr(method, mark):
+                meaning = " ".join(inspect.cleandoc(method.__doc__ or "").split())
+                yield name, method, meaning, tuple(inspect.signature(method).parameters)[1:]
+
+
+def _warnings(module: type[Module]) -> tuple[WarningCheck, ...]:
+    marked = _marked(module, "is_warning")
+    checks = {name: WarningCheck(name, meaning, needs) for name, _, meaning, needs in marked}
     return tuple(checks.values())
-
-
-def _meaning(method: Any) -> str:
-    return " ".join(inspect.cleandoc(method.__doc__ or "").split())
 
 
 def _readouts(module: type[Module]) -> tuple[Readout, ...]:
     readouts = {}
-    for klass in reversed(module.__mro__):
-        for attribute, method in vars(klass).items():
-            if hasattr(method, "readout_unit"):
-                name = method.readout_name or attribute
-                needs = tuple(inspect.signature(method).parameters)[1:]
-                unit = method.readout_unit
-                readouts[name] = Readout(
-                    name, unit, _meaning(method), needs, attribute, method.readout_unit_of
-                )
+    for attribute, method, meaning, needs in _marked(module, "readout_unit"):
+        name, unit = method.readout_name or attribute, method.readout_unit
+        readouts[name] = Readout(name, unit, meaning, needs, attribute, method.readout_unit_of)
     return tuple(readouts.values())
 
 
@@ -434,3 +430,9 @@ def where_absent(key: str, library: Library) -> str:
     if any(package_of(other) == package for other in library):
         return f"the package {package} is installed but has no such module"
     return f"it belongs to the package {package}, which is not installed here"
+
+
+def no_module(key: str, library: Library) -> str:
+    """Say that there is no such module, and why, or which one is similar."""
+    absent = where_absent(key, library)
+    return f"there is no module {shown(key)}{f': {absent}' if absent else close(key, library)}"

@@ -7,13 +7,14 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from core.errors import ParameterError
 
 Kind = Literal["number", "integer", "switch", "choice", "text", "path", "numbers"]
 LARGEST_INTEGER = 2**63 - 1
 LARGEST_NUMBER = sys.float_info.max
+Number = TypeVar("Number", int, float)
 _WITH_UNIT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)? *[^\W\d_]{1,40}")
 
 
@@ -114,29 +115,31 @@ class Parameter:
             return False
         return high is None or (number < high if self.param.below else number <= high)
 
-    def _as_number(self, value: object) -> float | None:
+    def _checked(self, value: object, largest: float) -> int | float:
+        """A number that is neither too large nor NaN."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._refuse(value)
-        if not abs(value) <= LARGEST_NUMBER:  # neither too large nor NaN
+        if not abs(value) <= largest:
             raise self._refuse(value)
-        number = float(value)
-        if self.empty and number == 0 and self.param.zero_is_empty:
-            return None
-        if not self._in_range(number):
-            raise self._refuse(value)
-        return number + 0.0  # −0.0 and 0.0 are one value
+        return value
 
-    def _as_integer(self, value: object) -> int | None:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._refuse(value)
-        if not abs(value) <= LARGEST_INTEGER or value != int(value):
-            raise self._refuse(value)
-        number = int(value)
+    def _ranged(self, number: Number, value: object) -> Number | None:
+        """The number, if it is in the range; None where 0 is empty."""
         if self.empty and number == 0 and self.param.zero_is_empty:
             return None
         if not self._in_range(number):
             raise self._refuse(value)
         return number
+
+    def _as_number(self, value: object) -> float | None:
+        # −0.0 and 0.0 are one value
+        return self._ranged(float(self._checked(value, LARGEST_NUMBER)) + 0.0, value)
+
+    def _as_integer(self, value: object) -> int | None:
+        number = self._checked(value, LARGEST_INTEGER)
+        if number != int(number):
+            raise self._refuse(value)
+        return self._ranged(int(number), value)
 
     def _as_switch(self, value: object) -> bool:
         if not isinstance(value, bool):
@@ -162,14 +165,11 @@ class Parameter:
     def _as_numbers(self, value: object) -> tuple[float, ...]:
         if not isinstance(value, list | tuple):
             raise self._refuse(value)
-        numbers = []
         for item in value:
-            if isinstance(item, bool) or not isinstance(item, int | float):
+            is_number = isinstance(item, int | float) and not isinstance(item, bool)
+            if not (is_number and abs(item) <= LARGEST_NUMBER and self._in_range(item)):
                 raise self._refuse(value)
-            if not abs(item) <= LARGEST_NUMBER or not self._in_range(item):
-                raise self._refuse(value)
-            numbers.append(float(item) + 0.0)
-        return tuple(numbers)
+        return tuple(float(item) + 0.0 for item in value)
 
 
 def coerce_all(

@@ -29,7 +29,7 @@ from core.network.macro import declared_node
 from core.network.network import Link, Network
 from core.network.validation import NetworkProblems
 from imagechain.building.camera import Camera
-from imagechain.building.chain_state import ChainState, Check, checked, saved
+from imagechain.building.chain_state import ChainState, Check
 from imagechain.parts.module_part import Part, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, plain_errors, table
 from imagechain.results.chain_result import Result, run_plan
@@ -467,7 +467,14 @@ class Chain:
     @plain_errors
     def check(self) -> Check:
         """Errors and warnings of the chain, without computing it."""
-        return checked(lambda: self._state.plan(self._engine))
+        try:
+            plan = self._state.plan(self._engine)
+            find_output(plan)
+        except NetworkProblems as faults:
+            return Check(tuple(faults.problems))
+        except ImagechainError as error:
+            return Check((error,))
+        return Check(tuple(plan.errors()), tuple(plan.warnings()))
 
     # Files
 
@@ -483,11 +490,7 @@ class Chain:
         FileError
             If a file cannot be written, or an array's file exists and is not this network's.
         """
-        target = whole_path(path)
-        state = self._state
-        library, named = self._engine.library, state.given
-        network = saved(state.network, library, state.folder, target, state.samples, named)
-        self._state = replace(state, network=network, folder=target.parent, file=target)
+        self._state = self._state.saved(whole_path(path), self._engine.library)
         return Path(fspath(path))
 
     def to_json(self) -> str:

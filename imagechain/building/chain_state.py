@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.output import find_output
 from app.run.own_scene import OwnScene, with_own_scene
 from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
@@ -34,16 +33,16 @@ from core.editing.operations import (
 from core.editing.wiring import outputs_of, wires_behind, wires_from_open_end
 from core.errors import FileError, ImagechainError, NetworkError, ParameterError, UsageError
 from core.evaluation.recipes import Step
-from core.modules.declaration import Declaration, Library, local_key, where_absent
+from core.modules.declaration import Declaration, Library, local_key, no_module
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Parameter
-from core.names import close, shown
+from core.names import shown
 from core.network.file import format_network, save_network
 from core.network.linked_values import resolved, with_values
 from core.network.macro import declared_node, opened, path_of
 from core.network.network import Link, Network, Node, reached
 from core.network.parsing import parse_network
-from core.network.validation import NetworkProblems, check_network, plain_network
+from core.network.validation import check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
 from imagechain.results.run_options import current_folder
@@ -216,6 +215,33 @@ class ChainState:
             given=frozenset((name_of(node), parameter) for node, parameter in self.given),
         )
 
+    def saved(self, target: Path, library: Library) -> ChainState:
+        """Written to a network file, with its arrays beside it.
+
+        Raises `FileError` if a file cannot be written, or if an array's file exists, holds
+        something else and is not this network's.
+        """
+        own, network = _arrays_of(target, library), self.network
+        names = {
+            node: f"{target.stem}_{_PLAIN.sub('_', node)}{'.npy' if _is_plain(held) else '.img'}"
+            for node, held in self.samples.items()
+        }
+        for node, name in names.items():
+            network = set_parameter(node, "path", ABSENT).apply(network)
+            _refuse_anothers(target.parent / name, self.samples[node], own)
+        moved = rebased(network, library, self.folder, target.parent, typed=self.given)
+        if moved is not None:
+            network = moved.apply(network)
+        for node, name in names.items():
+            network = set_parameter(node, "path", name).apply(network)
+        text = format_network(network, library=library)
+        parse_network(text, library=library, name_of_source=str(target))
+        for node, name in names.items():
+            unit = network.nodes[node].params.get("unit", DEFAULT_UNIT)
+            _write(target.parent / name, self.samples[node], named=unit != DEFAULT_UNIT)
+        save_network(network, target, library=library)
+        return replace(self, network=network, folder=target.parent, file=target)
+
     def _own_path(self, value: Any) -> Any:
         """A file name given here, relative to the current folder, as the chain stores it."""
         if not isinstance(value, str | PathLike) or not fspath(value):
@@ -225,29 +251,21 @@ class ChainState:
             return path
         return current_folder() / path
 
-    def plain(self, library: Library, seed: int | None = None) -> Network:
-        """The network to compute, with its macros expanded, checked.
+    def plan(self, engine: Engine, seed: int | None = None, previous: Plan | None = None) -> Plan:
+        """The network planned, its macros expanded; errors of nodes stay with the nodes.
 
-        Raises
-        ------
-        ImagechainError
-            The errors of the network.
+        What has not changed since a `previous` plan is reused.
+
+        Raises `ImagechainError` if the network itself has errors.
         """
         if not self.network.nodes:
             raise NetworkError("the chain has no nodes: add some")
+        library = engine.library
         network = plain_network(self.network, library=library)
         if seed is not None:
             network = network.with_seed(seed)
         check_network(network, library=library)
-        return network
-
-    def plan(self, engine: Engine, seed: int | None = None, previous: Plan | None = None) -> Plan:
-        """The network planned; errors as for `plain`, errors of nodes stay with the nodes.
-
-        What has not changed since a `previous` plan is reused.
-        """
-        network = self.plain(engine.library, seed)
-        held = self._held(network, engine.library, {} if previous is None else previous.nodes)
+        held = self._held(network, library, {} if previous is None else previous.nodes)
         return engine.plan(network, folder=self.folder, held=held, previous=previous)
 
     def _held(
@@ -274,12 +292,6 @@ class ChainState:
             except ImagechainError as error:
                 planned[name] = PlannedNode(node, error=error.at(name))
         return planned
-
-
-def no_module(key: str, library: Library) -> str:
-    """Say that there is no such module, and why, or which one is similar."""
-    absent = where_absent(key, library)
-    return f"there is no module {shown(key)}{f': {absent}' if absent else close(key, library)}"
 
 
 def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
@@ -383,57 +395,7 @@ class Check:
         return block(table(("", "what"), rows or [("", str(self))]))
 
 
-def checked(plan: Callable[[], Plan]) -> Check:
-    """The errors of a network, or of its plan; `plan` raises the network's own errors."""
-    try:
-        made = plan()
-        find_output(made)
-    except NetworkProblems as faults:
-        return Check(tuple(faults.problems))
-    except ImagechainError as error:
-        return Check((error,))
-    return Check(tuple(made.errors()), tuple(made.warnings()))
-
-
 _PLAIN = re.compile(r"[^\w.-]+")
-
-
-def saved(
-    network: Network,
-    library: Library,
-    folder: Path,
-    target: Path,
-    samples: Mapping[str, HeldSamples],
-    given: Collection[tuple[str, str]],
-) -> Network:
-    """Write a network and its arrays; returns the network as written.
-
-    Its file names are relative to `folder` until then; `target` is the network file. `samples` are
-    the arrays by node; `given` are the nodes and parameters whose file names were given in Python.
-
-    Raises `FileError` if a file cannot be written, or if an array's file exists, holds something
-    else and is not this network's.
-    """
-    own = _arrays_of(target, library)
-    names = {
-        node: f"{target.stem}_{_PLAIN.sub('_', node)}{'.npy' if _is_plain(held) else '.img'}"
-        for node, held in samples.items()
-    }
-    for node, name in names.items():
-        network = set_parameter(node, "path", ABSENT).apply(network)
-        _refuse_anothers(target.parent / name, samples[node], own)
-    moved = rebased(network, library, folder, target.parent, typed=given)
-    if moved is not None:
-        network = moved.apply(network)
-    for node, name in names.items():
-        network = set_parameter(node, "path", name).apply(network)
-    text = format_network(network, library=library)
-    parse_network(text, library=library, name_of_source=str(target))
-    for node, name in names.items():
-        unit = network.nodes[node].params.get("unit", DEFAULT_UNIT)
-        _write(target.parent / name, samples[node], named=unit != DEFAULT_UNIT)
-    save_network(network, target, library=library)
-    return network
 
 
 def _arrays_of(target: Path, library: Library) -> set[str]:

@@ -10,7 +10,8 @@ from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.grouping import group, ungroup
 from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
-from core.editing.operations import Remove, Rename, keeping_values, set_node_field, set_parameter
+from core.editing.operations import Rename, keeping_values, set_node_field, set_parameter
+from core.editing.wiring import deleted
 from core.errors import NetworkError
 from core.network.file import format_network, parse_network
 from core.network.linked_values import expression, resolved
@@ -178,7 +179,7 @@ def test_taking_out_what_is_followed_inside_leaves_the_value_in_force(linked, li
     step, kept = keeping_values(
         network=body,
         names=("init",),
-        taking=Remove(("init",)),
+        taking=deleted(body, library, ("init",)),
         value_of=lambda node, name: value(f"camera/{node}", name),
     )
     assert kept == ("optics.size_x_cm = 12.96", "aberration.sigma_x_mrad = 0.016")

@@ -368,11 +368,3 @@ def test_every_node_of_every_network_leaves_a_sound_one(shipped, library):
             after = dissolved(network, library, [name]).apply(network)
             found = {str(p) for p in problems(after, library=library, unfinished=True)}
             assert found <= before, name
-
-
-def test_a_parameter_that_follows_a_deleted_node_keeps_its_value(shipped, library):
-    network = shipped["satellite_tdi"]
-    for take in (dissolved, deleted):
-        after = take(network, library, ["stages"]).apply(network)
-        assert after.nodes["focal_plane"].params["tdi_stages"] == 32
-        assert "stages" not in after.nodes
