@@ -14,19 +14,15 @@ import os
 import tempfile
 import threading
 import weakref
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import FileError
 from core.machine import amount_text
-
-if TYPE_CHECKING:
-    from core.evaluation.recipes import Recipe
 
 Array = NDArray[Any]
 _TRIM_EVERY_S = 0.01
@@ -183,23 +179,6 @@ def _mapped_bytes() -> int | None:
 
 Empty = Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]
 """Makes an array of a shape and type to be filled in: `numpy.empty`, or `Work.empty`."""
-
-
-# Which pictures of a run lie on disk, and where.
-
-Shape = tuple[int, int]
-
-
-@dataclass(frozen=True)
-class BlockRun:
-    """A run in blocks: `shapes` has, by key, the pictures among its recipes that lie on disk."""
-
-    disk: ScratchDisk
-    shapes: Mapping[str, Shape]
-
-    def slabs_of(self, recipe: Recipe) -> Shape | None:
-        """Size of a picture that is made by blocks of rows; None for every other value."""
-        return self.shapes.get(recipe.key) if recipe.by_rows else None
 
 
 class StripArray:

@@ -19,9 +19,9 @@ from core.chain.wires import Image, SpectrumWire, Transfer
 from core.errors import DataError, FileError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import BlockRun, Work
 from core.machine import amount_text, usable_bytes
-from core.scratch import BlockRun, ScratchDisk, is_for_disk
+from core.scratch import ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR
 from nodes.files.formats import NPY, TIFF
 

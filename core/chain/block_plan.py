@@ -14,8 +14,9 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import BlockRun, Shape
 from core.machine import amount_text
-from core.scratch import BlockRun, ScratchDisk, Shape
+from core.scratch import ScratchDisk
 
 IN_MEMORY_AT_ONCE = 8
 """Pictures of the largest size that a run in memory may hold, with what its steps make besides."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from typing import Any
@@ -18,11 +19,24 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import EvaluationLog, Store
 from core.machine import Workers
-from core.scratch import BlockRun, ScratchDisk
+from core.scratch import ScratchDisk
 
+Shape = tuple[int, int]
 Progress = Callable[[str | None], None]
 DEEPEST = 24
 """Parts that are made one within the other; what comes before them is made whole."""
+
+
+@dataclass(frozen=True)
+class BlockRun:
+    """A run in blocks: `shapes` has, by key, the pictures among its recipes that lie on disk."""
+
+    disk: ScratchDisk
+    shapes: Mapping[str, Shape]
+
+    def slabs_of(self, recipe: Recipe) -> Shape | None:
+        """Size of a picture that is made by blocks of rows; None for every other value."""
+        return self.shapes.get(recipe.key) if recipe.by_rows else None
 
 
 class Work:

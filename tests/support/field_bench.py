@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from core.chain.engine import Engine
-from core.evaluation.work import Work
-from core.scratch import BlockRun, ScratchDisk, is_on_disk
+from core.evaluation.work import BlockRun, Work
+from core.scratch import ScratchDisk, is_on_disk
 from node_bench import NodeBench
 from nodes.library import standard_library
 

@@ -11,8 +11,8 @@ from core.chain.wires import Image, Magnitude, Phase
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.store import Store
-from core.evaluation.work import Work
-from core.scratch import BlockRun, ScratchDisk, is_on_disk
+from core.evaluation.work import BlockRun, Work
+from core.scratch import ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
 
 SHAPES = ((32, 24), (31, 37), (1, 48), (48, 1), (30, 45))
