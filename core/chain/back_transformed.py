@@ -10,12 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, Row, Rows, SteppedBands, stacked, weighted_factors
-from core.chain.filtered_sum import FilteredSum
-from core.chain.linear_change import Axis, Blocks, Filtering, Linear, Vector
+from core.chain.filtered_sum import FilteredSum, WavelengthRank, spectral_of
+from core.chain.linear_change import Axis, Blocks, Filtering, Linear, PixelSamples, Vector
 from core.chain.noise_power import NoisePower
-from core.chain.pixel_samples import PixelSamples
 from core.chain.step_lineage import Lineage, picture_step
-from core.chain.wavelength_rank import WavelengthRank, spectral_of
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, in_parts

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from core.editing.layout import Point, Sizes, arranged
+from core.editing.layout import Point, Sizes, arranged, free_places
 from core.editing.links import check_new_wires
 from core.editing.operations import (
     ABSENT,
@@ -21,7 +21,6 @@ from core.editing.operations import (
     set_parameter,
 )
 from core.editing.references import WIRE_DOTS
-from core.editing.room import free_places
 from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.errors import ImagechainError, NetworkError
 from core.modules.declaration import Declaration, Library

@@ -13,8 +13,16 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
-from core.network.expression_grammar import FUNCTIONS, Expression, ExpressionError, Reference, Step
-from core.network.expression_units import converted, fitting, kind_of
+from core.network.expression_grammar import (
+    FUNCTIONS,
+    Expression,
+    ExpressionError,
+    Reference,
+    Step,
+    converted,
+    fitting,
+    kind_of,
+)
 
 Exact = Fraction | float
 Lookup = Callable[[Reference], float]

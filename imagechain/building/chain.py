@@ -32,8 +32,7 @@ from imagechain.building.camera import Camera
 from imagechain.building.chain_state import ChainState, Check
 from imagechain.parts.module_part import Part, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, plain_errors, table
-from imagechain.results.chain_result import Result, run_plan
-from imagechain.results.run_options import RunOptions, current_folder, whole_path
+from imagechain.results.chain_result import Result, RunOptions, current_folder, run_plan, whole_path
 from nodes.library import standard_library
 
 Precision = Literal["single", "double"]

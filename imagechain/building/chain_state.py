@@ -45,7 +45,7 @@ from core.network.parsing import parse_network
 from core.network.validation import check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
-from imagechain.results.run_options import current_folder
+from imagechain.results.chain_result import current_folder
 from nodes.files.arrays import npy_header, whole_npy, write_npy
 from nodes.files.frame_writing import FrameSeries, envi_header_text, header_beside_frames
 from nodes.input_output.read_image import ReadImage

@@ -16,7 +16,7 @@ from app.bench.tables import Chart, Table, verdict
 from app.bench.timing import Settings, paired, round_trip
 from core.chain.back_transformed import Delivered
 from core.chain.engine import Engine
-from core.chain.wavelength_rank import WavelengthRank
+from core.chain.filtered_sum import WavelengthRank
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.network.network import Link, Network, Node

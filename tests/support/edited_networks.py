@@ -8,7 +8,7 @@ from typing import Any
 from core.editing import backdrops, wire_dots
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import rebased
-from core.editing.layout import arranged
+from core.editing.layout import arranged, made_way
 from core.editing.links import refusal
 from core.editing.operations import (
     ABSENT,
@@ -26,7 +26,6 @@ from core.editing.operations import (
     set_node_field,
     set_parameter,
 )
-from core.editing.room import made_way
 from core.editing.wiring import continued, deleted, dissolved, fitting, inserted, new_node, wired_to
 from core.modules.declaration import Library, declaration
 from core.network.expression_grammar import quoted

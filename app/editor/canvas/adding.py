@@ -20,10 +20,9 @@ from app.editor.gestures import local_files
 from app.editor.library_view import dragged_module, found_by
 from app.run.preset_files import KEY
 from core.editing.backdrops import following
-from core.editing.layout import Point
+from core.editing.layout import GAP_X, Point, free_places, made_way
 from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together
-from core.editing.room import GAP_X, free_places, made_way
 from core.editing.wiring import (
     Candidate,
     End,

@@ -19,7 +19,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QListView, QWidget
 
 from app.editor.session import Session
-from core.editing.history import History
+from core.editing.document import History
 
 _ROLE, _PALETTE = Qt.ItemDataRole, QPalette.ColorRole
 _START = "Start"

@@ -15,11 +15,13 @@ from core.network.expression_arithmetic import value_of
 from core.network.expression_grammar import (
     LONGEST,
     ExpressionError,
+    fitting,
+    kind_of,
     parse_expression,
     quoted,
     rewritten,
+    symbols,
 )
-from core.network.expression_units import fitting, kind_of, symbols
 from nodes.library import standard_library
 
 

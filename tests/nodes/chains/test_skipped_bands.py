@@ -3,8 +3,8 @@
 import pytest
 
 from core.chain.engine import Engine
+from core.chain.filtered_sum import ChosenWavelengths
 from core.chain.skipped import skips
-from core.chain.wavelength_rank import ChosenWavelengths
 from core.evaluation.policy import Policy
 from core.network.file import load_network
 from cube_network import BANDS, write_cube_network

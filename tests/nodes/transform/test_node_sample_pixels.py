@@ -10,8 +10,8 @@ import pytest
 
 from analytic_stages import CHAINS, INTERVAL_X, INTERVAL_Y
 from core.chain.engine import Engine
+from core.chain.linear_change import PixelSamples
 from core.chain.noise_power import NoisePower
-from core.chain.pixel_samples import PixelSamples
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from delivered_chains import FOLD_ERROR, PRECISIONS, delivered, fov_deg, scene

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import qr
 
-from core.chain.wavelength_rank import few_wavelengths
+from core.chain.filtered_sum import few_wavelengths
 from cube_files import centres, disc_otf
 
 WAVELENGTHS, _ = centres(60)

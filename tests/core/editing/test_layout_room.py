@@ -6,8 +6,7 @@ from random import Random
 
 import pytest
 
-from core.editing.layout import boxes_of
-from core.editing.room import GAP_X, GAP_Y, free_places, made_way
+from core.editing.layout import GAP_X, GAP_Y, boxes_of, free_places, made_way
 from core.network.network import Network, Node
 
 SIZE = (180.0, 100.0)
