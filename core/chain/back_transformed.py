@@ -176,12 +176,10 @@ class Delivered(Recipe):
 
     @property
     def mirrored(self) -> bool:
-        """Whether the frame goes on mirrored beyond its edges."""
         return self.one_source and self.magnitude.edges == "reflect"
 
     @property
     def edges(self) -> Edges:
-        """How the frame goes on beyond its edges."""
         return "reflect" if self.mirrored else "periodic"
 
     @property
@@ -239,7 +237,6 @@ class Delivered(Recipe):
 
     @property
     def _is_split(self) -> bool:
-        """Whether bands are filtered each at its own wavelength."""
         return self.weights is not None and bool(self.filtered_sum.factors)
 
     def _filtered(
@@ -317,7 +314,6 @@ class DeliveredBands(BandStack):
         return self.before.key, self.delivered.key
 
     def picture(self, weights: Row) -> Recipe:
-        """The filtered sum."""
         return replace(self.delivered, weights=weights)
 
     def sums(self, weights: Rows) -> Recipe:
@@ -479,12 +475,10 @@ class Delivery(Linear):
 
     @property
     def gain(self) -> float:
-        """Factor by which a sum of pixels scales a uniform picture."""
         return self._pixels.gain
 
     @property
     def combines_pixels(self) -> bool:
-        """Whether a factor is above 1, or pixels are sampled."""
         return not self.recipe.plain
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002
@@ -508,11 +502,9 @@ class Delivery(Linear):
         return (*factors, *self._pixels.transfer(before, after, node))
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Filtered, and combined."""
         return self._pixels.noise(work, self._filtering.noise(work, power))
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
-        """Filtered, and combined."""
         return self._pixels.row(work, self._filtering.row(work, row, axis), axis)
 
     def _ratios(self, grid: Grid) -> tuple[float, float] | None:

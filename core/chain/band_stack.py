@@ -49,7 +49,6 @@ class BandStack(ABC):
 
     @property
     def band_um(self) -> tuple[float, float]:
-        """From the shortest wavelength to the longest."""
         centres, halves = np.array(self.centres_um), np.array(self.widths_um) / 2.0
         return float((centres - halves).min()), float((centres + halves).max())
 
@@ -89,7 +88,6 @@ class BandStack(ABC):
         return Step.of(_first, self.sums((weights,)))
 
     def band(self, index: int) -> Recipe:
-        """Recipe of one band alone."""
         return self.picture(tuple(float(place == index) for place in range(self.count)))
 
     def spectrum(
@@ -121,7 +119,6 @@ class AttenuatedBands(BandStack):
     def of(
         cls, before: BandStack, *, gain: Row, offset: Row | None = None, node: str | None = None
     ) -> AttenuatedBands:
-        """Bands at the wavelengths of others."""
         offset = (0.0,) * before.count if offset is None else offset
         return cls(
             before.centres_um, before.widths_um, before, gain, offset, node, density=before.density
@@ -202,7 +199,6 @@ class SteppedBands(BandStack):
         return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
-        """The step on one sum."""
         before = self.before.picture(weights)
         return Step(self.function, (before,), self.parameters, self.node)
 
@@ -261,7 +257,6 @@ class _Raised(Linear):
 
     @property
     def before_camera(self) -> bool:
-        """True: behind it is the camera."""
         return True
 
 

@@ -55,7 +55,6 @@ class PlannedNode:
 
     @property
     def declaration(self) -> Declaration:
-        """Declaration of the node's module."""
         assert self.module is not None
         return declaration(type(self.module))
 
@@ -191,7 +190,6 @@ class Engine:
         cancel: threading.Event | None = None,
         progress: Callable[[str | None], None] | None = None,
     ) -> Work:
-        """One evaluation over this engine's store."""
         return Work(policy, self.store, cancel, progress, self.workers)
 
     def value(self, plan: Plan, port: str, work: Work, region: Region | None = None) -> Any:
@@ -417,6 +415,5 @@ class TransferAt(Recipe):
         return self.transfer.key, self.xi, self.eta
 
     def compute(self, work: Work) -> float:
-        """Evaluate the factors at that point alone."""
         xi, eta = np.array([self.xi]), np.array([self.eta])
         return float(transfer_plane(work, self.transfer, xi, eta)[0, 0])

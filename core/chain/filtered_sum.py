@@ -231,11 +231,9 @@ class ComponentSums(Recipe):
 
     @property
     def in_words(self) -> str:
-        """What takes pictures as a whole."""
         return "a weighted sum of bands"
 
     def compute(self, work: Work) -> Array:
-        """One pass over the bands."""
         return np.asarray(work.value(self.bands.sums(self._rows(work))))
 
     def pictures(self, work: Work, *, samples: int) -> Iterator[Array]:
@@ -280,7 +278,6 @@ class SummedSpectrum(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The choice of wavelengths, and the sums."""
         return self.sums.wavelengths, self.sums
 
     def first(self, work: Work) -> tuple[Recipe, ...]:  # noqa: ARG002  (as every recipe's)
@@ -293,7 +290,6 @@ class SummedSpectrum(Recipe):
 
     @property
     def in_words(self) -> str:
-        """What takes pictures as a whole."""
         return "filtering every band at its own wavelength"
 
     def compute(self, work: Work) -> MeanFree:

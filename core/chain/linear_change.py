@@ -159,12 +159,10 @@ class Blocks(Linear):
 
     @property
     def gain(self) -> float:
-        """Number of pixels in a sum, 1 of a mean."""
         return self.factor_x * self.factor_y if self.mode == "sum" else 1.0
 
     @property
     def combines_pixels(self) -> bool:
-        """True: these are blocks of pixels."""
         return True
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
@@ -189,7 +187,6 @@ class Blocks(Linear):
         return (Separable(x, y, label="Combined pixels", node=node),)
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Averaged, or summed."""
         behind = power.averaged(self.factor_x, self.factor_y)
         return behind.scaled(self.gain) if self.mode == "sum" else behind
 
@@ -249,7 +246,6 @@ class PixelSamples(Linear):
 
     @property
     def new(self) -> tuple[int, int]:
-        """Rows and columns of pixels."""
         rows, columns = self.old
         return (
             pixel_count(samples=rows, ratio=self.ratio_y),
@@ -274,7 +270,6 @@ class PixelSamples(Linear):
 
     @property
     def combines_pixels(self) -> bool:
-        """True: samples become pixels."""
         return True
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:

@@ -82,7 +82,6 @@ class NoisePower:
         return power
 
     def moments(self) -> Moments:
-        """Variances of samples and of averages."""
         whole = np.broadcast_to(self.shown, (self.rows, self.columns))
         return Moments(
             sample=float(np.mean(whole)),

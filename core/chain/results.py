@@ -110,12 +110,10 @@ class CameraSheet:
 
     @property
     def pitch_x_mrad(self) -> float | None:
-        """Angle from one pixel to the next across."""
         return _angle(self.pitch_x_um, self.focal_length_mm)
 
     @property
     def pitch_y_mrad(self) -> float | None:
-        """Angle from one pixel to the next along."""
         return _angle(self.pitch_y_um, self.focal_length_mm)
 
 

@@ -115,7 +115,6 @@ class Image:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
         return self.rows, self.columns
 
     def with_recipe(self, recipe: Recipe, **changes: Any) -> Image:
@@ -177,6 +176,10 @@ class SpectrumWire:
         vars(longer)["_chained"] = _chained(self._chained, factors)
         return longer
 
+    def only(self, *factors: Factor) -> Self:
+        """The transfer function alone, without the image."""
+        return replace(self, image=None, factors=factors)
+
     @property
     def pixel_mrad(self) -> tuple[float | None, float | None]:
         """From one pixel of the detector to the next, where the image has it."""
@@ -205,10 +208,6 @@ class Magnitude(SpectrumWire):
         """With further MTF factors."""
         return self._further(factors) if factors else self
 
-    def only(self, *factors: Factor) -> Magnitude:
-        """The transfer function alone, without the image."""
-        return replace(self, image=None, factors=factors)
-
 
 @dataclass(frozen=True)
 class Phase(SpectrumWire):
@@ -219,10 +218,6 @@ class Phase(SpectrumWire):
     def plus(self, *factors: Factor) -> Phase:
         """With further PTF factors."""
         return self._further(factors) if factors else self
-
-    def only(self, *factors: Factor) -> Phase:
-        """The transfer function alone, without the image."""
-        return replace(self, image=None, factors=factors)
 
 
 @dataclass(frozen=True)
@@ -293,29 +288,24 @@ class Context:
 
 
 @dataclass(frozen=True)
-class Curve:
+class _Figures:
+    recipe: Recipe
+
+    @property
+    def key(self) -> str:
+        return self.recipe.key
+
+
+class Curve(_Figures):
     """One or more 1-D curves; `recipe` makes a `CurveData`."""
 
     port_type: ClassVar[str] = "curve"
 
-    recipe: Recipe
 
-    @property
-    def key(self) -> str:
-        return self.recipe.key
-
-
-@dataclass(frozen=True)
-class Table:
+class Table(_Figures):
     """Named figures with units; `recipe` makes a `TableData`."""
 
     port_type: ClassVar[str] = "table"
-
-    recipe: Recipe
-
-    @property
-    def key(self) -> str:
-        return self.recipe.key
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,6 @@ class History:
 
     @property
     def modified(self) -> bool:
-        """Whether the document differs from its saved state."""
         return self.saved != self._at
 
     @property
@@ -123,7 +122,6 @@ class History:
         self.end_gesture()
 
     def end_gesture(self) -> None:
-        """What comes next is a step of its own."""
         self._gesture = None
 
     def go_to(self, position: int) -> None:
@@ -192,11 +190,9 @@ class Document:
         return self.path.parent if self.path is not None else Path()
 
     def text(self) -> str:
-        """The text of its network file."""
         return format_network(self.network, library=self.library)
 
     def listen(self, listener: Listener) -> None:
-        """Call `listener` with the networks before and after each change."""
         self._listeners.append(listener)
 
     def do(self, operation: Operation, gesture: Hashable = None) -> bool:

@@ -171,7 +171,6 @@ class _Column:
 
     @property
     def top(self) -> float:
-        """The highest edge."""
         return min(self.tops.values(), default=0.0)
 
 

@@ -72,7 +72,6 @@ class Inside(Operation):
         return _with_body(network, node, after, self.operation.moved(node.macro))
 
     def moved(self, network: Network) -> dict[str, str]:
-        """The names of nodes inside."""
         inside = network.node(self.macro).macro
         names = self.operation.moved(inside) if inside is not None else {}
         head = f"{self.macro}{SEPARATOR}"

@@ -37,19 +37,16 @@ class Policy:
 
     @property
     def dtype(self) -> np.dtype[np.floating]:
-        """Type of real samples."""
         return np.dtype(np.float32 if self.precision == "single" else np.float64)
 
     @property
     def budget(self) -> float:
-        """The tolerance as a number."""
         if self.tolerance is None:
             return float(np.finfo(self.dtype).eps) / 8
         return self.tolerance
 
     @property
     def workers(self) -> int:
-        """Number of threads to use."""
         if self.threads:
             return self.threads
         allowed = getattr(os, "sched_getaffinity", None)  # not on every system

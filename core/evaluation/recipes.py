@@ -160,7 +160,6 @@ class Step(Recipe):
         return self.function, tuple(recipe.key for recipe in self.inputs), self.parameters
 
     def compute(self, work: Evaluation) -> Any:
-        """Evaluate the inputs, then the function."""
         values = [work.value(recipe) for recipe in self.inputs]
         work.check()
         return self.function(work, *values, **dict(self.parameters))
@@ -178,7 +177,6 @@ class Step(Recipe):
 
     @property
     def held_size(self) -> tuple[int, int] | None:
-        """As given to `holds_region`."""
         size: Callable[..., tuple[int, int]] | None = getattr(self.function, "held_size", None)
         return None if size is None else size(**dict(self.parameters))
 

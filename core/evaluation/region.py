@@ -38,22 +38,18 @@ class Region:
 
     @property
     def bottom(self) -> int:
-        """Row after the last."""
         return self.top + self.rows
 
     @property
     def right(self) -> int:
-        """Column after the last."""
         return self.left + self.columns
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
         return self.rows, self.columns
 
     @property
     def slices(self) -> tuple[slice, slice]:
-        """Index of the samples in an array."""
         return slice(self.top, self.bottom), slice(self.left, self.right)
 
     def within(self, shape: tuple[int, int]) -> Region:

@@ -76,7 +76,6 @@ class Store:
 
     @property
     def used_bytes(self) -> int:
-        """Bytes held now, pinned or not."""
         return self._bytes
 
     @property
@@ -155,7 +154,6 @@ class Store:
             self._bytes -= self._values.pop(key, (None, 0))[1]
 
     def clear(self) -> None:
-        """Forget everything."""
         with self._lock:
             self._values.clear()
             self._pinned.clear()
