@@ -19,23 +19,12 @@ NAMES = ("core", "nodes", "app", "networks")
 
 
 def load_own_packages(root: Path) -> None:
-    """Load the four packages from the folder of this one.
+    """Load the four packages from `root`, the folder that holds this one.
 
-    Parameters
-    ----------
-    root : Path
-        The folder that holds this package.
+    Raises `ImportError` if another package with one of these names has already been imported.
 
-    Raises
-    ------
-    ImportError
-        If another package with one of these names has already been imported.
-
-    Warns
-    -----
-    UserWarning
-        If a folder or file with one of these names would have come first, and is now hidden. The
-        command does not warn, as it imports nothing of the user's; nor does a child process.
+    Warns if a folder or file with one of these names would have come first, and is now hidden. The
+    command does not warn, as it imports nothing of the user's; nor does a child process.
     """
     others = [name for name in NAMES if not _is_own(sys.modules.get(name), root)]
     taken = [name for name in others if name in sys.modules]
@@ -91,16 +80,12 @@ def _in_front(name: str, root: Path) -> Iterable[str]:
         if _same(folder, root):
             return
         file = folder / f"{name}.py"
-        if _is_file(file) or _holds_python(folder / name):
-            yield str(file if _is_file(file) else folder / name)
+        if os.path.isfile(file):  # noqa: PTH113 - Path raises where the folder may not be read
+            yield str(file)
             return
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
+        if _holds_python(folder / name):
+            yield str(folder / name)
+            return
 
 
 def _holds_python(folder: Path) -> bool:

@@ -422,11 +422,7 @@ def _combined_part(
     return block_combine(work, blocks, factor_x=factor_x, factor_y=factor_y, **how)
 
 
-def _blocks(_: Recipe, **how: Any) -> Blocks:
-    return Blocks(**how)
-
-
-@picture_step(linear=_blocks)
+@picture_step(linear=lambda _, **how: Blocks(**how))
 @in_parts(_combined_part)
 def block_combine(
     work: Work,

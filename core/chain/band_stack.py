@@ -267,12 +267,8 @@ def _unraised(_: Work, picture: Array) -> LevelChange:
     return LevelChange(1.0, mean, mean)
 
 
-def _raised(before: Recipe, *, offset: float) -> Linear:
-    return _Raised(before) if offset else Linear()
-
-
 @in_blocks()
-@picture_step(linear=_raised)
+@picture_step(linear=lambda before, offset: _Raised(before) if offset else Linear())
 def _with_constant(work: Work, picture: Array, *, offset: float) -> Array:
     """A picture and the light that is everywhere alike."""
     if not offset:

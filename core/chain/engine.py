@@ -308,7 +308,10 @@ class Engine:
                 inputs[port.name] = None
         if node.disabled:
             return PlannedNode(node, module, inputs, _passed(described, inputs))
-        result = _run(module, inputs, NodeContext(name, network.seed, folder, node.noise))
+        here = NodeContext(name, network.seed, folder, node.noise)
+        hints = module.run.__annotations__.items()
+        extra = {given: here for given, hint in hints if hint in (NodeContext, "NodeContext")}
+        result = module.run(**inputs, **extra)
         outputs = result._asdict() if result is not None else {}
         return PlannedNode(node, module, inputs, outputs, result)
 
@@ -349,12 +352,6 @@ def _brought(
             f"{link.source}.{link.output} does not fit the input {link.input}, which takes {kinds}"
         )
     return value
-
-
-def _run(module: Module, inputs: Mapping[str, Any], here: NodeContext) -> Any:
-    hints = module.run.__annotations__
-    extra = {name: here for name, hint in hints.items() if hint in (NodeContext, "NodeContext")}
-    return module.run(**inputs, **extra)
 
 
 def _passed(described: Declaration, inputs: Mapping[str, Any]) -> dict[str, Any]:

@@ -27,7 +27,11 @@ def at_frame(recipe: Recipe, frame: int) -> Recipe:
 
     def change(step: Recipe) -> Recipe | None:
         if isinstance(step, Delivered):
-            return _later(made.inputs_of(step), frame)
+            same = made.inputs_of(step)
+            assert isinstance(same, Delivered)
+            # Its transfer functions may have the number of the frame.
+            wires = _wire_later(same.magnitude, frame), _wire_later(same.phase, frame)
+            return _with_wires(same, *wires)
         if not isinstance(step, Step):
             return None
         moved = tuple((name, _moved(value, frame)) for name, value in step.parameters)
@@ -40,11 +44,8 @@ def at_frame(recipe: Recipe, frame: int) -> Recipe:
     return made.of(recipe)
 
 
-def _later(delivered: Recipe, frame: int) -> Recipe:
-    """With the transfer functions of the frame, where these have its number."""
-    assert isinstance(delivered, Delivered)
-    magnitude = _wire_later(delivered.magnitude, frame)
-    phase = _wire_later(delivered.phase, frame)
+def _with_wires(delivered: Delivered, magnitude: Magnitude, phase: Phase) -> Delivered:
+    """With other wires; the same object where these are its own."""
     if magnitude is delivered.magnitude and phase is delivered.phase:
         return delivered
     return replace(delivered, magnitude=magnitude, phase=phase)
@@ -114,10 +115,7 @@ class Remaking:
             same = all(a is b for a, b in zip(inputs, recipe.inputs, strict=True))
             return recipe if same else replace(recipe, inputs=inputs)
         if isinstance(recipe, Delivered):
-            magnitude, phase = self._wire(recipe.magnitude), self._wire(recipe.phase)
-            if magnitude is recipe.magnitude and phase is recipe.phase:
-                return recipe
-            return replace(recipe, magnitude=magnitude, phase=phase)
+            return _with_wires(recipe, self._wire(recipe.magnitude), self._wire(recipe.phase))
         return recipe
 
     def _wire(self, wire: Wire) -> Wire:

@@ -95,16 +95,9 @@ class NoisePower:
         return replace(self, power=self.power * factor**2, variances=variances)
 
     def filtered(
-        self,
-        work: Work,
-        factors: tuple[Factor, ...],
-        grid: Grid,
-        axes: Axes,
-        *,
-        factor_x: int = 1,
-        factor_y: int = 1,
+        self, work: Work, factors: tuple[Factor, ...], grid: Grid, axes: Axes
     ) -> NoisePower:
-        """Behind transfer functions on a frame of these edges, and means of blocks after them."""
+        """Behind transfer functions on a frame of these edges."""
         product = Product(factors)
         xi, eta = (grid.xi(), grid.eta()) if axes == "periodic" else axes_of(grid, axes)
         changed = self.on(axes)
@@ -114,8 +107,7 @@ class NoisePower:
             for place, mean in nyquist_lines(lambda x, y: product.total(work, x, y), xi, eta):
                 whole[place] = mean
             power = changed.shown * np.abs(whole) ** 2
-            changed = replace(changed, power=power, along=None, across=None, variances=None)
-            return changed.averaged(factor_x, factor_y)
+            return replace(changed, power=power, along=None, across=None, variances=None)
         plane = product.plane(work, xi, eta)
         if plane is not None:
             # A plane does not act on an axis alone: what several waves have in common is let go.
@@ -124,7 +116,7 @@ class NoisePower:
         responses = product.along(work, eta), product.across(work, xi)
         for axis, response in enumerate(responses):
             changed = changed._filtered(axis, response)
-        return changed.averaged(factor_x, factor_y)
+        return changed
 
     def averaged(self, factor_x: int, factor_y: int) -> NoisePower:
         """Behind the mean of blocks of pixels; what is left over is cropped."""

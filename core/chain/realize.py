@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
-from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
+from core.chain.wires import Curve, Image, Phase, SpectrumWire, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -46,10 +46,12 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
             sampled: SampledTransfer = work.value(value.own)
             return sampled.values
         return transfer_plane(work, value).astype(work.policy.dtype)
-    if isinstance(value, Magnitude):
-        return _magnitude(work, value)
-    if isinstance(value, Phase):
-        return _phase(work, value)
+    if isinstance(value, SpectrumWire):
+        plane = transfer_plane(work, value)
+        if value.image is not None:
+            own = work.value(_spectrum_of(value.image))
+            plane = plane + np.angle(own) if isinstance(value, Phase) else plane * np.abs(own)
+        return plane.astype(work.policy.dtype)
     samples = getattr(value, "samples", None)
     if isinstance(samples, Recipe):
         return work.value(samples)
@@ -136,17 +138,3 @@ def spectrum(work: Work, image: Array) -> Array:
     require_finite(values)
     values[0, 0] = mean * image.size
     return np.asarray(values)
-
-
-def _magnitude(work: Work, value: Magnitude) -> Array:
-    plane = transfer_plane(work, value)
-    if value.image is not None:
-        plane = plane * np.abs(work.value(_spectrum_of(value.image)))
-    return plane.astype(work.policy.dtype)
-
-
-def _phase(work: Work, value: Phase) -> Array:
-    plane = transfer_plane(work, value)
-    if value.image is not None:
-        plane = plane + np.angle(work.value(_spectrum_of(value.image)))
-    return plane.astype(work.policy.dtype)

@@ -394,19 +394,6 @@ class PackagedLibrary(Mapping[str, type[Module]]):
         return len(self._modules)
 
 
-def library_of(modules: Iterable[type[Module]]) -> dict[str, type[Module]]:
-    """Modules by key.
-
-    Raises `ValueError` if two modules share a key.
-    """
-    library: dict[str, type[Module]] = {}
-    for module in modules:
-        if module.key in library or not module.key:
-            raise ValueError(f"module key {module.key!r} is missing or used twice")
-        library[module.key] = module
-    return library
-
-
 def package_of(key: str) -> str:
     """The package that a module's key names; empty for a module of ours."""
     package, _, local = key.rpartition(".")

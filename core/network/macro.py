@@ -227,7 +227,10 @@ class Interface:
 
     def mapped(self, entry: NewEnds, output: NewEnds, parameter: NewEnds) -> Interface:
         """With what the functions give in the place of each inner end; without it for nothing."""
-        inputs = {name: _each(ends, entry) for name, ends in self.inputs.items()}
+        inputs = {
+            name: tuple(new for end in ends for new in entry(end))
+            for name, ends in self.inputs.items()
+        }
         outputs, parameters = (
             {name: new[0] for name, end in ends.items() if (new := tuple(function(end)))}
             for ends, function in ((self.outputs, output), (self.parameters, parameter))
@@ -249,10 +252,6 @@ class Interface:
             return () if end[0] in gone else (end,)
 
         return self.mapped(left, left, left)
-
-
-def _each(ends: Iterable[End], function: NewEnds) -> tuple[End, ...]:
-    return tuple(new for end in ends for new in function(end))
 
 
 def text(end: End) -> str:

@@ -23,6 +23,13 @@ if TYPE_CHECKING:
 
 File = str | PathLike[str]
 Values = str | Sequence[Any] | NDArray[Any]
+_CHAIN = "a Chain, a network file, or the name of a shipped network"
+_VARY = "{'NODE.PARAM': values}, or the points as sample='points.csv'"
+_TEXTS = "a mapping of strings, {'NODE.NAME': pattern}"
+_OUTPUT = "the name of a .csv, .parquet or .nc file"
+_SCHEDULER = (
+    "the address of a Dask scheduler, or a distributed.Client (for a cluster: cluster.get_client())"
+)
 _VALUES = "a list or a one-dimensional array of values, or a string such as '0:1:5'"
 
 
@@ -94,7 +101,21 @@ def study(
     ImagechainError
         If the study cannot be carried out. A point that fails only gives a row with its error.
     """
-    _check_kinds(chain, vary, over, save, sample, output, scheduler)
+    distributed = sys.modules.get("distributed")
+    is_client = distributed is not None and isinstance(scheduler, distributed.Client)
+    text_maps = {"over": over, "save": save}
+    for name, given, fits, taken in (
+        ("chain", chain, isinstance(chain, Chain) or _is_path(chain), _CHAIN),
+        ("vary", vary, vary is None or isinstance(vary, Mapping), _VARY),
+        *((name, given, _is_of_texts(given), _TEXTS) for name, given in text_maps.items()),
+        ("output", output, output is None or _is_path(output), _OUTPUT),
+        ("sample", sample, _is_path(sample), "'grid', 'latin', or a .csv file of points"),
+        ("scheduler", scheduler, is_client or isinstance(scheduler, str), _SCHEDULER),
+    ):
+        if not fits:
+            raise _refused(name, given, taken)
+    if is_client and getattr(scheduler, "asynchronous", False):
+        raise UsageError("scheduler: an asynchronous Client is not allowed; give a synchronous one")
     counts = {"jobs": jobs, "points": points, "memory_bytes": memory_bytes, "threads": threads}
     for name, count in counts.items():
         if not (count is None or (isinstance(count, Integral) and count >= 0)):
@@ -122,37 +143,6 @@ def study(
     return StudyTable(rows)
 
 
-def _check_kinds(
-    chain: object,
-    vary: object,
-    over: object,
-    save: object,
-    sample: object,
-    output: object,
-    scheduler: object,
-) -> None:
-    """Refuse objects of other kinds than are taken, before anything fails on them."""
-    if not (isinstance(chain, Chain) or _is_path(chain)):
-        raise _refused("chain", chain, "a Chain, a network file, or the name of a shipped network")
-    if not (vary is None or isinstance(vary, Mapping)):
-        raise _refused("vary", vary, "{'NODE.PARAM': values}, or the points as sample='points.csv'")
-    for name, given in (("over", over), ("save", save)):
-        texts = list(given.values()) if isinstance(given, Mapping) else [given]
-        if given is not None and not all(isinstance(text, str) for text in texts):
-            raise _refused(name, given, "a mapping of strings, {'NODE.NAME': pattern}")
-    if not (output is None or _is_path(output)):
-        raise _refused("output", output, "the name of a .csv, .parquet or .nc file")
-    if not _is_path(sample):
-        raise _refused("sample", sample, "'grid', 'latin', or a .csv file of points")
-    distributed = sys.modules.get("distributed")
-    is_client = distributed is not None and isinstance(scheduler, distributed.Client)
-    if is_client and getattr(scheduler, "asynchronous", False):
-        raise UsageError("scheduler: an asynchronous Client is not allowed; give a synchronous one")
-    if not (is_client or isinstance(scheduler, str)):
-        what = "the address of a Dask scheduler, or a distributed.Client (for a cluster: "
-        raise _refused("scheduler", scheduler, what + "cluster.get_client())")
-
-
 def _texts(name: str, given: Any, kind: Any, taken: str) -> list[Any]:
     if given is None or isinstance(given, kind):
         return [] if given is None else [given]
@@ -170,6 +160,11 @@ def _values(label: str, values: Any) -> str | Sequence[Any]:
     if hasattr(values, "__array__") and np.ndim(values) == 1:  # of numpy, pandas or xarray
         return list(np.asarray(values).tolist())
     raise _refused(f"vary {label}", values, _VALUES)
+
+
+def _is_of_texts(given: object) -> bool:
+    texts = given.values() if isinstance(given, Mapping) else [given]
+    return given is None or all(isinstance(text, str) for text in texts)
 
 
 def _is_path(given: object) -> bool:

@@ -203,10 +203,7 @@ _FRAMES = 3  # dimensions
 def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]:
     """The frames of each array, (rows, columns) or (frames, rows, columns), in double precision.
 
-    Raises
-    ------
-    DataError
-        If an array is not a picture, or a sample is not finite.
+    Raises `DataError` if an array is not a picture, or a sample is not finite.
     """
     return [_frames(np.asarray(picture), number) for number, picture in enumerate(pictures, 1)]
 

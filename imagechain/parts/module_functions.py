@@ -48,13 +48,7 @@ class PackageModules:
 
 
 def module_function(key: str) -> Callable[..., Part]:
-    """The function that makes a module.
-
-    Raises
-    ------
-    AttributeError
-        If there is no such module.
-    """
+    """The function that makes a module; an `AttributeError` if there is no such module."""
     library = standard_library()
     if key not in library:
         raise AttributeError(f"there is no module {key!r}{close(key, library)}")

@@ -53,10 +53,7 @@ def stays_here(value: Any) -> NoReturn:
 def needed(name: str, purpose: str) -> ModuleType:
     """Import the optional library of that name.
 
-    Raises
-    ------
-    UsageError
-        If it is not installed; the message says how to install it.
+    Raises `UsageError` if it is not installed; the message says how to install it.
     """
     try:
         return import_module(name)

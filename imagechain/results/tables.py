@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -316,7 +317,10 @@ class StudyTable(_Named[list[Any]]):
 
     def _texts(self, most: int) -> list[list[str]]:
         rows = zip(*self._values.values(), strict=True)
-        return [[_word(cell) for cell in row] for row, _ in zip(rows, range(most), strict=False)]
+        return [
+            [number_text(v) if isinstance(v, float) else "" if v is None else str(v) for v in row]
+            for row in islice(rows, most)
+        ]
 
     def __repr__(self) -> str:
         heads = [column.head for column in self._rows.columns()]
@@ -335,12 +339,6 @@ class StudyTable(_Named[list[Any]]):
         count = "\n".join([f"{len(self._rows.rows)} points", *self._warned()])
         picture = png(study_png(self._rows), alt="figures of the study")
         return block(picture, table(heads, self._texts(_SHOWN), caption=count))
-
-
-def _word(value: Any) -> str:
-    if isinstance(value, float):
-        return number_text(value)
-    return "" if value is None else str(value)
 
 
 def _frame(columns: Mapping[str, Any]) -> DataFrame:

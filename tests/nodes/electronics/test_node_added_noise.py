@@ -8,11 +8,11 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.policy import Policy
-from core.modules.declaration import library_of
 from linked_network import linked_network
 from nodes.electronics.noise_file import NoiseFile
 from nodes.electronics.periodic_noise import PeriodicNoise
 from nodes.input_output.read_image import ReadImage
+from small_library import library_of
 
 LIBRARY = library_of([ReadImage, PeriodicNoise, NoiseFile])
 FOV = {"fov_x_deg": 2.0, "fov_y_deg": 1.5}

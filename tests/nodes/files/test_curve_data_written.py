@@ -13,10 +13,11 @@ from core.chain.wires import Curve
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.modules.declaration import Module, NodeContext, library_of
+from core.modules.declaration import Module, NodeContext
 from linked_network import linked_network
 from nodes.files.arrays import read_matrix
 from nodes.input_output.write_matrix import WriteMatrix
+from small_library import library_of
 
 NAMES = ("optics, cold", 'detector "A"', "jitter")
 BARS = CurveData(

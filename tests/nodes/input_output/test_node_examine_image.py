@@ -8,11 +8,11 @@ import scipy.integrate
 from scipy.constants import c, h, k
 
 from core.errors import ParameterError
-from core.modules.declaration import library_of
 from node_bench import NodeBench
 from nodes.input_output.examine_image import ExamineImage
 from nodes.input_output.read_image import ReadImage
 from nodes.transform.init_trans import InitTrans
+from small_library import library_of
 
 LIBRARY = library_of([ReadImage, ExamineImage, InitTrans])
 

@@ -10,9 +10,9 @@ import pytest
 import zarr
 
 from core.errors import DataError, FileError, ParameterError
-from core.modules.declaration import library_of
 from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
+from small_library import library_of
 
 LIBRARY = library_of([ReadImage])
 

@@ -9,7 +9,7 @@ from core.chain.results import CurveData, Series
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
-from core.modules.declaration import Module, library_of
+from core.modules.declaration import Module
 from node_bench import NodeBench
 from nodes.files.arrays import read_matrix
 from nodes.files.read import read_info, read_pixels
@@ -18,6 +18,7 @@ from nodes.input_output.read_image import ReadImage
 from nodes.input_output.write_image import WriteImage
 from nodes.input_output.write_matrix import WriteMatrix, curve_columns
 from nodes.shared.module_ports import ImageOutput
+from small_library import library_of
 
 LIBRARY = library_of([ReadImage, WriteImage, WriteMatrix, ExamineImage])
 

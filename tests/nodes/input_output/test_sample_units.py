@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from core.errors import FileError, ParameterError
-from core.modules.declaration import library_of
 from node_bench import NodeBench
 from nodes.files.write import write_picture
 from nodes.input_output.read_image import ReadImage
+from small_library import library_of
 
 LIBRARY = library_of([ReadImage])
 CUBE = np.random.default_rng(3).uniform(1, 2, (2, 3, 4))

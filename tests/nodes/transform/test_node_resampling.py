@@ -7,13 +7,13 @@ import pytest
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from core.modules.declaration import library_of
 from linked_network import linked_network
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.transform.anti_alias import AntiAlias, box_mtf, lanczos_mtf
 from nodes.transform.interpolate import Interpolate
 from slow_reference.resampling import interpolated
+from small_library import library_of
 
 ENGINE_LIBRARY = library_of([ReadImage, AntiAlias, Interpolate])
 TOLERANCE = {"double": 1e-13, "single": 1e-6}

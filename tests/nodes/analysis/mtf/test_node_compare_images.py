@@ -8,7 +8,6 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
-from core.modules.declaration import library_of
 from linked_network import linked_network
 from nodes.analysis.compare_images import CompareImages
 from nodes.input_output.read_image import ReadImage
@@ -16,6 +15,7 @@ from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
 from nodes.transform.back_transform import BackTransform
 from nodes.transform.init_trans import InitTrans
+from small_library import library_of
 
 LIBRARY = library_of([TestScene, ReadImage, InitTrans, JitterMTF, BackTransform, CompareImages])
 

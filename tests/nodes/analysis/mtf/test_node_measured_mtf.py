@@ -10,11 +10,11 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError, ImagechainError, ParameterError
 from core.evaluation.policy import Policy
-from core.modules.declaration import library_of
 from edge_pictures import edge_mtf, edge_picture
 from linked_network import linked_network
 from nodes.analysis.measured_mtf import MeasuredMTF
 from nodes.input_output.read_image import ReadImage
+from small_library import library_of
 
 LIBRARY = library_of([ReadImage, MeasuredMTF])
 FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.5}

@@ -12,7 +12,7 @@ from core.chain.results import SampledTransfer
 from core.chain.wires import Magnitude, Transfer
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.modules.declaration import NodeContext, library_of
+from core.modules.declaration import NodeContext
 from core.transfer.factors import Grid, Law, Planar, Separable
 from linked_network import linked_network
 from nodes.analysis.mtf_slices import MtfSlices
@@ -20,6 +20,7 @@ from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
 from nodes.transform.init_trans import InitTrans
+from small_library import library_of
 
 LIBRARY = library_of([TestScene, InitTrans, JitterMTF, GaussianMTF, MtfSlices])
 GRID = Grid(40, 64, 0.5, 0.8)
