@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -42,14 +43,14 @@ class Workers:
         if helpers < 1:
             in_turn(function, items)
             return
-        left = _Shared(iter(items))
+        left = deque(items)
 
         def help_out() -> None:
             try:
-                for item in left:
+                for item in _taken(left):
                     function(item)
             except BaseException:
-                left.stop()
+                left.clear()  # an item failed: none is begun any more
                 raise
 
         pool = self._threads(helpers)
@@ -71,27 +72,14 @@ class Workers:
             return self._pool
 
 
-class _Shared:
-    """An iterator that several threads take from."""
-
-    def __init__(self, items: Iterator[Any]) -> None:
-        self._items = items
-        self._lock = threading.Lock()
-        self._stopped = False
-
-    def __iter__(self) -> _Shared:
-        return self
-
-    def __next__(self) -> Any:
-        with self._lock:
-            if self._stopped:
-                raise StopIteration
-            return next(self._items)
-
-    def stop(self) -> None:
-        """Give nothing more: an item failed."""
-        with self._lock:
-            self._stopped = True
+def _taken(items: deque[Any]) -> Iterator[Any]:
+    """Items that no other thread takes, until none is left."""
+    while items:
+        try:
+            item = items.popleft()
+        except IndexError:  # another thread took the last one
+            return
+        yield item
 
 
 # How much memory the process may use, and how much of it computed values may keep.

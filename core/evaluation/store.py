@@ -9,6 +9,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -48,14 +49,6 @@ def freeze(value: object) -> None:
 _ABSENT = object()
 
 
-class _Running:
-    """A key under computation: its lock, and how many are at it or wait for it."""
-
-    def __init__(self) -> None:
-        self.lock = threading.RLock()
-        self.users = 0
-
-
 class Store:
     """Values by key. One computation per key at a time; safe to share between threads.
 
@@ -69,7 +62,8 @@ class Store:
         self._pins: dict[str, int] = {}
         self._bytes = 0
         self._lock = threading.Lock()
-        self._running: dict[str, _Running] = {}
+        self._running: WeakValueDictionary[str, Any] = WeakValueDictionary()
+        """Locks of the keys that are under computation, as long as a thread holds or awaits one."""
 
     def __len__(self) -> int:
         return len(self._values) + len(self._pinned)
@@ -129,24 +123,17 @@ class Store:
         if stored is not _ABSENT:
             return stored
         with self._lock:
-            running = self._running.setdefault(key, _Running())
-            running.users += 1
-        try:
-            with running.lock:
-                stored = self.peek(key, _ABSENT)
-                if stored is not _ABSENT:
-                    return stored
-                value = compute()
-                freeze(value)
-                if isinstance(value, np.ndarray):
-                    value = value.view()  # a view of a read-only array cannot be made writeable
-                self._put(key, value)
-                return value
-        finally:
-            with self._lock:
-                running.users -= 1
-                if running.users == 0:
-                    self._running.pop(key, None)
+            running = self._running.setdefault(key, threading.RLock())
+        with running:
+            stored = self.peek(key, _ABSENT)
+            if stored is not _ABSENT:
+                return stored
+            value = compute()
+            freeze(value)
+            if isinstance(value, np.ndarray):
+                value = value.view()  # a view of a read-only array cannot be made writeable
+            self._put(key, value)
+            return value
 
     def drop(self, key: str) -> None:
         """Forget the value of `key`, unless it is pinned."""

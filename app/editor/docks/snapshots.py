@@ -24,7 +24,7 @@ from app.editor.viewers.plot.plot_export import Data
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.run.readout_tables import number_text, without_rounding
 from core.chain.engine import Plan
-from core.editing.operations import Restored
+from core.editing.operations import restored
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.work import Work
 from core.machine import store_bytes
@@ -246,7 +246,7 @@ class Snapshots(QObject):
         state = state or self.chosen
         if state is None:
             self._say(NOTHING_KEPT, "advice")
-        elif self._session.do(Restored(state.network, f"Go back to {state.name}")):
+        elif self._session.do(restored(state.network, f"Go back to {state.name}")):
             self._say(f"restored {state.name}; Ctrl+Z undoes it")
         else:
             self._say(f"the network is already as in {state.name}")

@@ -32,7 +32,7 @@ from app.run.preset_files import (
 from app.run.shipped import every_network, find_network
 from core.chain.engine import Engine
 from core.editing.document import Document, mark, rebased
-from core.editing.operations import Operation, Restored, Together, set_parameter
+from core.editing.operations import Operation, Together, restored, set_parameter
 from core.editing.wiring import new_node
 from core.errors import ImagechainError, ParameterError
 from core.modules.declaration import Library, declaration, where_absent
@@ -408,7 +408,7 @@ class Drops(QObject):
         except ImagechainError as error:
             level.message.emit("error", str(error))
             return True
-        if level.do(Restored(new.network, f"Put {path.name} in place of {name}")):
+        if level.do(restored(new.network, f"Put {path.name} in place of {name}")):
             level.select([name])
             level.message.emit("note", "; ".join(new.lines))
         return True

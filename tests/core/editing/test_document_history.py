@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
-from core.editing.operations import ABSENT, Remove, Restored, set_network_field, set_parameter
+from core.editing.operations import ABSENT, Remove, restored, set_network_field, set_parameter
 from core.errors import NetworkError
 from core.network.file import load_network
 from core.network.linked_values import expression
@@ -74,7 +74,7 @@ def test_going_back_is_one_step(library):
     document.do(Remove(("blur",)))
     changed = document.text()
     steps = document.history.position
-    assert document.do(Restored(kept, "Go back to Snapshot 1"))
+    assert document.do(restored(kept, "Go back to Snapshot 1"))
     assert document.network is kept
     assert document.history.position == steps + 1
     assert document.history.undo_text == "Go back to Snapshot 1"
@@ -82,4 +82,4 @@ def test_going_back_is_one_step(library):
     assert document.text() == changed
     document.redo()
     assert document.network == kept
-    assert not document.do(Restored(kept, "Go back to Snapshot 1"))  # it is there already
+    assert not document.do(restored(kept, "Go back to Snapshot 1"))  # it is there already
