@@ -14,26 +14,16 @@ from core.leftovers import new_mark, sweep
 
 @contextlib.contextmanager
 def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give the name of a temporary file that takes the place of `path` when the block succeeds.
+    """Give an empty file to write into, which takes the place of `path` when the block succeeds.
 
-    The temporary file is in the same folder with the same suffix, so that the final rename
-    stays within one file system and writers that choose a format by suffix choose the same one.
-    It is flushed to the disk before the rename. When the block raises, it is removed and what
-    was at `path` before is untouched. A symbolic link is followed: its target is replaced.
-    What a killed process has left in the folder is removed.
+    It is in the same folder with the same suffix, so that the final rename stays within one file
+    system and writers that choose a format by suffix choose the same one. It must be closed when
+    the block ends, and is flushed to the disk before the rename. When the block raises, it is
+    removed and what was at `path` before is untouched. A symbolic link is followed: its target is
+    replaced. What a killed process has left in the folder is removed.
 
     Raises `FileError`: `path` is a folder or no regular file, its folder is missing or cannot be
     written, or the disk is full. An `OSError` from within the block is given as `FileError` too.
-
-    Parameters
-    ----------
-    path
-        The file to write. Its folder must exist.
-
-    Yields
-    ------
-    pathlib.Path
-        An existing empty file to write into; it must be closed when the block ends.
     """
     target = _target(path)
     mode = _mode_of_existing(target)

@@ -109,11 +109,11 @@ class Declaration:
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
     parameters: tuple[Parameter, ...]
-    readouts: tuple[Readout, ...]
-    warnings: tuple[WarningCheck, ...]
-    replaces: tuple[str, ...]
     sink: bool
     panel: tuple[Section, ...]
+    readouts: tuple[Readout, ...] = ()
+    warnings: tuple[WarningCheck, ...] = ()
+    replaces: tuple[str, ...] = ()
     formulas: tuple[Formula, ...] = ()
     without_formula: str = ""
     explained: str = ""
@@ -249,11 +249,8 @@ def _derive(module: Any) -> Declaration:
         panel = complete(module.panel, [parameter.name for parameter in parameters])
     except TypeError as error:
         raise TypeError(f"{module.__name__}: {error}") from error
+    own = ("key", "title", "group", "version", "replaces", "sink", "explained")
     return Declaration(
-        key=module.key,
-        title=module.title,
-        group=module.group,
-        version=module.version,
         summary=text.split("\n\n")[0].replace("\n", " "),
         text=text,
         inputs=_inputs(module),
@@ -261,12 +258,8 @@ def _derive(module: Any) -> Declaration:
         parameters=parameters,
         readouts=_readouts(module),
         warnings=_warnings(module),
-        replaces=module.replaces,
-        sink=module.sink,
         panel=panel,
-        formulas=module.formulas,
-        without_formula=module.without_formula,
-        explained=module.explained,
+        **{name: getattr(module, name) for name in (*own, "formulas", "without_formula")},
     )
 
 

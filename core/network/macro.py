@@ -148,9 +148,6 @@ def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
         inputs=tuple(inputs),
         outputs=tuple(outputs),
         parameters=tuple(parameters),
-        readouts=(),
-        warnings=(),
-        replaces=(),
         sink=not outputs,
         panel=complete((), [parameter.name for parameter in parameters]),
     )

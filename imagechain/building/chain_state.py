@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -70,14 +69,6 @@ class ChainState:
     order: tuple[str, ...] = ()
     given: frozenset[tuple[str, str]] = frozenset()
     scene: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "samples", MappingProxyType(dict(self.samples)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        samples = dict(self.samples)
-        fields = (self.network, self.folder, self.file, samples, self.order, self.given, self.scene)
-        return ChainState, fields
 
     def node(self, name: str) -> Node:
         """The node in the network; inside a macro, ``MACRO/NODE``."""
@@ -162,7 +153,9 @@ class ChainState:
             for key, value in part.params.items()
         }
         node = Node(id_, part.module, params, macro=part.inside)
-        network = added(self.network, library, node, order=self.order, after=after, wired=wired)
+        network = self._grown(node, declared, library, after) if wired else None
+        if network is None:
+            network = Add((Placed(node),)).apply(self.network)
         samples = dict(self.samples)
         if part.samples is not None:
             samples[id_] = part.samples
@@ -172,6 +165,34 @@ class ChainState:
             order=(*self.order, id_),
             samples=samples,
             given=self.given | {(id_, path) for path in paths},
+        )
+
+    def _grown(
+        self, node: Node, taken: Declaration, library: Library, after: str | None
+    ) -> Network | None:
+        """The network with a node added and wired; None where it begins something of its own.
+
+        It continues from the node `after`; by default from the last added node that has what the
+        module takes. Raises `NetworkError` if it does not fit there.
+        """
+        if not self.network.nodes or (after is None and not taken.inputs):
+            return None
+        grown = Add((Placed(node),)).apply(self.network)
+        if after is not None:
+            wiring = wires_behind(grown, library, after, node.id, branches=False)
+        else:
+            order = reversed(self.order)
+            every = (wires_from_open_end(grown, library, one, node.id) for one in order)
+            wiring = next((found for found in every if found is not None), None)
+        if wiring is not None:
+            return _completed(wiring.apply(grown), library, node.id, self.order)
+        if not taken.inputs:
+            return None
+        kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
+        where = f"{shown(after)} has" if after is not None else "the chain has"
+        raise NetworkError(
+            f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of "
+            "that kind: give after=, or give wired=False and link it"
         )
 
     def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
@@ -299,46 +320,9 @@ def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
     return isinstance(recipe, Step) and dict(recipe.parameters).get("held") is samples
 
 
-# Adding a node to a chain: where it goes on from, and its other wires.
+# Wires of a new node beside the picture's.
 
 _BESIDE = ("context", "pupil", "magnitude", "phase")
-
-
-def added(
-    network: Network,
-    library: Library,
-    node: Node,
-    *,
-    order: Sequence[str],
-    after: str | None,
-    wired: bool,
-) -> Network:
-    """The network with a node added, of a module in the library, and wired.
-
-    It continues from the node `after`; by default from the last added node that has what the
-    module takes. `order` lists the nodes as they were added, the last one last.
-
-    Raises `NetworkError` if it does not fit there.
-    """
-    taken = declared_node(node, library)
-    assert taken is not None
-    grown = Add((Placed(node),)).apply(network)
-    if not wired or not network.nodes or (after is None and not taken.inputs):
-        return grown
-    if after is not None:
-        wiring = wires_behind(grown, library, after, node.id, branches=False)
-    else:
-        every = (wires_from_open_end(grown, library, one, node.id) for one in reversed(order))
-        wiring = next((found for found in every if found is not None), None)
-    if wiring is None and taken.inputs:
-        kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
-        where = f"{shown(after)} has" if after is not None else "the chain has"
-        raise NetworkError(
-            f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of "
-            "that kind: give after=, or give wired=False and link it"
-        )
-    # A module that takes nothing, and that nothing waits for, begins something of its own.
-    return grown if wiring is None else _completed(wiring.apply(grown), library, node.id, order)
 
 
 def _completed(network: Network, library: Library, name: str, order: Sequence[str]) -> Network:
