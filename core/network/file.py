@@ -17,9 +17,8 @@ from core.modules.declaration import Declaration, Library
 from core.modules.parameters import plain
 from core.names import SCALARS, thaw
 from core.network.macro import declared_node
-from core.network.migrations import least_version
 from core.network.network import EXPRESSION, Network, Node
-from core.network.parsing import FORMAT, LARGEST, parse_network
+from core.network.parsing import FORMAT, LARGEST, least_version, parse_network
 from core.network.validation import check_network
 
 
