@@ -27,8 +27,6 @@ from core.transfer.mirrored import (
     column_blocks,
     row_blocks,
     transform_block,
-    transform_columns,
-    transform_rows,
 )
 
 Array = NDArray[Any]
@@ -129,39 +127,14 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
     `sigma_px` is the standard deviation of the weights in samples; 0 gives the picture itself.
     """
     dtype = work.policy.dtype
+    made: Array = work.empty(image.shape)
     if sigma_px == 0:
-        same: Array = work.empty(image.shape)
-        same[...] = image
-        return same
+        made[...] = image
+        return made
     mean = float(np.mean(image))
     along, across = (_response(size, sigma_px, dtype) for size in image.shape)
-    if work.blocks is not None and work.blocks.disk.wants(image.shape, dtype):
-        return _from_disk(work, image, mean, along, across)
-    values = np.empty(image.shape, dtype)
-
-    def spread(rows: slice) -> None:
-        part = np.subtract(image[rows], mean, out=values[rows], dtype=dtype)
-        values[rows] = transform_block(part, "dct", axis=1)
-        values[rows, : len(across)] *= across
-        values[rows, len(across) :] = 0
-
-    work.for_each(spread, row_blocks(image.shape))
-    width = len(across)
-    transform_columns(work, values, "dct", width)
-    values[: len(along), :width] *= along[:, np.newaxis]
-    values[len(along) :, :width] = 0
-    transform_columns(work, values, "idct", width)
-    transform_rows(work, values, "idct")
-    require_finite(values)
-    values += dtype.type(mean)
-    return values
-
-
-def _from_disk(work: Work, image: Array, mean: float, along: Array, across: Array) -> Array:
-    """The same, the columns that hold something on disk."""
-    dtype, width = work.policy.dtype, len(across)
+    width = len(across)  # of the columns that hold something
     lines = work.strips((image.shape[0], width))
-    made: Array = work.empty(image.shape)
 
     def spread(rows: slice) -> None:
         part = transform_block(np.subtract(image[rows], mean, dtype=dtype), "dct", axis=1)

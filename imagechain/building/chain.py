@@ -400,8 +400,8 @@ class Chain:
             The first error, as in the command `imagechain run`.
         """
         policy, named = Policy(precision, tolerance, threads), {n for n, _ in self._state.given}
-        origin = {"file": self._state.file, "given": frozenset(named)}
-        options = RunOptions.of(policy, frames, outputs, region, memory, scratch, **origin)
+        what = (frames, outputs, region, memory, scratch)
+        options = RunOptions(policy, *what, self._state.file, named)
         spare = [port.rpartition(".")[0] for port in options.outputs or ()]
         chain = self
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from os import PathLike, fspath
 from pathlib import Path
@@ -48,47 +48,38 @@ from nodes.files.read import check_finite
 _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 
 
-@dataclass(frozen=True)
 class RunOptions:
     """Options of a run, as for `Chain.run`, and what decides where the chain may write.
 
     `file` is the network file, where the chain is in one; `given` are the nodes whose files were
-    named in Python.
+    named in Python. Raises `ParameterError` if an option is not allowed.
     """
 
-    policy: Policy
-    frames: int | None = None
-    outputs: tuple[str, ...] | None = None
-    region: tuple[slice, slice] | None = None
-    memory: int | None = None
-    scratch: Path = Path()
-    file: Path | None = None
-    given: frozenset[str] = frozenset()
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         policy: Policy,
         frames: int | None,
         outputs: Sequence[str] | None,
         region: tuple[slice, slice] | None,
         memory: int | str | None,
         scratch: str | PathLike[str] | None,
-        **origin: Any,
-    ) -> RunOptions:
-        """The options, checked: raises `ParameterError` if one is not allowed."""
+        file: Path | None,
+        given: Iterable[str],
+    ) -> None:
         if frames is not None and not (_is_whole(frames) and 1 <= frames <= MOST_FRAMES):
             raise ParameterError("frames", frames, f"a whole number from 1 to {MOST_FRAMES}")
-        chosen = (outputs,) if isinstance(outputs, str) else outputs
         if region is not None and not (
             isinstance(region, tuple)
             and len(region) == 2
             and all(isinstance(part, slice) and part.step in (None, 1) for part in region)
         ):
             raise ParameterError("region", region, _REGION)
-        ports = None if chosen is None else tuple(chosen)
-        folder = current_folder() if scratch is None else Path(fspath(scratch))
-        return cls(policy, frames, ports, region, _bytes(memory), folder, **origin)
+        chosen = (outputs,) if isinstance(outputs, str) else outputs
+        self.policy, self.frames, self.region = policy, frames, region
+        self.outputs = None if chosen is None else tuple(chosen)
+        self.memory = _bytes(memory)
+        self.scratch = current_folder() if scratch is None else Path(fspath(scratch))
+        self.file, self.given = file, frozenset(given)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
         """The rows and columns to compute in a picture of that shape; None for all of it.

@@ -116,16 +116,11 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
             If pandas is not installed.
         """
         pandas = needed("pandas", "tables as DataFrames")
-        index = pandas.MultiIndex.from_tuples(
-            [(row.node, row.name) for row in self.rows], names=["node", "readout"]
-        )
-        cells = {
-            name: pandas.Series(
-                [getattr(row, name) for row in self.rows], index=index, dtype=object
-            )
-            for name in ("value", "unit", "meaning")
-        }
-        frame: DataFrame = pandas.DataFrame(cells, index=index)
+        places = [(row.node, row.name) for row in self.rows]
+        index = pandas.MultiIndex.from_tuples(places, names=["node", "readout"])
+        names = ("value", "unit", "meaning")
+        cells = {name: [getattr(row, name) for row in self.rows] for name in names}
+        frame: DataFrame = pandas.DataFrame(cells, index=index, dtype=object)
         return frame
 
     def _texts(self) -> list[tuple[str, str, str, str]]:
