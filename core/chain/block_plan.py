@@ -5,7 +5,7 @@ Found from the recipes alone, before anything is computed.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from core.chain.back_transformed import Delivered
@@ -13,7 +13,7 @@ from core.chain.engine import Plan
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.policy import Policy
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, furthest_first
 from core.evaluation.work import BlockRun, Shape
 from core.machine import amount_text
 from core.scratch import ScratchDisk
@@ -131,17 +131,9 @@ def _images(plan: Plan) -> list[Image]:
     return [value for value in outputs if isinstance(value, Image)]
 
 
-def _furthest_first(recipes: Iterable[Recipe]) -> Iterable[Recipe]:
+def _furthest_first(recipes: Iterable[Recipe]) -> Iterator[Recipe]:
     """All that recipes are made of, and they themselves, each after what it is made of."""
     done: set[str] = set()
-    path = [(recipe, iter(recipe.inputs)) for recipe in reversed(list(recipes))]
-    while path:
-        recipe, inputs = path[-1]
-        fresh = next((one for one in inputs if one.key not in done), None)
-        if fresh is not None:
-            path.append((fresh, iter(fresh.inputs)))
-            continue
-        path.pop()
-        if recipe.key not in done:
-            done.add(recipe.key)
-            yield recipe
+    for recipe in furthest_first(recipes, lambda one: one.inputs, lambda one: one.key in done):
+        done.add(recipe.key)
+        yield recipe

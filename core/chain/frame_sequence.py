@@ -15,7 +15,7 @@ from core.chain.back_transformed import Delivered, DeliveredBands
 from core.chain.band_stack import AttenuatedBands, BandStack, SteppedBands
 from core.chain.random_fields import FrameNumber, Stream
 from core.chain.wires import Magnitude, Phase
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, furthest_first
 from core.transfer.factors import Law, Planar, Separable
 
 Change = Callable[[Recipe], Recipe | None]
@@ -97,16 +97,10 @@ class Remaking:
 
     def of(self, recipe: Recipe) -> Recipe:
         """The recipe remade; the same object where nothing changes."""
-        path = [] if recipe.key in self._known else [(recipe, iter(_pictures(recipe)))]
-        while path:  # the furthest first: none is remade within another
-            part, coming = path[-1]
-            fresh = next((one for one in coming if one.key not in self._known), None)
-            if fresh is not None:
-                path.append((fresh, iter(_pictures(fresh))))
-                continue
-            self._known[part.key] = self._change(part) or self.inputs_of(part)
-            path.pop()
-        return self._known[recipe.key]
+        known = self._known
+        for part in furthest_first([recipe], _pictures, lambda one: one.key in known):
+            known[part.key] = self._change(part) or self.inputs_of(part)
+        return known[recipe.key]
 
     def inputs_of(self, recipe: Recipe) -> Recipe:
         """The recipe with its inputs remade; those of transfer functions are left alone."""

@@ -66,8 +66,11 @@ class Recipe(ABC):
     @cached_property
     def key(self) -> str:
         """Content key; fields declared with ``compare=False`` do not enter it."""
-        for recipe in _without_key(self):
-            recipe.key  # noqa: B018  (stored in the recipe: no key is then made within another)
+        for recipe in furthest_first(
+            [self], lambda one: one.made_of, lambda one: "key" in vars(one)
+        ):
+            if recipe is not self:
+                recipe.key  # noqa: B018  (stored in the recipe: no key is then made within another)
         return content_key(type(self).__qualname__, *self._content())
 
     @abstractmethod
@@ -112,18 +115,22 @@ class Recipe(ABC):
         return region.rows * region.columns / (shape[0] * shape[1])
 
 
-def _without_key(recipe: Recipe) -> Iterator[Recipe]:
-    """All that a recipe is made of and that has no key yet, the furthest first."""
-    path = [(recipe, iter(recipe.made_of))]
+def furthest_first(
+    recipes: Iterable[Recipe],
+    parts: Callable[[Recipe], Iterable[Recipe]],
+    is_known: Callable[[Recipe], bool],
+) -> Iterator[Recipe]:
+    """Recipes and their parts, each after its own parts; what is known by then is left out."""
+    path = [(recipe, iter(parts(recipe))) for recipe in reversed(list(recipes))]
     while path:
-        recipe_on_path, parts = path[-1]
-        fresh = next((part for part in parts if "key" not in vars(part)), None)
+        recipe, coming = path[-1]
+        fresh = next((one for one in coming if not is_known(one)), None)
         if fresh is not None:
-            path.append((fresh, iter(fresh.made_of)))
+            path.append((fresh, iter(parts(fresh))))
             continue
         path.pop()
-        if path:
-            yield recipe_on_path
+        if not is_known(recipe):
+            yield recipe
 
 
 @dataclass(frozen=True, eq=False)
