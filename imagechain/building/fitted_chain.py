@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.fit_page import fit_facts, fit_text
-from app.fit.fit_result import FitResult, FittedParameter
+from app.fit.fit_result import FitResult
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures, read_pictures
 from app.run.readout_tables import json_text
@@ -30,47 +30,19 @@ class FittedChain:
 
     `parameters` gives the `value` and the standard error `sigma` of each; both are None if the
     pictures do not determine it. `combinations` gives what is known about parameters that cannot
-    be separated, and `warnings` what to check before you trust the values. `chain` is the chain
-    with the fitted values.
+    be separated: value and standard error of each combination. `warnings` say what to check before
+    you trust the values, `notes` what was fitted and assumed. `correlation` is that of the errors,
+    in the order of `parameters`, NaN if not determined. `chi2_per_degree` is 1 if the residuals are
+    only noise. `chain` is the chain with the fitted values, to run and to save.
     """
 
     def __init__(self, result: FitResult, chain: Chain, pictures: tuple[str, ...]) -> None:
-        self._result, self._chain, self._pictures = result, chain, pictures
-
-    @property
-    def chain(self) -> Chain:
-        """The chain with the fitted values, to run and to save."""
-        return self._chain
-
-    @property
-    def parameters(self) -> dict[str, FittedParameter]:
-        """Value, standard error and unit of each, by ``NODE.PARAM``."""
-        return {one.port: one for one in self._result.parameters}
-
-    @property
-    def correlation(self) -> NDArray[np.float64]:
-        """Correlation of the errors, in the order of `parameters`; NaN if not determined."""
-        return self._result.correlation.copy()
-
-    @property
-    def combinations(self) -> dict[str, tuple[float, float]]:
-        """Value and standard error of each combination of inseparable parameters, by its text."""
-        return {one.text: (one.value, one.sigma) for one in self._result.combinations}
-
-    @property
-    def chi2_per_degree(self) -> float:
-        """χ² per degree of freedom: 1 if the residuals are only noise."""
-        return self._result.chi2_per_degree
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings about the fit, one line each."""
-        return self._result.warnings
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What was fitted, and what was assumed."""
-        return self._result.notes
+        self._result, self._pictures = result, pictures
+        self.chain, self.warnings, self.notes = chain, result.warnings, result.notes
+        self.parameters = {one.port: one for one in result.parameters}
+        self.combinations = {one.text: (one.value, one.sigma) for one in result.combinations}
+        self.correlation = result.correlation.copy()
+        self.chi2_per_degree = result.chi2_per_degree
 
     def to_dict(self) -> dict[str, Any]:
         """The whole result as a dictionary, like the JSON of `imagechain fit --json`."""
@@ -95,7 +67,7 @@ class FittedChain:
             # Imported only where a page is written: matplotlib and jinja2.
             from app.fit.fit_page import fit_page
 
-            name = self._chain.name or "Chain"
+            name = self.chain.name or "Chain"
             text = fit_page(self._result, network=name, pictures=self._pictures)
         else:
             allowed = ", ".join(suffixes(JSON, HTML))

@@ -24,14 +24,11 @@ from app.measure.measuring import (
 )
 from app.measure.picture_loading import NO_DATA, limits_of
 from app.measure.picture_measurement import (
-    MeasuredEdge,
     MeasuredFile,
-    NoiseFigures,
     PictureMeasurement,
 )
 from app.run.readout_tables import columns
 from core.errors import DataError, ParameterError, UsageError
-from core.physics.measurement.edges.edge_mtf import MtfCurve
 from core.physics.sampling.detector_sampling import interval_mrad
 from imagechain.parts.plain_errors import plain_errors
 
@@ -42,42 +39,15 @@ class MeasuredPictures:
     `x` and `y` are the pooled horizontal and vertical MTFs, with `frequency` (cycles/sample),
     `mtf`, `sigma` (its standard error), `mtf50` and `mtf50_sigma`. They are None if there is no
     MTF; `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with
-    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise` has `sigma`,
-    `sigma_error`, `gain_e_per_dn` and `read_noise_dn`.
+    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise`, of flat areas,
+    has `sigma`, `sigma_error`, `gain_e_per_dn` and `read_noise_dn`; None if there are none.
     """
 
     def __init__(self, measured: PictureMeasurement) -> None:
         self._measured = measured
-
-    @property
-    def x(self) -> MtfCurve | None:
-        """Pooled horizontal MTF."""
-        return self._measured.x
-
-    @property
-    def y(self) -> MtfCurve | None:
-        """Pooled vertical MTF."""
-        return self._measured.y
-
-    @property
-    def reason_x(self) -> str:
-        """Why there is no horizontal MTF; empty if there is one."""
-        return self._measured.reason_x
-
-    @property
-    def reason_y(self) -> str:
-        """Why there is no vertical MTF; empty if there is one."""
-        return self._measured.reason_y
-
-    @property
-    def edges(self) -> tuple[MeasuredEdge, ...]:
-        """All edges that were found, used or not."""
-        return self._measured.edges
-
-    @property
-    def noise(self) -> NoiseFigures | None:
-        """Noise of flat areas; None if there are none, see `to_dict`."""
-        return self._measured.noise
+        self.x, self.y = measured.x, measured.y
+        self.reason_x, self.reason_y = measured.reason_x, measured.reason_y
+        self.edges, self.noise = measured.edges, measured.noise
 
     @plain_errors
     def without(self, edge: int) -> MeasuredPictures:
