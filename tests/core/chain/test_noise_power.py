@@ -88,9 +88,8 @@ def test_filtered_and_combined(work, edges, chain, factors):
         lambda image: combine_pixels(through(image, CHAINS[chain], edges), factor_x=x, factor_y=y),
     )
     axes = "mirrored" if edges == "reflect" else "periodic"
-    power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(
-        work, CHAINS[chain], GRID, axes, factor_x=x, factor_y=y
-    )
+    filtered = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, CHAINS[chain], GRID, axes)
+    power = filtered.averaged(x, y)
     assert (power.rows, power.columns) == (ROWS // y, COLUMNS // x)
     assert told(power) == pytest.approx(list(expected), rel=1e-11)
 
@@ -110,9 +109,8 @@ def test_by_a_law_that_mixes_the_axes(work, factors):
         work,
         lambda image: combine_pixels(through(image, chain, "periodic"), factor_x=x, factor_y=y),
     )
-    power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(
-        work, chain, GRID, "periodic", factor_x=x, factor_y=y
-    )
+    filtered = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, chain, GRID, "periodic")
+    power = filtered.averaged(x, y)
     assert told(power) == pytest.approx(list(expected), rel=1e-11)
 
 
