@@ -207,18 +207,24 @@ def _ends(
     free = node in network.nodes and not network.followers[node]
     if not free or link not in network.links or node in (link.source, link.target):
         return None
-    module = declared(network, library, node)
-    if module is None:
-        return None
     taking = declared(network, library, link.target)
     wanted = taking.input(link.input) if taking else None
-    linked = {wire.input for wire in network.links_into(node)}
     for kind in _types(network, library, link):
-        entry, output = port_of(module.inputs, kind), port_of(module.outputs, kind)
-        fits = wanted is None or kind in wanted.types
-        if fits and entry and output and entry.name not in linked:
-            return entry, output, kind
+        ports = _way_through(network, library, node, kind)
+        if ports is not None and (wanted is None or kind in wanted.types):
+            return (*ports, kind)
     return None
+
+
+def _way_through(
+    network: Network, library: Library, node: str, kind: str
+) -> tuple[Port, Port] | None:
+    """The node's first input and output of a type, where the input is empty."""
+    module = declared(network, library, node)
+    entry = port_of(module.inputs, kind) if module else None
+    output = port_of(module.outputs, kind) if module else None
+    linked = {wire.input for wire in network.links_into(node)}
+    return (entry, output) if entry and output and entry.name not in linked else None
 
 
 def _partner(
@@ -228,15 +234,11 @@ def _partner(
     if kind not in (MAGNITUDE, PHASE):
         return None
     other = PARTNER[kind]
-    module = declared(network, library, node)
     wire = wire_beside(network, library, link, other)
-    if module is None or wire is None or node in (wire.source, wire.target):
+    ports = _way_through(network, library, node, other)
+    if ports is None or wire is None or node in (wire.source, wire.target):
         return None
-    entry, output = port_of(module.inputs, other), port_of(module.outputs, other)
-    linked = {into.input for into in network.links_into(node)}
-    if entry is None or output is None or entry.name in linked:
-        return None
-    return wire, entry, output
+    return (wire, *ports)
 
 
 def _sound(network: Network, library: Library, operation: Operation) -> bool:
@@ -317,9 +319,6 @@ def _wired_along(network: Network, library: Library, link: Link, node: str) -> R
 
     Raises `NetworkError` if it does not fit.
     """
-    wrong = misfit(network, library, link)
-    if wrong is not None:
-        raise NetworkError(wrong)
     wiring = Rewire(add=(link, *_others(network, library, link, node)))
     check_new_wires(network, wiring.apply(network), library)
     return wiring

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from app.run.output import ancestors, find_output
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
 from app.run.way_of_running import way_of_running
-from core.chain.engine import Engine, Plan, PlannedNode
+from core.chain.engine import Engine, Plan
 from core.chain.frame_sequence import at_frame
 from core.chain.realize import asked_for
 from core.chain.wires import Image
@@ -24,10 +24,9 @@ from core.evaluation.policy import Policy
 from core.evaluation.work import Work
 from core.network.linked_values import with_values
 from core.network.validation import NetworkProblems
-from imagechain.building.chain_state import ChainState
+from imagechain.building.chain_state import ChainState, planned_scene
 from imagechain.parts.plain_errors import plain_errors
 from nodes.files.read import check_finite
-from nodes.input_output.read_image import ReadImage
 from nodes.input_output.source_file import HeldSamples
 from nodes.library import standard_library
 
@@ -130,16 +129,12 @@ class Camera:
             eight_bits = getattr(frame, "dtype", None) == np.uint8
             levels = EIGHT_BITS if eight_bits else sample_ends(held.samples)
             node = replace(node, params={**node.params, **fitted(levels, self._ends)})
-        module = ReadImage.build(node.params)
-        assert isinstance(module, ReadImage)
-        output = module.of_samples(held, node.id)
-        scene = PlannedNode(node, module, {}, output._asdict(), output)
         network = self._network.with_node(node)
         self._plan = self._engine.plan(
             network if seed is None else network.with_seed(seed),
             folder=self._plan.folder,
             previous=self._plan,
-            held={**self._held, self._scene: scene},
+            held={**self._held, self._scene: planned_scene(node, held)},
         )
         _refuse_faults(self._plan)
         return self._plan

@@ -306,13 +306,18 @@ class ChainState:
                 planned[name] = earlier
                 continue
             try:
-                module = ReadImage.build(node.params)
-                assert isinstance(module, ReadImage)
-                output = module.of_samples(samples, name)
-                planned[name] = PlannedNode(node, module, {}, output._asdict(), output)
+                planned[name] = planned_scene(node, samples)
             except ImagechainError as error:
                 planned[name] = PlannedNode(node, error=error.at(name))
         return planned
+
+
+def planned_scene(node: Node, samples: HeldSamples) -> PlannedNode:
+    """A node that reads a picture, planned on an array in its place."""
+    module = ReadImage.build(node.params)
+    assert isinstance(module, ReadImage)
+    output = module.of_samples(samples, node.id)
+    return PlannedNode(node, module, {}, output._asdict(), output)
 
 
 def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:

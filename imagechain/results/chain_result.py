@@ -40,7 +40,6 @@ from imagechain.results.tables import (
     StageCurves,
     curves_along,
     curves_of,
-    readout_table,
 )
 from nodes.files.frame_writing import header_beside_frames
 from nodes.files.read import check_finite
@@ -230,7 +229,7 @@ class Result:
     @plain_errors
     def readouts(self) -> ReadoutTable:
         """Read-outs of every node: ``result.readouts["electronics"]["netd_system_K"]``."""
-        return readout_table(self._evaluation)
+        return ReadoutTable(self._evaluation)
 
     @plain_errors
     def curves(self, angle_deg: float | None = None) -> StageCurves:

@@ -77,9 +77,15 @@ class _Named(Mapping[str, Value]):
 class ReadoutTable(_Named[Mapping[str, Any]]):
     """Read-outs as ``readouts[NODE][NAME]``; `rows` also has their units and meanings."""
 
-    def __init__(self, rows: tuple[ReadoutRow, ...], nodes: tuple[str, ...]) -> None:
-        self.rows = rows
-        super().__init__({n: {r.name: r.value for r in rows if r.node == n} for n in nodes})
+    def __init__(self, evaluation: Evaluation) -> None:
+        planned, found = evaluation.plan.nodes, evaluation.readouts
+        self.rows = tuple(
+            ReadoutRow(node, one.name, values[one.name], planned[node].unit(one), one.meaning)
+            for node, values in found.items()
+            for one in planned[node].declaration.readouts
+            if one.name in values
+        )
+        super().__init__({n: {r.name: r.value for r in self.rows if r.node == n} for n in found})
 
     def _no(self, name: str) -> Exception:
         hint = close(name, self._values)
@@ -135,18 +141,6 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
 
     def _repr_html_(self) -> str:
         return table(("node", "read-out", "value", "unit"), self._texts(), right=2)
-
-
-def readout_table(evaluation: Evaluation) -> ReadoutTable:
-    """The read-outs of an evaluation."""
-    rows = []
-    for node, values in evaluation.readouts.items():
-        planned = evaluation.plan.nodes[node]
-        for readout in planned.declaration.readouts:
-            if readout.name in values:
-                value, unit = values[readout.name], planned.unit(readout)
-                rows.append(ReadoutRow(node, readout.name, value, unit, readout.meaning))
-    return ReadoutTable(tuple(rows), tuple(evaluation.readouts))
 
 
 @dataclass(frozen=True)
