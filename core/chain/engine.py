@@ -274,46 +274,35 @@ class Engine:
     def _plan_node(
         self, network: Network, name: str, planned: Mapping[str, PlannedNode], folder: Path
     ) -> PlannedNode:
-        inputs: dict[str, Any] = {}
+        node, inputs = network.nodes[name], dict[str, Any]()
         try:
-            with watched(name, network.nodes[name].module):
-                return self._planned(network, name, planned, folder, inputs)
+            with watched(name, node.module):
+                module_class = self.library.get(node.module)
+                if module_class is None:
+                    raise NetworkError(f"module {node.module!r} is not in the library", node=name)
+                module = module_class.build(node.params)
+                module.check()
+                described = declaration(module_class)
+                for link in network.links_into(name):
+                    source = planned.get(link.source)
+                    if source is not None and source.error is not None:
+                        return PlannedNode(node, module, error=source.error)
+                    inputs[link.input] = _brought(link, source, described, inputs)
+                for port in described.inputs:
+                    if port.name not in inputs:
+                        if port.required:
+                            raise UnconnectedError(f"input {port.name} is not connected", node=name)
+                        inputs[port.name] = None
+                if node.disabled:
+                    return PlannedNode(node, module, inputs, _passed(described, inputs))
+                here = NodeContext(name, network.seed, folder, node.noise)
+                hints = module.run.__annotations__.items()
+                own = (NodeContext, "NodeContext")
+                result = module.run(**inputs, **{arg: here for arg, hint in hints if hint in own})
+                outputs = result._asdict() if result is not None else {}
+                return PlannedNode(node, module, inputs, outputs, result)
         except ImagechainError as error:
-            return PlannedNode(network.nodes[name], inputs=inputs, error=error.at(name))
-
-    def _planned(
-        self,
-        network: Network,
-        name: str,
-        planned: Mapping[str, PlannedNode],
-        folder: Path,
-        inputs: dict[str, Any],
-    ) -> PlannedNode:
-        node = network.nodes[name]
-        module_class = self.library.get(node.module)
-        if module_class is None:
-            raise NetworkError(f"module {node.module!r} is not in the library", node=name)
-        module = module_class.build(node.params)
-        module.check()
-        described = declaration(module_class)
-        for link in network.links_into(name):
-            source = planned.get(link.source)
-            if source is not None and source.error is not None:
-                return PlannedNode(node, module, error=source.error)
-            inputs[link.input] = _brought(link, source, described, inputs)
-        for port in described.inputs:
-            if port.name not in inputs:
-                if port.required:
-                    raise UnconnectedError(f"input {port.name} is not connected", node=name)
-                inputs[port.name] = None
-        if node.disabled:
-            return PlannedNode(node, module, inputs, _passed(described, inputs))
-        here = NodeContext(name, network.seed, folder, node.noise)
-        hints = module.run.__annotations__.items()
-        extra = {given: here for given, hint in hints if hint in (NodeContext, "NodeContext")}
-        result = module.run(**inputs, **extra)
-        outputs = result._asdict() if result is not None else {}
-        return PlannedNode(node, module, inputs, outputs, result)
+            return PlannedNode(node, inputs=inputs, error=error.at(name))
 
 
 def _unchanged(

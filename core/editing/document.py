@@ -341,21 +341,17 @@ def rebased(
             value = node.params.get(parameter.name)
             if parameter.kind != "path" or not isinstance(value, str):
                 continue
-            moves = _relative(value) and old != new
-            if moves or ((node.id, parameter.name) in typed and _is_below(value, new)):
+            file, is_typed = Path(value), (node.id, parameter.name) in typed
+            if file.is_absolute():
+                place = Path(os.path.realpath(file.parent)) if is_typed else None
+                moves = place is not None and place.is_relative_to(new)
+            else:
+                moves = old != new and bool(value) and "\0" not in value
+            if moves:
                 moved = _from(old / value, new)
                 if moved != value:
                     steps.append(set_parameter(node.id, parameter.name, moved))
     return Together(steps, "Adjust file names") if steps else None
-
-
-def _relative(value: str) -> bool:
-    return bool(value) and "\0" not in value and not Path(value).is_absolute()
-
-
-def _is_below(value: str, folder: Path) -> bool:
-    file = Path(value)
-    return file.is_absolute() and Path(os.path.realpath(file.parent)).is_relative_to(folder)
 
 
 def _from(file: Path, folder: Path) -> str:
