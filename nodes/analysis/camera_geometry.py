@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.engine import PlannedNode
 from core.chain.results import CurveData, Series, TableData, TableRow
@@ -42,10 +41,9 @@ from core.physics.sampling.ground_geometry import (
     step_of_field_mrad,
     view_angles,
 )
-from core.physics.sampling.running_sums import Between
+from core.physics.sampling.running_sums import Array, Between
 from nodes.shared.module_ports import table_figure
 
-Array = NDArray[Any]
 FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
 _PREVIEW_POINTS = 65

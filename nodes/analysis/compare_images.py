@@ -16,14 +16,12 @@ from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
-from core.transfer.factors import Edges, Grid
+from core.transfer.factors import Array, Edges, Grid
 from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from nodes.input_output.sample_unit import blocks
 from nodes.shared.module_ports import table_figure
 from nodes.shared.steps import difference
-
-Array = NDArray[Any]
 
 
 class CompareOutputs(NamedTuple):

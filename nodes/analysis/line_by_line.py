@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.back_transformed import back_transform
 from core.chain.results import CurveData, Series, TableData, TableRow
@@ -18,7 +17,7 @@ from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
-from core.transfer.factors import Edges, Factor, Grid
+from core.transfer.factors import Array, Edges, Factor, Grid
 from core.transfer.mixed_sampling import MOST_NODES, Filtered, Method, filter_mixed
 from core.transfer.product import Product
 from core.transfer.scan_lines import ScanChain
@@ -28,7 +27,6 @@ from nodes.shared.steps import difference
 
 # Steps of Line by Line: the frame of mixed sampling, and how far the whole-image way is off.
 
-Array = NDArray[Any]
 Scan = Literal["x", "y"]
 
 

@@ -23,11 +23,10 @@ from core.physics.measurement.edges.slanted_edge import (
     spread_to_line,
 )
 from core.physics.numerics import sinc
-from core.transfer.factors import Grid, factor_at
+from core.transfer.factors import Array, Grid, factor_at
 from nodes.analysis.lineage import transfer_of
 from nodes.analysis.lineage.line_transfer import Stage
 
-Array = NDArray[Any]
 Vector = NDArray[np.float64]
 Direction = Literal["automatic", "horizontal", "vertical"]
 _BLOCK = 4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.chain.back_transformed import back_transform
 from core.chain.linear_change import Filtering
 from core.chain.results import CurveData, Series, TableData, TableRow
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError
 from core.evaluation.float_guard import require_finite
@@ -28,7 +28,6 @@ from core.transfer.product import Product
 from nodes.shared.context_defaults import one_source
 from nodes.shared.module_ports import table_figure
 
-Array = NDArray[Any]
 MOST_MULTIPLICATIONS = 1e12  # about a quarter of an hour
 
 

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.engine import PlannedNode
 from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -384,7 +383,6 @@ def _factor(unit: str) -> float:
 
 # The steps of Atmospheric Path: what the path does to the band, the picture behind it, figures.
 
-Array = NDArray[Any]
 Band = tuple[float, float]
 Row = tuple[float, ...]
 _LISTED = 21  # wavelengths in the table

@@ -6,16 +6,15 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -265,7 +264,6 @@ def _share(unit: str) -> float:
 
 # The steps of Reflected Light: radiance of reflectances, in one band or several.
 
-Array = NDArray[Any]
 _ABOVE_ONE = 1e-6  # by which a reflectance of 1 may be rounded
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
@@ -18,7 +17,6 @@ from core.physics.detector.readout import bloomed
 from nodes.shared.module_ports import ImageOutput, OfPixels
 from nodes.shared.steps import PictureRange, picture_range
 
-Array = NDArray[Any]
 _FAR = 10.0  # times the largest sample: a well beyond is probably in another unit
 
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import LineOperator
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
@@ -25,7 +24,6 @@ from nodes.shared.factors import passed_factors, separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
 from nodes.shared.steps import stepped
 
-Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 18
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import LevelChange
 from core.chain.results import TableData, TableRow
@@ -37,7 +36,6 @@ from core.physics.detector.photon_conversion import (
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
 from nodes.shared.steps import PictureRange
 
-Array = NDArray[Any]
 SNR_AT_PERCENT = (1, 3, 10, 30, 90)
 _TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
 

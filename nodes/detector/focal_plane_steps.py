@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream
 from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
 from core.evaluation.recipes import (
     Recipe,
     Step,
@@ -36,7 +35,6 @@ from nodes.detector.focal_plane_figures import (
 )
 from nodes.shared.steps import rounding_noises
 
-Array = NDArray[Any]
 _LEAST_SAMPLES, _MOST_SAMPLES = 1 << 15, 1 << 18
 """What a stage works on at once, as large as leaves work for all threads: two threads wait for each
 other between numpy's calls. At 1024² five stages took 14 ms in blocks of the least size, 7 ms in

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import LineOperator
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
@@ -20,7 +19,6 @@ from core.transfer.factors import Factor, Grid, Law, Separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
 from nodes.shared.steps import stepped
 
-Array = NDArray[Any]
 _BLOCK = 256  # rows
 
 

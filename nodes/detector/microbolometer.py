@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.frame_sequence import at_frame
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import FrameNumber
 from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -460,8 +459,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
 
 # The stages of Microbolometer as steps: lag along a scan and over frames, patterns, noise.
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

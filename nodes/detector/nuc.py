@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.frame_sequence import Remaking, at_frame
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import AtStep, Lineage, Noise, lineage_of, picture_step
+from core.chain.step_lineage import Array, AtStep, Lineage, Noise, lineage_of, picture_step
 from core.chain.wires import Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -31,8 +30,6 @@ from core.physics.radiometry.planck import band_radiance
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import table_figure
 from nodes.shared.steps import even
-
-Array = NDArray[Any]
 
 
 class CorrectedOutputs(NamedTuple):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, pointwise
@@ -17,8 +16,6 @@ from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import persistence
 from nodes.shared.module_ports import BeforeDigits, ImageOutput
 from nodes.shared.shared_warnings import is_radiance
-
-Array = NDArray[Any]
 
 
 class Persistence(BeforeDigits, key="persistence", title="Persistence", group="Detector"):

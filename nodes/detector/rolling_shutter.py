@@ -7,9 +7,8 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
@@ -24,7 +23,6 @@ from nodes.shared.module_ports import BeforeDigits, ImageOutput
 from nodes.shared.steps import stepped
 from nodes.transform.interpolate import within_frame
 
-Array = NDArray[Any]
 _AROUND = np.arange(1 - REACH, REACH + 1)
 _BLOCK = 64  # rows
 

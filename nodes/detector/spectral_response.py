@@ -13,7 +13,7 @@ from core.chain.band_stack import AttenuatedBands, BandStack, Row
 from core.chain.engine import PlannedNode
 from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
@@ -30,8 +30,6 @@ from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import ImageOutput, WeightingSource
 from nodes.shared.shared_warnings import Band, unit_caution
-
-Array = NDArray[Any]
 
 
 class SpectralResponse(

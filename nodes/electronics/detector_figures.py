@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError, ParameterError
@@ -26,8 +24,6 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import find_material
 from nodes.shared.context_defaults import Lens
 from nodes.shared.steps import PictureRange
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import hypot
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import FrameNumber
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
@@ -26,7 +25,6 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates
 from nodes.shared.module_ports import LongestPeriod, NoiseOutputs
 from nodes.shared.picture_preview import PicturePreview
 
-Array = NDArray[Any]
 _FIXED = ("vh", "v", "h")
 _FLICKER = "1/f"
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, pointwise
@@ -18,8 +17,6 @@ from core.modules.parameters import Formula, Param
 from nodes.files.common.paths import checked_band
 from nodes.input_output.source_file import picture_source, read_step
 from nodes.shared.module_ports import NoiseOutputs
-
-Array = NDArray[Any]
 
 
 class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics & Noise"):

@@ -7,20 +7,17 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.physics.detector.quantization import apply_gain_bias, quantization_rms
 from nodes.electronics.detector_figures import DetectorFigures
 from nodes.shared.steps import PictureRange
-
-Array = NDArray[Any]
 
 
 @ends_lineage

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.engine import PlannedNode
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
@@ -23,7 +22,6 @@ from core.transfer.factors import Grid
 from nodes.shared.module_ports import NoiseOutputs
 from nodes.shared.steps import even
 
-Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16
 _POINTS = 801  # of the preview
 _PERIODS, _ENVELOPES = 6.0, 1.5

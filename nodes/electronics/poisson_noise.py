@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.photon_events import displaced_events, events_are_few, local_mean
 from core.chain.random_fields import Stream, poisson_field
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -23,8 +22,6 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import NoiseOutputs
 from nodes.shared.shared_warnings import is_temperature, unit_caution
 from nodes.shared.steps import difference, even
-
-Array = NDArray[Any]
 
 
 class PoissonNoise(

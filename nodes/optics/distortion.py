@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import Axis as AxisName
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, in_blocks
@@ -27,7 +26,6 @@ from core.transfer.factors import Grid
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
 from nodes.shared.steps import stepped
 
-Array = NDArray[Any]
 _TILE = 128  # samples on a side that are made at a time, of so many of the picture before
 _MOST_READ = 1 << 22
 _SURVEYED = 129  # rays along each axis, for the figures

@@ -11,11 +11,10 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from core.chain.linear_change import Filtering
 from core.chain.results import CameraSheet
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Context, Image, Magnitude
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
@@ -41,7 +40,6 @@ from nodes.shared.module_ports import ImageOutput
 from nodes.shared.steps import stepped
 from nodes.transform.interpolate import within_frame
 
-Array = NDArray[Any]
 Row = tuple[float, ...]
 _TURNS = 0.25  # of a PSF's outermost wave, from one frequency of its table to the next
 _MOST_REACH, _LOST = 1024, 0.005  # samples around a tile; share of light

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
 from core.chain.wires import Pupil
@@ -28,9 +27,8 @@ from core.physics.optics.pupil_shapes import (
 from core.physics.optics.sampled_otf import autocorrelation, complex_pupil
 from core.physics.optics.wavefront import wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
-from core.transfer.factors import Law, Planar, WavelengthLaw
+from core.transfer.factors import Array, Law, Planar, WavelengthLaw
 
-Array = NDArray[Any]
 SAME_WAVELENGTH = 1e-6  # share by which two may differ, as bands are typed in
 LARGEST_REFINED = 1024  # samples across beyond which finer ones cost more than they gain
 

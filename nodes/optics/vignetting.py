@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, in_parts
@@ -28,7 +27,6 @@ from nodes.files.spectrum_tables import read_heights
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.steps import stepped
 
-Array = NDArray[Any]
 Law = tuple[tuple[str, Any], ...]
 _BRIGHTEST = 2.0  # times the axis: some wide lenses gain a little before they fall
 _POINTS = 129

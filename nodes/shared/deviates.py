@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.random_fields import (
     BLOCK,
@@ -18,7 +17,7 @@ from core.chain.random_fields import (
     uniform_field,
 )
 from core.evaluation.recipes import Step, ends_lineage, in_parts
-from core.evaluation.region import Region
+from core.evaluation.region import Array, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
@@ -30,8 +29,6 @@ from core.physics.noise.flicker_noise import (
     wave_at,
     wave_frequency,
 )
-
-Array = NDArray[Any]
 
 HELD_BYTES = 1 << 28
 """Waves of larger frames are drawn anew for each frame, in place of being held for all."""

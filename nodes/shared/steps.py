@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, SteppedBands
 from core.chain.linear_change import Filtering
-from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
@@ -19,7 +18,6 @@ from core.physics.detector.quantization import quantize, rounding_variances
 from core.transfer.factors import Edges, Grid, Separable
 from core.transfer.line_filter import filter_lines
 
-Array = NDArray[Any]
 _STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
 
 

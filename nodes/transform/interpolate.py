@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.linear_change import Axis, Linear, PlaceDependent
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
@@ -27,7 +27,6 @@ from core.transfer.factors import Edges, Factor, Grid, Law
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
 
-Array = NDArray[Any]
 Vector = NDArray[np.float64]
 Taps = tuple[NDArray[np.intp], list[tuple[NDArray[np.intp], NDArray[np.float64]]]]
 _BLOCK_SAMPLES = 1 << 18  # 512² are done sooner in one block than by two threads

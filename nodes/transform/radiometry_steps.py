@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
@@ -29,7 +28,6 @@ from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
 from nodes.shared.steps import mean_of
 
-Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16
 
 

@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections import Counter
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
-from core.chain.step_lineage import lineage_of
+from core.chain.step_lineage import Array, lineage_of
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.transfer.factors import Factor, Grid, Part, factor_at
 
-Array = NDArray[Any]
 Vector = NDArray[np.float64]
 
 
