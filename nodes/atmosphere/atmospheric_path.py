@@ -452,11 +452,7 @@ def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
     return LevelChange(over.transmission, mean, over.transmission * mean)
 
 
-def _through(image: Recipe, over: Recipe, **_: float) -> ThroughAir:
-    return ThroughAir(image, over)
-
-
-@picture_step(linear=_through, looks_at=("over",))
+@picture_step(linear=lambda *both, **_: ThroughAir(*both), looks_at=("over",))
 @pointwise
 def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> Array:
     """τ·L + L_path; `factor` makes W/m²/sr of the samples."""

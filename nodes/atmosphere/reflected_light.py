@@ -287,11 +287,7 @@ class Lit(Linear):
         return power.scaled(self.white)
 
 
-def _lit(image: Recipe, *, white: float, reflectance: float) -> Lit:
-    return Lit(white, reflectance)
-
-
-@picture_step(linear=_lit)
+@picture_step(linear=lambda _, **how: Lit(**how))
 @pointwise
 def reflected(work: Work, image: Array, *, white: float, reflectance: float) -> Array:
     """Radiance of reflectances; `white` is that of a sample of 1, whose reflectance is told."""

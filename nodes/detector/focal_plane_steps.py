@@ -33,7 +33,7 @@ from nodes.detector.focal_plane_figures import (
     radiance_level,
     scene_level,
 )
-from nodes.shared.steps import rounding_noises
+from nodes.shared.steps import AboutMean, rounding_noises
 
 _LEAST_SAMPLES, _MOST_SAMPLES = 1 << 15, 1 << 18
 """What a stage works on at once, as large as leaves work for all threads: two threads wait for each
@@ -43,21 +43,10 @@ _EXACT_BITS = 14  # numbers beyond are made in double, whose rounding is far bel
 
 
 @dataclass(frozen=True)
-class AboutLevel(Linear):
-    """A change that is linear in small differences, with a gain that depends on the picture."""
-
-    about: Recipe
-
-    @property
-    def level(self) -> Recipe:
-        return self.about
-
+class AboutLevel(AboutMean):
     @property
     def by_sample(self) -> bool:
         return True
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(work.value(self.about).gain)
 
 
 @dataclass(frozen=True)
@@ -102,11 +91,9 @@ def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], obje
     return made
 
 
-def _photons(image: Recipe, levels: Recipe) -> AboutLevel:
-    return AboutLevel(Step.of(scene_level, levels))
-
-
-@picture_step(linear=_photons, looks_at=("levels",))
+@picture_step(
+    linear=lambda _, levels: AboutLevel(Step.of(scene_level, levels)), looks_at=("levels",)
+)
 @pointwise
 def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Array:
     """Mean number of electrons, of the scene and of all that is there without it."""
@@ -203,11 +190,10 @@ def multiplied(
     return _by_rows(work, picture, block)
 
 
-def _bending(picture: Recipe, levels: Recipe, **how: Any) -> AboutLevel:
-    return AboutLevel(Step.of(bent_level, levels, **how))
-
-
-@picture_step(linear=_bending, looks_at=("levels",))
+@picture_step(
+    linear=lambda _, levels, **how: AboutLevel(Step.of(bent_level, levels, **how)),
+    looks_at=("levels",),
+)
 @pointwise
 def bent(
     work: Work,
@@ -235,16 +221,11 @@ def _read_noise(
     return [at.white("read", sigma_e**2)] if sigma_e else []
 
 
-def _up_to_its_end(picture: Recipe, clipping: Recipe, *_: Recipe, **how: Any) -> Ended:
-    return Ended(clipping)
-
-
-def _not_read(picture: Recipe, *_: Recipe, **how: Any) -> Recipe:
-    return picture
-
-
 @picture_step(
-    linear=_up_to_its_end, noise=_read_noise, noise_free=_not_read, looks_at=("clipping",)
+    linear=lambda _, clipping, *__, **___: Ended(clipping),
+    noise=_read_noise,
+    noise_free=lambda picture, *_, **__: picture,
+    looks_at=("clipping",),
 )
 @pointwise
 def read_out(
@@ -290,12 +271,6 @@ def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: f
     return BadPixels(dead, hot)
 
 
-def _bad(
-    at: AtStep, picture: Recipe, bad: Recipe, levels: Recipe, *, hot_e: float | None
-) -> list[Noise]:
-    return [at.known("bad pixels")]
-
-
 def _bad_part(
     work: Work, region: Region, picture: Recipe, bad: Recipe, levels: Recipe, *, hot_e: float | None
 ) -> Array:
@@ -310,7 +285,7 @@ def _within(places: tuple[Array, Array], region: Region) -> tuple[Array, Array]:
     return rows[inside], columns[inside]
 
 
-@picture_step(noise=_bad)
+@picture_step(noise=lambda at, *_, **__: [at.known("bad pixels")])
 @in_parts(_bad_part)
 def with_bad_pixels(
     work: Work, picture: Array, bad: BadPixels, levels: ElectronLevels, *, hot_e: float | None
@@ -383,11 +358,7 @@ def _numbers(
     return np.asarray(np.rint(numbers, out=numbers))
 
 
-def _electrons_again(picture: Recipe, *, gain_e_per_dn: float, offset_dn: float) -> Amplified:
-    return Amplified(gain_e_per_dn)
-
-
-@picture_step(linear=_electrons_again)
+@picture_step(linear=lambda _, gain_e_per_dn, **__: Amplified(gain_e_per_dn))
 @pointwise
 def electrons_of_counts(
     work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float
@@ -401,11 +372,9 @@ def electrons_of_counts(
     return _by_rows(work, picture, block)
 
 
-def _radiance_again(picture: Recipe, levels: Recipe) -> AboutLevel:
-    return AboutLevel(Step.of(radiance_level, levels))
-
-
-@picture_step(linear=_radiance_again, looks_at=("levels",))
+@picture_step(
+    linear=lambda _, levels: AboutLevel(Step.of(radiance_level, levels)), looks_at=("levels",)
+)
 @pointwise
 def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) -> Array:
     """Radiance of the scene that electrons stand for, less what is there without it."""

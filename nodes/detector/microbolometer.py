@@ -474,11 +474,7 @@ class FrameLag(Linear):
         return power.scaled(float(np.linalg.norm(self.weights)))
 
 
-def _frame_lag(*frames: Recipe, weights: tuple[float, ...]) -> Linear:
-    return FrameLag(weights)
-
-
-@picture_step(linear=_frame_lag)
+@picture_step(linear=lambda *_, weights: FrameLag(weights))
 @pointwise
 def lagged_frames(work: Work, picture: Array, *before: Array, weights: tuple[float, ...]) -> Array:
     total = np.multiply(picture, picture.dtype.type(weights[0]))

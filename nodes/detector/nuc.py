@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Set
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
@@ -256,10 +256,6 @@ class PatternTakenOut(Linear):
         return power if temporal else None
 
 
-def _taken_out(picture: Recipe, *_: Recipe, **how: Any) -> Linear:
-    return PatternTakenOut()
-
-
 def _left(
     at: AtStep,
     picture: Recipe,
@@ -303,15 +299,11 @@ def _left(
     return noises
 
 
-def _uncorrected(picture: Recipe, *_: Recipe, **how: Any) -> Recipe:
-    return picture
-
-
 @picture_step(
-    linear=_taken_out,
+    linear=lambda *_, **__: PatternTakenOut(),
     noise=_left,
     looks_at=("picture", "gain", "offset", "low", "high"),
-    noise_free=_uncorrected,
+    noise_free=lambda picture, *_, **__: picture,
 )
 @pointwise
 def corrected(

@@ -6,10 +6,10 @@ from typing import Annotated
 
 import numpy as np
 
-from core.chain.step_lineage import Array, AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, pointwise
+from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Formula, Param
@@ -87,11 +87,7 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
         return 100.0 * self._share()
 
 
-def _lag(at: AtStep, picture: Recipe, earlier: Recipe, *, share: float) -> list[Noise]:
-    return [at.known("persistence")]
-
-
-@picture_step(noise=_lag)
+@picture_step(noise=lambda at, *_, **__: [at.known("persistence")])
 @pointwise
 def with_lag(work: Work, picture: Array, earlier: Array, *, share: float) -> Array:
     return np.asarray(picture + earlier * earlier.dtype.type(share))

@@ -224,11 +224,7 @@ class Weighted(Linear):
         return power.scaled(work.value(self.counted))
 
 
-def _dimmed(image: Recipe, counted: Recipe) -> Weighted:
-    return Weighted(image, counted)
-
-
-@picture_step(linear=_dimmed, looks_at=("counted",))
+@picture_step(linear=Weighted, looks_at=("counted",))
 @pointwise
 def weighted(work: Work, image: Array, counted: float) -> Array:
     return np.multiply(image, work.policy.dtype.type(counted), dtype=work.policy.dtype)

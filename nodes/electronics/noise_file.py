@@ -7,10 +7,10 @@ from typing import Annotated
 
 import numpy as np
 
-from core.chain.step_lineage import Array, AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, pointwise
+from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
@@ -51,11 +51,7 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
 
 
-def _from_file(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
-    return [at.known("file")]
-
-
-@picture_step(noise=_from_file)
+@picture_step(noise=lambda at, *_: [at.known("file")])
 @pointwise
 def with_file(work: Work, image: Array, noise: Array) -> Array:
     return np.add(image, noise, dtype=work.policy.dtype)

@@ -72,12 +72,6 @@ class ScaledByChance(Linear):
         return power.scaled(self.gain_percent / 100.0 * work.value(self.seen).mean)
 
 
-def _scaling(
-    picture: Recipe, seen: Recipe, *_: Recipe, model: str, gain_percent: float, **how: Any
-) -> Linear:
-    return ScaledByChance(seen, gain_percent) if model == "literal" else Linear()
-
-
 def _read_out_noises(
     at: AtStep,
     picture: Recipe,
@@ -143,7 +137,9 @@ def _without_gain(picture: Recipe, *_: Recipe, model: str, **how: Any) -> Recipe
 
 
 @picture_step(
-    linear=_scaling,
+    linear=lambda _, seen, *__, model, gain_percent, **___: (
+        ScaledByChance(seen, gain_percent) if model == "literal" else Linear()
+    ),
     noise=_read_out_noises,
     looks_at=("picture", "seen", "figures"),
     noise_free=_without_gain,

@@ -8,9 +8,9 @@ from typing import Annotated
 import numpy as np
 
 from core.chain.engine import PlannedNode
-from core.chain.step_lineage import Array, AtStep, Noise, picture_step
+from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
@@ -147,11 +147,7 @@ def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
     return _drawn_part(work, Region(0, 0, *grid.shape), grid=grid, **values)
 
 
-def _periodic(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
-    return [at.known("periodic")]
-
-
-@picture_step(noise=_periodic)
+@picture_step(noise=lambda at, *_: [at.known("periodic")])
 @pointwise
 def with_pattern(work: Work, image: Array, noise: Array) -> Array:
     return np.add(image, noise, dtype=work.policy.dtype)

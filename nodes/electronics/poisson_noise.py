@@ -147,14 +147,13 @@ def published_noise(
     return poisson_field(means, stream, for_each=work.for_each, in_place=True)
 
 
-def _photons_counted(
-    at: AtStep, image: Recipe, *, photons_per_unit: float, stream: Stream
-) -> list[Noise]:
-    return [at.white("photons", at.work.value(image) / photons_per_unit)]
-
-
 @in_blocks()
-@picture_step(noise=_photons_counted, looks_at=("image",))
+@picture_step(
+    noise=lambda at, image, photons_per_unit, **_: [
+        at.white("photons", at.work.value(image) / photons_per_unit)
+    ],
+    looks_at=("image",),
+)
 def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
     means = work.empty(image.shape, image.dtype)
     photon_means(image, photons_per_unit=photons_per_unit, out=means)

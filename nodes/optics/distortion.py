@@ -15,7 +15,7 @@ from core.chain.noise_power import NoisePower, Operator
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, in_blocks
+from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
@@ -262,11 +262,7 @@ def _middle_of(old: int, new: int) -> Operator:
     return lambda waves: waves[index]
 
 
-def _displaced(image: Recipe, *, rays: Rays) -> Displaced:
-    return Displaced(rays)
-
-
-@picture_step(linear=_displaced)
+@picture_step(linear=lambda _, rays: Displaced(rays))
 @in_blocks()
 def distorted(work: Work, image: Array, *, rays: Rays) -> Array:
     """By tiles, each from the part of the picture that its rays come from."""

@@ -219,15 +219,11 @@ class Vignetted(Linear):
         return power.scaled(_means(self.grid, self.law)[1])
 
 
-def _vignetted(image: Recipe, *, grid: Grid, law: Law) -> Vignetted:
-    return Vignetted(grid, law)
-
-
 def _lit_part(work: Work, region: Region, image: Recipe, **how: Any) -> Array:
     return _lit(work, work.part(image, region), region, **how)
 
 
-@picture_step(linear=_vignetted)
+@picture_step(linear=lambda _, **how: Vignetted(**how))
 @in_parts(_lit_part)
 def lit(work: Work, image: Array, **how: Any) -> Array:
     return _lit(work, image, Region(0, 0, *image.shape), **how)

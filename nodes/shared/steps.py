@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 
 from core.chain.band_stack import BandStack, SteppedBands
-from core.chain.linear_change import Filtering
+from core.chain.linear_change import Filtering, Linear
+from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.physics.detector.quantization import quantize, rounding_variances
-from core.transfer.factors import Edges, Grid, Separable
+from core.transfer.factors import Grid
 from core.transfer.line_filter import filter_lines
 
 _STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
@@ -64,6 +65,20 @@ def picture_range(work: Work, image: Array) -> PictureRange:
     )
 
 
+@dataclass(frozen=True)
+class AboutMean(Linear):
+    """A change that is linear in small differences, with a gain that depends on the picture."""
+
+    change: Recipe
+
+    @property
+    def level(self) -> Recipe:
+        return self.change
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        return power.scaled(work.value(self.change).gain)
+
+
 def _filtered_part(
     work: Work, region: Region, picture: Recipe, *, grid: Grid, label: str, **how: Any
 ) -> Array:
@@ -72,13 +87,7 @@ def _filtered_part(
     return np.ascontiguousarray(lines[:, region.slices[1]])
 
 
-def _line_filter(
-    picture: Recipe, *, factors: tuple[Separable, ...], grid: Grid, edges: Edges, label: str
-) -> Filtering:
-    return Filtering(factors, grid, edges, label=label)
-
-
-@picture_step(linear=_line_filter)
+@picture_step(linear=lambda *_, **how: Filtering(**how))
 @in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def filtered_lines(work: Work, picture: Array, *, label: str, **how: Any) -> Array:
     """The picture filtered along its lines, as one stage of this label."""

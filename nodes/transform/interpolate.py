@@ -101,11 +101,7 @@ def _resampled_part(
     return _sampled(work, work.part(image, Region(top, left, height, width)), along, across)
 
 
-def _resampling(image: Recipe, **how: Any) -> Resampling:
-    return Resampling(**how)
-
-
-@picture_step(linear=_resampling)
+@picture_step(linear=lambda _, **how: Resampling(**how))
 @in_parts(_resampled_part)
 def resampled(
     work: Work,

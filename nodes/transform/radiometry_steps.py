@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from core.chain.linear_change import LevelChange, Linear
-from core.chain.noise_power import NoisePower
+from core.chain.linear_change import LevelChange
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
@@ -26,7 +25,7 @@ from core.physics.radiometry.grey_body import (
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
-from nodes.shared.steps import mean_of
+from nodes.shared.steps import AboutMean, mean_of
 
 _BLOCK_SAMPLES = 1 << 16
 
@@ -43,20 +42,6 @@ class Surface:
     @property
     def band(self) -> dict[str, float]:
         return {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
-
-
-@dataclass(frozen=True)
-class AboutMean(Linear):
-    """A conversion that is linear in small differences, with the slope at the picture's mean."""
-
-    change: Recipe
-
-    @property
-    def level(self) -> Recipe:
-        return self.change
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(work.value(self.change).gain)
 
 
 @ends_lineage
@@ -88,19 +73,11 @@ def temperature_change(
     return LevelChange(factor / slope, mean, kelvin)
 
 
-def _means(recipes: tuple[Recipe, ...]) -> tuple[Step, ...]:
-    return tuple(Step.of(mean_of, recipe) for recipe in recipes)
+def _at_the_means(change: Any, images: tuple[Recipe, ...], **how: Any) -> AboutMean:
+    return AboutMean(Step.of(change, *(Step.of(mean_of, image) for image in images), **how))
 
 
-def _to_radiance(*images: Recipe, **how: Any) -> AboutMean:
-    return AboutMean(Step.of(radiance_change, *_means(images), **how))
-
-
-def _to_temperature(*images: Recipe, **how: Any) -> AboutMean:
-    return AboutMean(Step.of(temperature_change, *_means(images), **how))
-
-
-@picture_step(linear=_to_radiance)
+@picture_step(linear=lambda *images, **how: _at_the_means(radiance_change, images, **how))
 @pointwise
 def radiance_of_temperature(
     work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
@@ -114,7 +91,7 @@ def radiance_of_temperature(
     return _by_rows(work, image, emissivities, surface, convert)
 
 
-@picture_step(linear=_to_temperature)
+@picture_step(linear=lambda *images, **how: _at_the_means(temperature_change, images, **how))
 @pointwise
 def temperature_of_radiance(
     work: Work, image: Array, *emissivities: Array, surface: Surface, factor: float
