@@ -42,7 +42,7 @@ from core.physics.sampling.ground_geometry import (
     view_angles,
 )
 from core.physics.sampling.running_sums import Array, Between
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 
 FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
@@ -154,26 +154,14 @@ def geometry_table(
         ("right_m", bounds.right, "m", where),
         ("top_m", bounds.top, "m", where),
         ("bottom_m", bounds.low, "m", where),
-        (
-            "scene_samples_x",
-            middle.across_m / ground.interval_x_m,
-            "",
-            f"{samples}, across the track",
-        ),
-        (
-            "scene_samples_y",
-            middle.along_m / ground.interval_y_m,
-            "",
-            f"{samples}, along the track",
-        ),
+        ("scene_samples_x", middle.across_m / ground.interval_x_m, "",
+         f"{samples}, across the track"),
+        ("scene_samples_y", middle.along_m / ground.interval_y_m, "",
+         f"{samples}, along the track"),
         ("strips", laid.strips, "", "strips that each footprint is cut into"),
-        (
-            "footprint_error",
-            error,
-            "",
-            "largest change with four times as many strips, as a fraction of the scene's range",
-        ),
-    )
+        ("footprint_error", error, "",
+         "largest change with four times as many strips, as a fraction of the scene's range"),
+    )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 
 
@@ -576,12 +564,10 @@ class CameraGeometry(
         """Lines of the frame."""
         return outputs.image.rows
 
-    footprint_error = table_figure(
-        "footprint_error",
-        "",
-        "Largest change when footprints are cut into four times as many strips, as a fraction "
-        "of the scene's range.",
-    )
+    figures = TableFigures(
+        ("footprint_error", "", "Largest change when footprints are cut into four times as many "
+         "strips, as a fraction of the scene's range."),
+    )  # fmt: skip
 
 
 def _sample(camera: Camera, share: float) -> tuple[float, float]:

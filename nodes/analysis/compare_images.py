@@ -20,7 +20,7 @@ from core.transfer.factors import Array, Edges, Grid
 from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from nodes.input_output.sample_unit import blocks
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import difference
 
 
@@ -88,17 +88,13 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         spectra = [here.step(transform, picture.recipe) for picture in (image, reference)]
         return here.step(radial_ratio, *spectra, **settings)
 
-    rmse = table_figure("rmse", "", "Root mean square difference, in the image's unit.")
-    max_error = table_figure("max_error", "", "Largest difference, in the image's unit.")
-    psnr_dB = table_figure(
-        "psnr_dB",
-        "dB",
-        "Peak signal-to-noise ratio; left out if the pictures are equal or the reference is "
-        "constant.",
-    )
-    mean_difference = table_figure(
-        "mean_difference", "", "Mean of image minus reference, in the image's unit."
-    )
+    figures = TableFigures(
+        ("rmse", "", "Root mean square difference, in the image's unit."),
+        ("max_error", "", "Largest difference, in the image's unit."),
+        ("psnr_dB", "dB", "Peak signal-to-noise ratio; left out if the pictures are equal or the "
+         "reference is constant."),
+        ("mean_difference", "", "Mean of image minus reference, in the image's unit."),
+    )  # fmt: skip
 
 
 @in_blocks()

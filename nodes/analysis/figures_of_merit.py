@@ -33,7 +33,7 @@ from nodes.analysis.threshold_curves import (
     thresholds,
 )
 from nodes.shared.context_defaults import given_band, with_interval
-from nodes.shared.module_ports import CutOff, CutOn, table_figure
+from nodes.shared.module_ports import CutOff, CutOn, TableFigures
 from nodes.shared.shared_warnings import NEAR, alike, band_caution, unit_caution
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
@@ -421,43 +421,23 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             seconds_fixed=self.eye_integration_s if self.model == "flir92" else 0.0,
         )
 
-    snr = table_figure(
-        "snr",
-        "",
-        "Noise-free mean signal divided by temporal noise; left out if there is no noise.",
-    )
-    netd_K = table_figure(
-        "netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."
-    )
-    ner = table_figure("ner", "W/m²/sr", "Noise-equivalent radiance: rms temporal noise.")
-    mrtd_x_K = table_figure(
-        "mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if "
-                         "they are not resolved.",
-        row="mrtd_x_50_percent_nyquist",
+    figures = TableFigures(
+        ("snr", "", "Noise-free mean signal divided by temporal noise; left out if there is no "
+         "noise."),
+        ("netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."),
+        ("ner", "W/m²/sr", "Noise-equivalent radiance: rms temporal noise."),
+        ("mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if they "
+         "are not resolved.", "mrtd_x_50_percent_nyquist"),
+        ("mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
+         "they are not resolved.", "mrtd_y_50_percent_nyquist"),
+        ("detection_range_km", "km", "Range at which half of the observers detect the target "
+         "(Johnson)."),
+        ("recognition_range_km", "km", "Range at which half of the observers recognize the target "
+         "(Johnson)."),
+        ("identification_range_km", "km", "Range at which half of the observers identify the "
+         "target (Johnson)."),
+        ("ttp_range_km", "km", "Range at which half of the observers succeed (TTP)."),
     )  # fmt: skip
-    mrtd_y_K = table_figure(
-        "mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
-                         "they are not resolved.",
-        row="mrtd_y_50_percent_nyquist",
-    )  # fmt: skip
-    detection_range_km = table_figure(
-        "detection_range_km",
-        "km",
-        "Range at which half of the observers detect the target (Johnson).",
-    )
-    recognition_range_km = table_figure(
-        "recognition_range_km",
-        "km",
-        "Range at which half of the observers recognize the target (Johnson).",
-    )
-    identification_range_km = table_figure(
-        "identification_range_km",
-        "km",
-        "Range at which half of the observers identify the target (Johnson).",
-    )
-    ttp_range_km = table_figure(
-        "ttp_range_km", "km", "Range at which half of the observers succeed (TTP)."
-    )
 
 
 def _air(image: Image, context: Context) -> tuple[AirPath, ...]:

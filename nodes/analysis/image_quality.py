@@ -37,7 +37,7 @@ from nodes.analysis.lineage import ImageNoise, NoiseOf, transfer_of
 from nodes.analysis.lineage.line_transfer import HORIZONTAL, VERTICAL, Line, Stage, all_along
 from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import apart_caution, apart_from_context
 
 
@@ -258,19 +258,15 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         """A value lies outside the range to which the equations were fitted."""
         return Step.of(limits_caution, outputs.table.recipe)
 
-    giqe5 = table_figure("giqe5", "NIIRS", "Interpretability by GIQE 5.")
-    giqe4 = table_figure("giqe4", "NIIRS", "Interpretability by GIQE 4.")
-    giqe3 = table_figure("giqe3", "NIIRS", "Interpretability by GIQE 3.")
-    gsd_figure = table_figure(
-        "gsd_m", "m", "Ground sample distance normal to the line of sight, geometric mean."
-    )
-    gsd_ground_m = table_figure(
-        "gsd_ground_m", "m", "Ground sample distance on the ground, geometric mean."
-    )
-    rer = table_figure("rer", "", "Relative edge response, geometric mean of both axes.")
-    overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean of both axes.")
-    snr_figure = table_figure(
-        "snr", "", "Signal divided by temporal noise; left out if there is no noise."
+    figures = TableFigures(
+        ("giqe5", "NIIRS", "Interpretability by GIQE 5."),
+        ("giqe4", "NIIRS", "Interpretability by GIQE 4."),
+        ("giqe3", "NIIRS", "Interpretability by GIQE 3."),
+        ("gsd_m", "m", "Ground sample distance normal to the line of sight, geometric mean."),
+        ("gsd_ground_m", "m", "Ground sample distance on the ground, geometric mean."),
+        ("rer", "", "Relative edge response, geometric mean of both axes."),
+        ("overshoot", "", "Edge overshoot, geometric mean of both axes."),
+        ("snr", "", "Signal divided by temporal noise; left out if there is no noise."),
     )
 
 
@@ -395,25 +391,17 @@ def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: V
         ("gsd_ground_m", ground, "m", "ground sample distance on the ground (GIQE 4)"),
         ("gsd_weighted_m", weighted, "m", "geometric mean of these two (GIQE 5)"),
         ("gsd_inch", gsd_m / INCH_M, "in", "ground sample distance normal to the line of sight"),
-        (
-            "elevation_deg",
-            view.elevation_deg,
-            "deg",
-            "elevation of the line of sight, seen from the target",
-        ),
+        ("elevation_deg", view.elevation_deg, "deg",
+         "elevation of the line of sight, seen from the target"),
         ("rer", rer, "", "relative edge response, geometric mean (GIQE 3 and 4)"),
-        (
-            "rer_weighted",
-            worse_twice,
-            "",
-            "relative edge response, the worse direction counted twice (GIQE 5)",
-        ),
+        ("rer_weighted", worse_twice, "",
+         "relative edge response, the worse direction counted twice (GIQE 5)"),
         ("rer_x", rer_x, "", "horizontal relative edge response"),
         ("rer_y", rer_y, "", "vertical relative edge response"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
         ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
         ("snr", shown_snr, "", view.snr_words, why),
-    )
+    )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 
 

@@ -22,7 +22,7 @@ from core.transfer.mixed_sampling import MOST_NODES, Filtered, Method, filter_mi
 from core.transfer.product import Product
 from core.transfer.scan_lines import ScanChain
 from nodes.shared.context_defaults import given, one_source
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import difference
 
 # Steps of Line by Line: the frame of mixed sampling, and how far the whole-image way is off.
@@ -97,71 +97,31 @@ def difference_table(
     scale = float(rms.max())
     total = scale * math.sqrt(float(np.mean((rms / scale) ** 2))) if scale > 0.0 else 0.0
     rows = (
-        (
-            "rms_percent",
-            total * percent,
-            "%",
-            "rms difference, as a fraction of the picture's range",
-        ),
-        (
-            "max_percent",
-            float(largest[worst]) * percent,
-            "%",
-            "largest difference, as a fraction of the range",
-        ),
+        ("rms_percent", total * percent, "%",
+         "rms difference, as a fraction of the picture's range"),
+        ("max_percent", float(largest[worst]) * percent, "%",
+         "largest difference, as a fraction of the range"),
         ("max_view_deg", float(degrees[worst]), "deg", "view angle of the largest difference"),
-        (
-            "rms_worst_percent",
-            scale * percent,
-            "%",
-            "rms difference at the view angle where it is largest",
-        ),
-        (
-            "rms_worst_view_deg",
-            float(degrees[worst_rms]),
-            "deg",
-            "view angle of the largest rms difference",
-        ),
+        ("rms_worst_percent", scale * percent, "%",
+         "rms difference at the view angle where it is largest"),
+        ("rms_worst_view_deg", float(degrees[worst_rms]), "deg",
+         "view angle of the largest rms difference"),
         ("rms_difference", total, unit, "line by line minus whole image"),
-        (
-            "max_difference",
-            float(largest[worst]),
-            unit,
-            "largest absolute value of this difference",
-        ),
+        ("max_difference", float(largest[worst]), unit,
+         "largest absolute value of this difference"),
         ("view_first_deg", float(degrees[0]), "deg", "view angle of a line's first sample"),
         ("view_last_deg", float(degrees[-1]), "deg", "view angle of a line's last sample"),
-        (
-            "interval_nadir_mrad",
-            max(intervals_mrad),
-            "mrad",
-            "sampling interval along the track, nearest nadir",
-        ),
-        (
-            "interval_edge_mrad",
-            min(intervals_mrad),
-            "mrad",
-            "sampling interval along the track, farthest from nadir",
-        ),
-        (
-            "scale_nodes",
-            filtered.nodes,
-            "",
-            "sampling intervals at which non-separable factors were computed",
-        ),
-        (
-            "response_error",
-            filtered.response_error,
-            "",
-            "error of the transfer function caused by the interpolation",
-        ),
-        (
-            "error_percent",
-            filtered.picture_error * percent,
-            "%",
-            "estimated error of the interpolation",
-        ),
-    )
+        ("interval_nadir_mrad", max(intervals_mrad), "mrad",
+         "sampling interval along the track, nearest nadir"),
+        ("interval_edge_mrad", min(intervals_mrad), "mrad",
+         "sampling interval along the track, farthest from nadir"),
+        ("scale_nodes", filtered.nodes, "",
+         "sampling intervals at which non-separable factors were computed"),
+        ("response_error", filtered.response_error, "",
+         "error of the transfer function caused by the interpolation"),
+        ("error_percent", filtered.picture_error * percent, "%",
+         "estimated error of the interpolation"),
+    )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 
 
@@ -409,40 +369,21 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
                 )
         return velocity / turns_per_s
 
-    rms_percent = table_figure(
-        "rms_percent",
-        "%",
-        "Rms difference from the whole-image method, as a fraction of the picture's range.",
-    )
-    max_percent = table_figure(
-        "max_percent",
-        "%",
-        "Largest difference from the whole-image method, as a fraction of the picture's range.",
-    )
-    max_view_deg = table_figure(
-        "max_view_deg", "deg", "View angle from nadir at which the difference is largest."
-    )
-    interval_nadir_mrad = table_figure(
-        "interval_nadir_mrad",
-        "mrad",
-        "Largest sampling interval along the track, in the column nearest nadir.",
-    )
-    interval_edge_mrad = table_figure(
-        "interval_edge_mrad",
-        "mrad",
-        "Smallest sampling interval along the track, farthest from nadir.",
-    )
-    scale_nodes = table_figure(
-        "scale_nodes",
-        "",
-        "Intervals at which non-separable factors were computed; 0 if all are separable.",
-    )
-    error_percent = table_figure(
-        "error_percent",
-        "%",
-        "Estimated error of the interpolation between intervals, as a "
-        "fraction of the picture's range.",
-    )
+    figures = TableFigures(
+        ("rms_percent", "%", "Rms difference from the whole-image method, as a fraction of the "
+         "picture's range."),
+        ("max_percent", "%", "Largest difference from the whole-image method, as a fraction of the "
+         "picture's range."),
+        ("max_view_deg", "deg", "View angle from nadir at which the difference is largest."),
+        ("interval_nadir_mrad", "mrad", "Largest sampling interval along the track, in the column "
+         "nearest nadir."),
+        ("interval_edge_mrad", "mrad", "Smallest sampling interval along the track, farthest from "
+         "nadir."),
+        ("scale_nodes", "", "Intervals at which non-separable factors were computed; 0 if all are "
+         "separable."),
+        ("error_percent", "%", "Estimated error of the interpolation between intervals, as a "
+         "fraction of the picture's range."),
+    )  # fmt: skip
 
 
 def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -15,9 +14,9 @@ from core.chain.frame_sequence import at_frame
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
@@ -26,19 +25,12 @@ from nodes.files.common.paths import readable_file
 from nodes.files.envi_header import header_beside
 from nodes.files.frame_reading import FrameFile, open_frames
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
+from nodes.shared.module_ports import TableFigures
 
 
 class NoiseOutputs(NamedTuple):
     curve: Curve
     table: Table
-
-
-def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
-    def method(self: Module, outputs: NoiseOutputs) -> Recipe:
-        return Step.of(sigma_of, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(name=name, unit_of="image")(method)
 
 
 class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
@@ -114,17 +106,20 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         table = here.step(table_of, *noises, unit=unit)
         return NoiseOutputs(Curve(bars), Table(table))
 
-    sigma_tvh = _figure("sigma_tvh", "Random noise of each sample, predicted.")
-    sigma_vh = _figure("sigma_vh", "Fixed pattern of each sample, predicted.")
-    sigma_v = _figure("sigma_v", "Fixed row noise, predicted.")
-    sigma_h = _figure("sigma_h", "Fixed column noise, predicted.")
-    sigma_t = _figure("sigma_t", "Frame-to-frame noise, predicted.")
-    sigma_tv = _figure("sigma_tv", "Temporal row noise, predicted.")
-    sigma_th = _figure("sigma_th", "Temporal column noise, predicted.")
-    temporal = _figure("temporal", "All temporal noise, predicted.")
-    fixed = _figure("fixed", "All fixed-pattern noise, predicted.")
-    temporal_measured = _figure("temporal_measured", "All temporal noise, measured.")
-    fixed_measured = _figure("fixed_measured", "All fixed-pattern noise, measured.")
+    figures = TableFigures(
+        ("sigma_tvh", "", "Random noise of each sample, predicted."),
+        ("sigma_vh", "", "Fixed pattern of each sample, predicted."),
+        ("sigma_v", "", "Fixed row noise, predicted."),
+        ("sigma_h", "", "Fixed column noise, predicted."),
+        ("sigma_t", "", "Frame-to-frame noise, predicted."),
+        ("sigma_tv", "", "Temporal row noise, predicted."),
+        ("sigma_th", "", "Temporal column noise, predicted."),
+        ("temporal", "", "All temporal noise, predicted."),
+        ("fixed", "", "All fixed-pattern noise, predicted."),
+        ("temporal_measured", "", "All temporal noise, measured."),
+        ("fixed_measured", "", "All fixed-pattern noise, measured."),
+        unit_of="image",
+    )
 
 
 # Noise of frames in a file, of a camera say, as the noise of simulated frames.
@@ -285,10 +280,3 @@ def bars_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> Curve
     return CurveData(
         "Noise components", "component", f"σ ({unit})" if unit else "σ", tuple(series), bars=names
     )
-
-
-@ends_lineage
-def sigma_of(work: Work, table: TableData, *, name: str) -> float | None:
-    """A figure of the table, None where it was not measured."""
-    value = table.as_dict().get(name)
-    return None if value is None else float(value)

@@ -19,7 +19,7 @@ from nodes.analysis.budget_shares import (
     unknown_before,
 )
 from nodes.analysis.lineage import NoiseOf, transfer_of
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 
 
 class BudgetOutputs(NamedTuple):
@@ -88,14 +88,15 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             Table(here.step(budget_table, noise, blur, **noise_kind)),
         )
 
-    sigma = table_figure("sigma", "", "Standard deviation of all noise.", unit_of="image")
-    sigma_temporal = table_figure(
-        "sigma_temporal", "", "Standard deviation of all temporal noise.", unit_of="image"
+    figures_0 = TableFigures(
+        ("sigma", "", "Standard deviation of all noise."),
+        ("sigma_temporal", "", "Standard deviation of all temporal noise."),
+        ("sigma_fixed", "", "Standard deviation of all fixed patterns."),
+        unit_of="image",
     )
-    sigma_fixed = table_figure(
-        "sigma_fixed", "", "Standard deviation of all fixed patterns.", unit_of="image"
+    figures_1 = TableFigures(
+        ("mtf_x", "", "Horizontal MTF of all stages, at the budget's frequency."),
+        ("mtf_y", "", "Vertical MTF of all stages, at the budget's frequency."),
+        ("xi", "cyc/mrad", "Horizontal frequency at which the blur is budgeted."),
+        ("eta", "cyc/mrad", "Vertical frequency at which the blur is budgeted."),
     )
-    mtf_x = table_figure("mtf_x", "", "Horizontal MTF of all stages, at the budget's frequency.")
-    mtf_y = table_figure("mtf_y", "", "Vertical MTF of all stages, at the budget's frequency.")
-    xi = table_figure("xi", "cyc/mrad", "Horizontal frequency at which the blur is budgeted.")
-    eta = table_figure("eta", "cyc/mrad", "Vertical frequency at which the blur is budgeted.")

@@ -26,7 +26,7 @@ from core.scratch import is_on_disk
 from core.transfer.factors import Edges, Factor, Grid
 from core.transfer.product import Product
 from nodes.shared.context_defaults import one_source
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 
 MOST_MULTIPLICATIONS = 1e12  # about a quarter of an hour
 
@@ -111,13 +111,11 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             Table(here.step(kernel_table, kernels)),
         )
 
-    taps = table_figure("taps", "", "Multiplications per sample.")
-    error_bound = table_figure(
-        "error_bound",
-        "",
-        "Largest error from truncated kernels, as a fraction of the scene's largest "
-        "departure from its mean.",
-    )
+    figures = TableFigures(
+        ("taps", "", "Multiplications per sample."),
+        ("error_bound", "", "Largest error from truncated kernels, as a fraction of the scene's "
+         "largest departure from its mean."),
+    )  # fmt: skip
 
 
 def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges, plane: bool) -> Filtering:

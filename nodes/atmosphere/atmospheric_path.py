@@ -36,7 +36,7 @@ from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.atmosphere.modtran_tables import table_path
 from nodes.files.path_table import Points, read_path_table
 from nodes.files.spectrum_tables import read_wavelengths
-from nodes.shared.module_ports import WeightingSource, table_figure
+from nodes.shared.module_ports import TableFigures, WeightingSource
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
 from nodes.shared.steps import mean_of
 
@@ -350,17 +350,12 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             ),
         )  # fmt: skip
 
-    transmission_figure = table_figure(
-        "transmission", "", "Mean transmission over the band, weighted by the light in it."
-    )
-    path_radiance = table_figure(
-        "path_radiance", "W/m²/sr", "Radiance that the air adds in the band."
-    )
-    optical_depth = table_figure(
-        "optical_depth",
-        "",
-        "Optical depth: −ln of the band's transmission; left out if nothing passes.",
-    )
+    figures = TableFigures(
+        ("transmission", "", "Mean transmission over the band, weighted by the light in it."),
+        ("path_radiance", "W/m²/sr", "Radiance that the air adds in the band."),
+        ("optical_depth", "", "Optical depth: −ln of the band's transmission; left out if nothing "
+         "passes."),
+    )  # fmt: skip
 
 
 def _orbit_altitude_m(image: Image) -> float | None:

@@ -26,7 +26,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
-from nodes.shared.module_ports import CutOff, CutOn, table_figure
+from nodes.shared.module_ports import CutOff, CutOn, TableFigures
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
 
 _SHARES = {"": 1.0, "1": 1.0, "-": 1.0, "reflectance": 1.0, "albedo": 1.0, "%": 0.01}
@@ -225,13 +225,11 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             return None
         return Step.of(bright_caution, image.recipe, share=share)
 
-    air_mass = table_figure(
-        "air_mass", "", "Air mass: the sun's path through the air, relative to a vertical path."
+    figures = TableFigures(
+        ("air_mass", "", "Air mass: the sun's path through the air, relative to a vertical path."),
+        ("irradiance", "W/m²", "Irradiance of sun and sky on a horizontal surface, in the band."),
+        ("illuminance", "lx", "Illuminance of a horizontal surface."),
     )
-    irradiance = table_figure(
-        "irradiance", "W/m²", "Irradiance of sun and sky on a horizontal surface, in the band."
-    )
-    illuminance = table_figure("illuminance", "lx", "Illuminance of a horizontal surface.")
 
 
 def _white(

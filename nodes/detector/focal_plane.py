@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 from core.chain.back_transformed import BinMode, combine_pixels
@@ -12,7 +11,7 @@ from core.chain.results import TableData
 from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
+from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula
 from core.modules.preview import Preview
@@ -42,7 +41,7 @@ from nodes.detector.spectral_response import (
 )
 from nodes.shared.context_defaults import of_context, t_number_caution
 from nodes.shared.factors import passed_factors
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import (
     F_NUMBER_NEAR,
     NEAR,
@@ -68,7 +67,6 @@ def _without_saturated(outputs: FocalPlaneOutputs) -> Recipe:
 
 
 _CHART_LINES = 9.0  # of text, in the preview
-_figure = partial(table_figure, table=_without_saturated)
 
 
 class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group="Detector"):
@@ -516,71 +514,43 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             return None
         return Step.of(reference_caution, _without_saturated(outputs))
 
-    signal_e = _figure("signal_e", "e-", "Electrons from the scene, at the picture's mean.")
-    optics_e = _figure("optics_e", "e-", "Electrons from the optics' own emission.")
-    housing_e = _figure("housing_e", "e-", "Electrons from the housing past the cold shield.")
-    dark_e = _figure("dark_e", "e-", "Electrons from the dark current.")
-    well_fill_percent = _figure(
-        "well_fill_percent", "%", "Fraction of the full well that all electrons fill."
-    )
-    shot_noise_e = _figure("shot_noise_e", "e-", "Shot noise of all electrons.")
-    excess_noise_e = _figure("excess_noise_e", "e-", "Excess noise of the charge gain.")
-    read_noise_figure = _figure("read_noise_e", "e-", "Read noise, averaged over the frames.")
-    quantization_noise_e = _figure(
-        "quantization_noise_e", "e-", "Quantization noise of the converter."
-    )
-    temporal_noise_e = _figure(
-        "temporal_noise_e",
-        "e-",
-        "Temporal noise: shot, excess and read noise and quantization together.",
-    )
-    fixed_pattern_e = _figure("fixed_pattern_e", "e-", "PRNU and DSNU.")
-    responsivity_e_per_K = _figure(
-        "responsivity_e_per_K",
-        "e-/K",
-        "Responsivity: electrons per kelvin of scene temperature, for a thermal scene.",
-    )
-    netd_K = _figure("netd_K", "K", "Temporal noise over responsivity, for a thermal scene.")
-    snr = _figure("snr", "", "Signal over temporal noise.")
-    snr_at_reference = _figure(
-        "snr_at_reference", "", "Signal over temporal noise at reference_radiance."
-    )
-    nei_photons_per_cm2 = _figure(
-        "nei_photons_per_cm2",
-        "1/cm²",
-        "Noise-equivalent irradiance: photons per exposure that equal the temporal noise.",
-    )
-    dynamic_range_dB = _figure(
-        "dynamic_range_dB",
-        "dB",
-        "Dynamic range: saturation (full well or highest DN) over the temporal noise in the dark.",
-    )
-    emva_dynamic_range_dB = _figure(
-        "emva_dynamic_range_dB",
-        "dB",
-        "Dynamic range by EMVA 1288: saturation over the sensitivity threshold.",
-    )
-    sensitivity_threshold_photons = _figure(
-        "sensitivity_threshold_photons",
-        "photons",
-        "Sensitivity threshold by EMVA 1288: photons per pixel at which the SNR is 1.",
-    )
-    snr_max_dB = _figure(
-        "snr_max_dB", "dB", "Largest SNR by EMVA 1288: that of shot noise alone at saturation."
-    )
-    gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons per digital number.")
-    mean_dn = _figure("mean_dn", "DN", "Mean signal of the picture, in digital numbers.")
-    weighting_figure = _figure(
-        "photon_weighting", "", "Spectrum used to count photons: scene, source or middle."
-    )
-    weighting_worth_percent = _figure(
-        "weighting_worth_percent", "%", "How much the signal differs between these spectra."
-    )
-
-    @readout()
-    def saturated_pixels(self, outputs: FocalPlaneOutputs) -> Any:
-        """Number of pixels clipped at the full well or at the converter's highest number."""
-        return outputs.table.recipe.inputs[1]
+    figures = TableFigures(
+        ("signal_e", "e-", "Electrons from the scene, at the picture's mean."),
+        ("optics_e", "e-", "Electrons from the optics' own emission."),
+        ("housing_e", "e-", "Electrons from the housing past the cold shield."),
+        ("dark_e", "e-", "Electrons from the dark current."),
+        ("well_fill_percent", "%", "Fraction of the full well that all electrons fill."),
+        ("shot_noise_e", "e-", "Shot noise of all electrons."),
+        ("excess_noise_e", "e-", "Excess noise of the charge gain."),
+        ("read_noise_e", "e-", "Read noise, averaged over the frames."),
+        ("quantization_noise_e", "e-", "Quantization noise of the converter."),
+        ("temporal_noise_e", "e-", "Temporal noise: shot, excess and read noise and quantization "
+         "together."),
+        ("fixed_pattern_e", "e-", "PRNU and DSNU."),
+        ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
+         "for a thermal scene."),
+        ("netd_K", "K", "Temporal noise over responsivity, for a thermal scene."),
+        ("snr", "", "Signal over temporal noise."),
+        ("snr_at_reference", "", "Signal over temporal noise at reference_radiance."),
+        ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure that "
+         "equal the temporal noise."),
+        ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "
+         "temporal noise in the dark."),
+        ("emva_dynamic_range_dB", "dB", "Dynamic range by EMVA 1288: saturation over the "
+         "sensitivity threshold."),
+        ("sensitivity_threshold_photons", "photons", "Sensitivity threshold by EMVA 1288: photons "
+         "per pixel at which the SNR is 1."),
+        ("snr_max_dB", "dB", "Largest SNR by EMVA 1288: that of shot noise alone at saturation."),
+        ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
+        ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
+        ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
+        ("weighting_worth_percent", "%", "How much the signal differs between these spectra."),
+        table=_without_saturated,
+    )  # fmt: skip
+    counts = TableFigures(
+        ("saturated_pixels", "", "Number of pixels clipped at the full well or at the converter's "
+         "highest number."),
+    )  # fmt: skip
 
 
 # What Focal Plane warns of: its band beside the picture's and the optics', and what is clipped.

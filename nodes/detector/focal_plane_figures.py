@@ -335,6 +335,9 @@ def figures(
         nei = nei_photons_per_cm2(
             temporal_e=temporal / slope, quantum_efficiency=efficiency, area_cm2=area_cm2
         )
+    pattern = fixed_pattern_e(
+        electrons=total, prnu_percent=reading.prnu_percent, dsnu_e=reading.dsnu_e
+    )
     threshold = None
     if efficiency:
         threshold = (dark_noise + 0.5 * reading.excess_factor / frames) / efficiency
@@ -349,22 +352,9 @@ def figures(
         ("read_noise_e", read, "e-", "read noise after averaging all frames"),
         ("quantization_noise_e", rounding, "e-", "quantization noise"),
         ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
-        (
-            "fixed_pattern_e",
-            slope
-            * fixed_pattern_e(
-                electrons=total, prnu_percent=reading.prnu_percent, dsnu_e=reading.dsnu_e
-            ),
-            "e-",
-            "PRNU and DSNU",
-        ),
-        (
-            "responsivity_e_per_K",
-            responsivity,
-            "e-/K",
-            "electrons per kelvin of scene temperature",
-            why,
-        ),
+        ("fixed_pattern_e", slope * pattern, "e-", "PRNU and DSNU"),
+        ("responsivity_e_per_K", responsivity, "e-/K", "electrons per kelvin of scene temperature",
+         why),
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
         *_at_reference(levels, collection, reading, reference_radiance),
@@ -372,17 +362,13 @@ def figures(
         ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
         *_emva(levels, reading, efficiency, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
-        (
-            "mean_dn",
-            _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn,
-            "DN",
-            "mean signal in digital numbers",
-        ),
+        ("mean_dn", _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn, "DN",
+         "mean signal in digital numbers"),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
         ("quantum_efficiency", efficiency, "", "electrons per photon, mean over the band"),
         ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
         *_worth(levels, collection),
-    )
+    )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 
 

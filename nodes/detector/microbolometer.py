@@ -37,7 +37,7 @@ from core.transfer.factors import Separable
 from nodes.shared.context_defaults import Lens, given_band, lens, t_number_caution, with_interval
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
 from nodes.shared.factors import separable, transfers
-from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
+from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, TableFigures
 from nodes.shared.shared_warnings import apart_from_context, band_caution, unit_caution
 from nodes.shared.steps import (
     PictureRange,
@@ -437,24 +437,16 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         seen, band = Step.of(picture_range, *table.inputs), dict(table.parameters)["band"]
         return Step.of(range_caution, seen, limits=self._limits(band), kelvin=(low, high))
 
-    netd_figure = table_figure("netd_K", "K", "Temporal noise as a temperature difference.")
-    white_netd_figure = table_figure(
-        "white_netd_K", "K", "White noise as a temperature difference."
-    )
-    flicker_figure = table_figure("flicker_K", "K", "1/f noise as a temperature difference.")
-    rounding_figure = table_figure(
-        "quantization_K", "K", "Quantization noise as a temperature difference."
-    )
-    fixed_figure = table_figure(
-        "fixed_pattern_K", "K", "Non-uniform gain and offset of the pixels."
-    )
-    noise_figure = table_figure(
-        "noise_radiance", "W/m²/sr", "Temporal noise as a radiance of the scene."
-    )
-    snr_figure = table_figure("snr", "", "Mean signal over temporal noise.")
-    scene_figure = table_figure("scene_K", "K", "Brightness temperature of the picture's mean.")
-    lag_figure = table_figure(
-        "lag_percent", "%", "Fraction of a change that remains after one frame."
+    figures = TableFigures(
+        ("netd_K", "K", "Temporal noise as a temperature difference."),
+        ("white_netd_K", "K", "White noise as a temperature difference."),
+        ("flicker_K", "K", "1/f noise as a temperature difference."),
+        ("quantization_K", "K", "Quantization noise as a temperature difference."),
+        ("fixed_pattern_K", "K", "Non-uniform gain and offset of the pixels."),
+        ("noise_radiance", "W/m²/sr", "Temporal noise as a radiance of the scene."),
+        ("snr", "", "Mean signal over temporal noise."),
+        ("scene_K", "K", "Brightness temperature of the picture's mean."),
+        ("lag_percent", "%", "Fraction of a change that remains after one frame."),
     )
 
 

@@ -28,7 +28,7 @@ from core.physics.detector.focal_plane_array import (
 )
 from core.physics.radiometry.planck import band_radiance
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import even
 
 
@@ -183,24 +183,16 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             "move it after the camera's modules, such as Focal Plane",
         )
 
-    pattern_low = table_figure(
-        "pattern_low",
-        "",
-        "Spread between pixels on the cooler reference, uncorrected.",
+    figures_0 = TableFigures(
+        ("pattern_low", "", "Spread between pixels on the cooler reference, uncorrected."),
+        ("pattern_high", "", "Spread between pixels on the warmer reference, uncorrected."),
         unit_of="image",
     )
-    pattern_high = table_figure(
-        "pattern_high",
-        "",
-        "Spread between pixels on the warmer reference, uncorrected.",
-        unit_of="image",
-    )
-    response_per_kelvin = table_figure(
-        "response_per_kelvin",
-        "",
-        "Mean response between the references, in the picture's unit per kelvin.",
-    )
-    weak_pixels = table_figure("weak_pixels", "", "Pixels whose response is too small to correct.")
+    figures_1 = TableFigures(
+        ("response_per_kelvin", "", "Mean response between the references, in the picture's unit "
+         "per kelvin."),
+        ("weak_pixels", "", "Pixels whose response is too small to correct."),
+    )  # fmt: skip
 
 
 @ends_lineage
@@ -230,15 +222,11 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
     weak = np.count_nonzero(~((high - low) > LEAST_RESPONSE * rise))
     rows = (
         ("pattern_low", float(np.std(low)), unit, "spread between pixels on the cooler reference"),
-        (
-            "pattern_high",
-            float(np.std(high)),
-            unit,
-            "spread between pixels on the warmer reference",
-        ),
+        ("pattern_high", float(np.std(high)), unit,
+         "spread between pixels on the warmer reference"),
         ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
         ("weak_pixels", int(weak), "", "pixels whose response is too small to correct"),
-    )
+    )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 
 

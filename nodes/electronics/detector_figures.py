@@ -114,19 +114,12 @@ def figures(
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
         ("netd_detector_K", netd_detector, "K", "NETD of the detectors, rms over all"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
-        (
-            "netd_system_K",
-            system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector),
-            "K",
-            "NETD of detector and amplifier together",
-        ),
-        (
-            "snr",
-            seen.mean / noise,
-            "",
-            "mean signal divided by the rms noise of detector and amplifier",
-        ),
-    )
+        ("netd_system_K",
+         system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector), "K",
+         "NETD of detector and amplifier together"),
+        ("snr", seen.mean / noise, "",
+         "mean signal divided by the rms noise of detector and amplifier"),
+    )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 
 

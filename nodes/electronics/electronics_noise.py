@@ -60,7 +60,7 @@ from nodes.shared.context_defaults import (
 )
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.factors import separable, transfers
-from nodes.shared.module_ports import CutOff, CutOn, table_figure
+from nodes.shared.module_ports import CutOff, CutOn, TableFigures
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
 from nodes.shared.steps import difference, filtered_lines, picture_range, quantized
 
@@ -561,19 +561,19 @@ class ElectronicsNoise(
             return None, None
         return self.range_low, self.range_high
 
-    bandwidth_figure = table_figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
-    g_number = table_figure("g_number", "1/sr", "Optical throughput number G#.")
-    d_star_figure = table_figure("d_star", "cm √Hz/W", "Specific detectivity over the band.")
-    nep_W = table_figure("nep_W", "W", "Noise-equivalent power of a detector with mean noise.")
-    ner = table_figure("ner", "W/m²/sr", "Noise-equivalent radiance of a detector with mean noise.")
-    netd_detector_K = table_figure(
-        "netd_detector_K", "K", "NETD of the detectors: rms over all, including their spread."
+    figures = TableFigures(
+        ("bandwidth_Hz", "Hz", "Noise bandwidth."),
+        ("g_number", "1/sr", "Optical throughput number G#."),
+        ("d_star", "cm √Hz/W", "Specific detectivity over the band."),
+        ("nep_W", "W", "Noise-equivalent power of a detector with mean noise."),
+        ("ner", "W/m²/sr", "Noise-equivalent radiance of a detector with mean noise."),
+        ("netd_detector_K", "K", "NETD of the detectors: rms over all, including their spread."),
+        ("netd_amplifier_K", "K", "NETD of the amplifier."),
+        ("netd_system_K", "K", "NETD of detector and amplifier together."),
+        ("snr", "", "Mean signal over rms noise of detector and amplifier."),
+        ("quantization_rms", "W/m²/sr", "Quantization noise."),
+        ("background_K", "K", "Background temperature for D* and dL/dT."),
     )
-    netd_amplifier_K = table_figure("netd_amplifier_K", "K", "NETD of the amplifier.")
-    netd_system_K = table_figure("netd_system_K", "K", "NETD of detector and amplifier together.")
-    snr = table_figure("snr", "", "Mean signal over rms noise of detector and amplifier.")
-    quantization_rms = table_figure("quantization_rms", "W/m²/sr", "Quantization noise.")
-    background = table_figure("background_K", "K", "Background temperature for D* and dL/dT.")
 
 
 # A picture in bands where its sum is wanted: of all bands, or of those within a filter.

@@ -23,7 +23,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_unit import histogram, statistics
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import is_radiance, is_temperature
 
 Array = NDArray[Any]
@@ -123,10 +123,13 @@ class ExamineImage(
             "convert it to W/m²/sr: set scale and unit on Read Image, or units on Focal Plane",
         )
 
-    minimum = table_figure("minimum", "", "Smallest sample.", unit_of="image")
-    maximum = table_figure("maximum", "", "Largest sample.", unit_of="image")
-    mean = table_figure("mean", "", "Mean of the samples.", unit_of="image")
-    sigma = table_figure("sigma", "", "Standard deviation of the samples.", unit_of="image")
+    figures = TableFigures(
+        ("minimum", "", "Smallest sample."),
+        ("maximum", "", "Largest sample."),
+        ("mean", "", "Mean of the samples."),
+        ("sigma", "", "Standard deviation of the samples."),
+        unit_of="image",
+    )
 
 
 @ends_lineage

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 from typing import Annotated, NamedTuple
 
 from core.chain.results import CameraSheet, TableData, TableRow
 from core.chain.wires import Image, Table
-from core.evaluation.recipes import Recipe, ends_lineage
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
@@ -17,7 +16,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
 from core.physics.sampling.orbit import EARTH_RADIUS_KM, LookDirection, OrbitView, orbit_view
-from nodes.shared.module_ports import table_figure
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
 
 
@@ -26,11 +25,6 @@ class CameraOutputs(NamedTuple):
     camera: Table
 
 
-def _of_camera(outputs: CameraOutputs) -> Recipe:
-    return outputs.camera.recipe
-
-
-_figure = partial(table_figure, table=_of_camera)
 _LOW_ORBIT_KM = 2000.0  # up to here the Earth's rotation changes the speed by less than 9 %
 _EARTH_M_PER_S = 2.0 * math.pi * EARTH_RADIUS_KM * 1e3 / 86164.1  # at the equator; sidereal day
 _ORBIT = (
@@ -338,30 +332,25 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
                 )
         return None
 
-    pixel_x_mrad = _figure("pixel_x_mrad", "mrad", "Horizontal pixel angle (IFOV spacing).")
-    pixel_y_mrad = _figure("pixel_y_mrad", "mrad", "Vertical pixel angle (IFOV spacing).")
-    fov_x_deg = _figure("fov_x_deg", "deg", "Horizontal field of view.")
-    fov_y_deg = _figure("fov_y_deg", "deg", "Vertical field of view.")
-    nyquist_x = _figure("nyquist_x", "cyc/mrad", "Horizontal Nyquist frequency of the pixels.")
-    nyquist_y = _figure("nyquist_y", "cyc/mrad", "Vertical Nyquist frequency of the pixels.")
-    f_number_figure = _figure("f_number", "", "F-number.")
-    aperture_figure = _figure("aperture_mm", "mm", "Diameter of the aperture.")
-    samples_x = _figure("samples_per_pixel_x", "samples", "Picture samples per pixel, horizontal.")
-    samples_y = _figure("samples_per_pixel_y", "samples", "Picture samples per pixel, vertical.")
-    cutoff = _figure(
-        "cutoff", "cyc/mrad", "Diffraction cutoff at the middle wavelength of the band."
-    )
-    q = _figure(
-        "q",
-        "",
-        "λF/pitch: wavelength times F-number over pixel pitch; at 2, the "
-        "optical cutoff equals Nyquist.",
-    )
-    gsd_x_m = _figure("gsd_x_m", "m", "Width of the area in the scene that a pixel sees.")
-    gsd_y_m = _figure("gsd_y_m", "m", "Height of the area in the scene that a pixel sees.")
-    elevation, ground_speed, velocity, ground_x, ground_y, line_rate = (
-        _figure(*row) for row in _ORBIT
-    )
+    figures = TableFigures(
+        ("pixel_x_mrad", "mrad", "Horizontal pixel angle (IFOV spacing)."),
+        ("pixel_y_mrad", "mrad", "Vertical pixel angle (IFOV spacing)."),
+        ("fov_x_deg", "deg", "Horizontal field of view."),
+        ("fov_y_deg", "deg", "Vertical field of view."),
+        ("nyquist_x", "cyc/mrad", "Horizontal Nyquist frequency of the pixels."),
+        ("nyquist_y", "cyc/mrad", "Vertical Nyquist frequency of the pixels."),
+        ("f_number", "", "F-number."),
+        ("aperture_mm", "mm", "Diameter of the aperture."),
+        ("samples_per_pixel_x", "samples", "Picture samples per pixel, horizontal."),
+        ("samples_per_pixel_y", "samples", "Picture samples per pixel, vertical."),
+        ("cutoff", "cyc/mrad", "Diffraction cutoff at the middle wavelength of the band."),
+        ("q", "", "λF/pitch: wavelength times F-number over pixel pitch; at 2, the optical cutoff "
+         "equals Nyquist."),
+        ("gsd_x_m", "m", "Width of the area in the scene that a pixel sees."),
+        ("gsd_y_m", "m", "Height of the area in the scene that a pixel sees."),
+        *_ORBIT,
+        table=lambda outputs: outputs.camera.recipe,
+    )  # fmt: skip
 
 
 def intervals_mrad(sheet: CameraSheet, image: Image) -> tuple[float | None, float | None]:

@@ -203,36 +203,39 @@ LightingSource = Annotated[
 @ends_lineage
 def figure_reason(work: Work, table: TableData, *, name: str) -> str:
     """Why that value of a table is none."""
-    return next(row.reason for row in table.rows if row.name == name)
+    return next((row.reason for row in table.rows if row.name == name), "")
 
 
 @with_reason(figure_reason)
 @ends_lineage
 def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
-    return table.as_dict()[name]
+    return table.as_dict().get(name)
 
 
-def of_table(outputs: Any) -> Recipe:
-    recipe: Recipe = outputs.table.recipe
-    return recipe
+class TableFigures:
+    """Read-outs that are figures of the module's table: name, unit and meaning of each.
 
-
-def table_figure(
-    name: str,
-    unit: str,
-    meaning: str,
-    *,
-    row: str = "",
-    unit_of: str = "",
-    table: Callable[[Any], Recipe] = of_table,
-) -> Any:
-    """A read-out that is one figure of the table: of the `row` named so, or as the read-out.
-
-    `unit_of` is the input of whose picture it has the unit; `table` gives the table of the outputs.
+    A fourth entry is the name of the table's row, where it has another. `unit_of` is the input of
+    whose picture they have the unit; `table` gives the table of the outputs.
     """
 
-    def method(self: Module, outputs: Any) -> Step:
-        return Step.of(figure, table(outputs), name=row or name)
+    def __init__(
+        self,
+        *figures: tuple[str, ...],
+        unit_of: str = "",
+        table: Callable[[Any], Recipe] = lambda outputs: outputs.table.recipe,
+    ) -> None:
+        self._figures, self._unit_of, self._table = figures, unit_of, table
 
-    method.__doc__ = meaning
-    return readout(unit, name=name, unit_of=unit_of)(method)
+    def __set_name__(self, owner: type[Module], _: str) -> None:
+        for name, unit, meaning, *row in self._figures:
+            method = self._method(*row or (name,))
+            method.__doc__ = meaning
+            marked = readout(unit, name=name, unit_of=self._unit_of)(method)
+            setattr(owner, f"{name}_figure", marked)
+
+    def _method(self, row: str) -> Callable[..., Step]:
+        def method(_: Module, outputs: Any) -> Step:
+            return Step.of(figure, self._table(outputs), name=row)
+
+        return method
