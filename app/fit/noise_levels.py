@@ -110,7 +110,7 @@ class NoiseLevels:
         small = self._engine.plan(plan.network, folder=plan.folder, held={node: held})
         noise: ImageNoise = self._work.value(NoiseOf(final_image(small), uniform=True))
         noise.require_known()
-        total = noise.total.variances
+        total = noise.total
         return noise.mean, max(total.tvh, 0.0) + max(total.vh, 0.0)
 
 

@@ -24,6 +24,7 @@ from core.chain.step_lineage import lineage_of, source_step
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Step
+from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.physics.measurement.edges.row_average import row_average
 from core.physics.measurement.edges.slanted_edge import falls_to
@@ -31,7 +32,7 @@ from core.physics.numerics import sinc
 from core.physics.sampling.interpolation import folded
 from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer, transfer_of
-from nodes.analysis.mtf_measuring import Measured, Rectangle, measured_rows, measured_slanted
+from nodes.analysis.mtf_measuring import Measured, measured_rows, measured_slanted
 from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.scene_targets import draw_target
 
@@ -204,11 +205,11 @@ def _slanted(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured,
     turned = math.radians(measured.angle_deg)
     # How much of the picture the edge runs through.
     if direction == "horizontal":
-        seen_x = abs(math.tan(turned)) * where.height / image.columns
-        seen_y = where.height / image.rows
+        seen_x = abs(math.tan(turned)) * where.rows / image.columns
+        seen_y = where.rows / image.rows
     else:
-        seen_x = where.width / image.columns
-        seen_y = abs(math.tan(math.pi / 2 - turned)) * where.width / image.rows
+        seen_x = where.columns / image.columns
+        seen_y = abs(math.tan(math.pi / 2 - turned)) * where.columns / image.rows
     f = measured.frequency
     waves = f * math.cos(turned), f * math.sin(turned)
     return measured, expected_mtf(transfer_of(image), work, waves, (seen_x, seen_y))
@@ -221,7 +222,7 @@ def _rows(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Ve
     where = _middle(image, direction)
     samples = chain.scene.columns if across else chain.scene.rows
     row = edge_row(work, image.recipe, chain.edge(angle_deg), "x" if across else "y", samples)
-    first, count = (where.left, where.width) if across else (where.top, where.height)
+    first, count = (where.left, where.columns) if across else (where.top, where.rows)
     one = row_average(picture=np.tile(row[first : first + count], (2, 1)))
     # Given, not measured: where a tenth of the step is left, rounding can move them by a sample.
     how = _settings(image, where, direction) | {"clip_left": one.left, "clip_right": one.right}
@@ -229,12 +230,12 @@ def _rows(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Ve
     return measured, one.mtf
 
 
-def _settings(image: Image, where: Rectangle, direction: Direction) -> dict[str, Any]:
+def _settings(image: Image, where: Region, direction: Direction) -> dict[str, Any]:
     intervals = image.interval_x_mrad, image.interval_y_mrad
     return {"where": where, "intervals": intervals, "direction": direction, "target": "edge"}
 
 
-def _middle(image: Image, direction: Direction) -> Rectangle:
+def _middle(image: Image, direction: Direction) -> Region:
     """Half of the picture across the edge, three quarters along it: the more places it crosses.
 
     Not all: beyond the frame the edge is mirrored.
@@ -244,7 +245,7 @@ def _middle(image: Image, direction: Direction) -> Rectangle:
         max(int(size / share), min(size, _SMALL))
         for size, share in zip((image.columns, image.rows), shares, strict=True)
     )
-    return Rectangle((image.columns - width) // 2, (image.rows - height) // 2, width, height)
+    return Region((image.rows - height) // 2, (image.columns - width) // 2, height, width)
 
 
 # The MTF that a slanted edge in the final picture should show: every step from the scene to it.

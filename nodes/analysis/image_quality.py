@@ -39,16 +39,12 @@ from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import apart_caution, apart_from_context
+from nodes.shared.steps import number
 
 
 class QualityOutputs(NamedTuple):
     edge: Curve
     table: Table
-
-
-@ends_lineage
-def typed_snr(work: Work, *, snr: float) -> float:
-    return snr
 
 
 class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
@@ -172,7 +168,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         passed, grid, node = transfer_of(image), image.grid(), here.node
         edge = here.step(edge_quality, stages=passed.part("mtf"), grid=grid)
         if self.snr is not None:
-            snr: Recipe = here.step(typed_snr, snr=self.snr)
+            snr: Recipe = here.step(number, value=self.snr)
         else:
             snr = here.step(
                 signal_over_noise,
@@ -183,10 +179,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
                 snr_of=self.snr_of,
                 reflectance=passed.reflectance,
             )
-        table = here.step(quality_table, edge, snr, view=self._view(context, grid))
+        table = here.step(quality_table, edge, snr, **self._view(context, grid))
         return QualityOutputs(Curve(here.step(edge_curve, edge)), Table(table))
 
-    def _view(self, context: Context, grid: Grid) -> View:
+    def _view(self, context: Context, grid: Grid) -> dict[str, Any]:
         elevation = self.elevation_deg
         if elevation is None and not self.off_nadir_deg:
             elevation = context.elevation_deg
@@ -195,14 +191,21 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         if self.gsd_m is not None:
             across = along = self.gsd_m
         else:
-            km = given("range_m", self.range_m, context, unit="m") / 1000.0
+            km = given("range_m", self.range_m, context) / 1000.0
             across, along = grid.interval_x_mrad * km, grid.interval_y_mrad * km
-        rer = (self.rer_x, self.rer_y)
         what = (
             "contrast of 15 % and 7 % reflectance" if self.snr_of == "contrast" else "mean signal"
         )
         words = "as entered" if self.snr is not None else f"{what} divided by temporal noise"
-        return View(across, along, elevation, rer, self.noise_gain, self.overshoot, words)
+        return {
+            "across_m": across,
+            "along_m": along,
+            "elevation_deg": elevation,
+            "typed_rer": (self.rer_x, self.rer_y),
+            "overshoot": self.overshoot,
+            "noise_gain": self.noise_gain,
+            "snr_words": words,
+        }
 
     @warning
     def contrast(self, image: Image) -> Caution | None:
@@ -342,43 +345,41 @@ def signal_over_noise(
             )
         if snr_of == "contrast":
             signal *= (BRIGHT - DARK) / BRIGHT
-    noise = math.sqrt(max(seen.total.variances.temporal, 0.0)) / gain
+    noise = math.sqrt(max(seen.total.temporal, 0.0)) / gain
     return signal / noise if noise > 0.0 else math.inf
 
 
-@dataclass(frozen=True)
-class View:
-    """How the ground is seen, and what is typed of the chain's figures.
-
-    `across_m` and `along_m` are ground sample distances normal to the line of sight; an RER or
-    overshoot of None is the chain's own. `snr_words` say what the SNR is.
-    """
-
-    across_m: float
-    along_m: float
-    elevation_deg: float
-    rer: tuple[float | None, float | None]
-    noise_gain: float
-    overshoot: float | None
-    snr_words: str
-
-
 @ends_lineage
-def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: View) -> TableData:
-    """The equations and what they are made of; those of the noise are empty without a signal."""
-    gsd_m = math.sqrt(view.across_m * view.along_m)
-    at = {"gsd": gsd_m, "elevation_deg": view.elevation_deg}
+def quality_table(
+    work: Work,
+    edge: EdgeQuality,
+    snr: float | Unseen,
+    *,
+    across_m: float,
+    along_m: float,
+    elevation_deg: float,
+    typed_rer: tuple[float | None, float | None],
+    overshoot: float | None,
+    noise_gain: float,
+    snr_words: str,
+) -> TableData:
+    """The equations and what they are made of; those of the noise are empty without a signal.
+
+    The ground sample distances are normal to the line of sight; an RER or overshoot of None is the
+    chain's own.
+    """
+    gsd_m = math.sqrt(across_m * along_m)
+    at = {"gsd": gsd_m, "elevation_deg": elevation_deg}
     ground, weighted = float(ground_gsd(**at)), float(weighted_gsd(**at))
-    rer_x, rer_y = (typed or own for typed, own in zip(view.rer, edge.rer, strict=True))
+    rer_x, rer_y = (typed or own for typed, own in zip(typed_rer, edge.rer, strict=True))
     rer = _mean("relative edge response", (rer_x, rer_y))
     worse_twice = float(weighted_rer(rer_x=rer_x, rer_y=rer_y))
-    overshoot = view.overshoot
     if overshoot is None:
         overshoot = _mean("largest height of the edge response near the edge", edge.overshoot)
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
     if not isinstance(snr, Unseen):
-        known = {"rer": rer, "snr": snr, "overshoot": overshoot, "noise_gain": view.noise_gain}
+        known = {"rer": rer, "snr": snr, "overshoot": overshoot, "noise_gain": noise_gain}
         fifth = float(giqe_5(gsd_inch=weighted / INCH_M, rer=worse_twice, snr=snr))
         fourth = float(giqe_4(gsd_inch=ground / INCH_M, **known))
         third = float(giqe_3(gsd_inch=gsd_m / INCH_M, **known))
@@ -391,7 +392,7 @@ def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: V
         ("gsd_ground_m", ground, "m", "ground sample distance on the ground (GIQE 4)"),
         ("gsd_weighted_m", weighted, "m", "geometric mean of these two (GIQE 5)"),
         ("gsd_inch", gsd_m / INCH_M, "in", "ground sample distance normal to the line of sight"),
-        ("elevation_deg", view.elevation_deg, "deg",
+        ("elevation_deg", elevation_deg, "deg",
          "elevation of the line of sight, seen from the target"),
         ("rer", rer, "", "relative edge response, geometric mean (GIQE 3 and 4)"),
         ("rer_weighted", worse_twice, "",
@@ -399,8 +400,8 @@ def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: V
         ("rer_x", rer_x, "", "horizontal relative edge response"),
         ("rer_y", rer_y, "", "vertical relative edge response"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
-        ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
-        ("snr", shown_snr, "", view.snr_words, why),
+        ("noise_gain", noise_gain, "", "noise gain G of the sharpening"),
+        ("snr", shown_snr, "", snr_words, why),
     )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
 

@@ -341,7 +341,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         if self.spacing == "frame":  # as far apart in units of the altitude
             spacing, altitude = 1e-3 * of_frame, 1.0
         else:
-            altitude = self.altitude_m or given("range_m", None, context, unit="m")
+            altitude = self.altitude_m or given("range_m", None, context)
             spacing = self._line_spacing_m(context)
         intervals = line_intervals_mrad(
             line_spacing_m=spacing, altitude_m=altitude, view_angle_rad=angles

@@ -11,6 +11,7 @@ from core.chain.results import CurveData, CurveMark, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
@@ -20,7 +21,6 @@ from nodes.analysis.mtf_measuring import (
     Direction,
     Expected,
     Measured,
-    Rectangle,
     chain_behind,
     expected,
     measured_rows,
@@ -307,7 +307,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             Table(here.step(table_of, *both, unit=image.unit, **shown)),
         )
 
-    def _where(self, image: Image) -> Rectangle:
+    def _where(self, image: Image) -> Region:
         """The region, which must lie in the picture."""
         ends = []
         for first, size, start, length, whole in (
@@ -323,7 +323,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
                     f"at most {whole - start} from {first} = {start}, within the picture",
                 )
             ends.append(whole - start if length is None else length)
-        return Rectangle(self.region_x, self.region_y, ends[0], ends[1])
+        return Region(self.region_y, self.region_x, ends[1], ends[0])
 
     mtf50 = _figure("mtf50", "cyc/mrad", "Frequency at which the MTF falls to one half.")
     mtf50_error = _figure(

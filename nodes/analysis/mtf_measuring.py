@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage, holds_region
+from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.physics.measurement.edges.row_average import row_average
 from core.physics.measurement.edges.slanted_edge import (
@@ -30,16 +31,6 @@ from nodes.analysis.lineage.line_transfer import Stage
 Vector = NDArray[np.float64]
 Direction = Literal["automatic", "horizontal", "vertical"]
 _BLOCK = 4
-
-
-@dataclass(frozen=True)
-class Rectangle:
-    """Part of a picture, samples."""
-
-    left: int
-    top: int
-    width: int
-    height: int
 
 
 @dataclass(frozen=True)
@@ -70,8 +61,8 @@ class Measured:
     line_spread: Vector
 
 
-def _size(*, where: Rectangle, **_: Any) -> tuple[int, int]:
-    return where.height, where.width
+def _size(*, where: Region, **_: Any) -> tuple[int, int]:
+    return where.shape
 
 
 @holds_region(_size)
@@ -80,7 +71,7 @@ def measured_slanted(
     work: Work,
     image: Array,
     *,
-    where: Rectangle,
+    where: Region,
     intervals: tuple[float, float] | None,
     direction: Direction,
     target: Target,
@@ -131,7 +122,7 @@ def measured_rows(
     work: Work,
     image: Array,
     *,
-    where: Rectangle,
+    where: Region,
     intervals: tuple[float, float] | None,
     direction: Direction,
     target: Target,
@@ -169,11 +160,9 @@ def measured_rows(
     )
 
 
-def _region(image: Array, where: Rectangle) -> tuple[NDArray[np.float64], float]:
+def _region(image: Array, where: Region) -> tuple[NDArray[np.float64], float]:
     """The region in double precision from 0 to 1, and the range it had."""
-    rows = slice(where.top, where.top + where.height)
-    columns = slice(where.left, where.left + where.width)
-    region = np.asarray(image[rows, columns], np.float64)
+    region = np.asarray(image[where.slices], np.float64)
     if not np.isfinite(region).all():
         raise DataError("the region contains samples that are not finite; move the region")
     lowest, highest = float(region.min()), float(region.max())

@@ -258,7 +258,7 @@ def _expected(predicted: ImageNoise | None) -> NoiseVariances | None:
     if predicted is None:
         return None
     predicted.require_known()
-    return predicted.total.variances
+    return predicted.total
 
 
 @ends_lineage

@@ -96,7 +96,9 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             factors=factors,
             grid=magnitude.grid,
             edges=magnitude.edges,
-            cut=Cut(self.truncation, self.half_width_px, self.error),
+            truncation=self.truncation,
+            half_width_px=self.half_width_px,
+            error=self.error,
         )
         picture = here.step(
             blurred,
@@ -261,15 +263,6 @@ Truncation = Literal["half_width", "error", "none"]
 
 
 @dataclass(frozen=True)
-class Cut:
-    """Where kernels end; `error` is what all together may cost, as in `Kernels.error_bound`."""
-
-    truncation: Truncation
-    half_width_px: int
-    error: float
-
-
-@dataclass(frozen=True)
 class Kernel:
     """One pass of the convolution: weights, of one row or column for a pass along one axis.
 
@@ -310,7 +303,14 @@ class Kernels:
 
 @ends_lineage
 def impulse_responses(
-    work: Work, *, factors: tuple[Factor, ...], grid: Grid, edges: Edges, cut: Cut
+    work: Work,
+    *,
+    factors: tuple[Factor, ...],
+    grid: Grid,
+    edges: Edges,
+    truncation: Truncation,
+    half_width_px: int,
+    error: float,
 ) -> Kernels:
     """Kernels with which a convolution is the multiplication by these factors.
 
@@ -346,7 +346,8 @@ def impulse_responses(
     passes = []
     for place, taps in enumerate(whole):
         others = math.prod(sums[:place] + sums[place + 1 :])
-        passes.append(_shortened(taps, sums[place], cut, cut.error / (len(whole) * others)))
+        allowed = error / (len(whole) * others)
+        passes.append(_shortened(taps, sums[place], truncation, half_width_px, allowed))
     return Kernels(tuple(passes), product.at_zero(work))
 
 
@@ -355,7 +356,9 @@ def _period(size: int, edges: Edges) -> int:
     return 2 * size if edges == "reflect" else size
 
 
-def _shortened(taps: Array, whole: float, cut: Cut, allowed: float) -> Kernel:
+def _shortened(
+    taps: Array, whole: float, truncation: Truncation, half_width_px: int, allowed: float
+) -> Kernel:
     """The taps around lag 0 with that in the middle; `taps` have it first and wrap round."""
     lags = [np.arange(size) - size // 2 for size in taps.shape]
     taps = np.asarray(scipy.fft.fftshift(taps), np.float64)
@@ -364,9 +367,9 @@ def _shortened(taps: Array, whole: float, cut: Cut, allowed: float) -> Kernel:
     # What lies beyond each half width, summed from the outside for small sums to stay precise.
     beyond = np.append(np.cumsum(rings[::-1])[::-1][1:], 0.0)
     reach = len(rings) - 1
-    if cut.truncation == "half_width":
-        reach = min(reach, cut.half_width_px)
-    elif cut.truncation == "error":
+    if truncation == "half_width":
+        reach = min(reach, half_width_px)
+    elif truncation == "error":
         reach = int(np.argmax(beyond <= allowed))
     inside_reach = [np.flatnonzero(np.abs(lag) <= reach) for lag in lags]
     inside = taps[

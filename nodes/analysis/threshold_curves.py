@@ -127,7 +127,7 @@ def sensitivity(
     scene = levels[0].mean / gain_before if levels else seen.mean / gain
     # What is in proportion to the scene, as a radiance at the slope of the response.
     mean = levels[0].signal / levels[0].gain / gain_before if levels else scene
-    noise = NoiseVariances(*(seen.total.variances.variance(n) / gain**2 for n in COMPONENTS))
+    noise = NoiseVariances(*(seen.total.variance(n) / gain**2 for n in COMPONENTS))
     if background_K is None:
         if not scene > 0.0:
             raise DataError(

@@ -314,7 +314,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             )
         if self.cn2 is None:
             raise ParameterError("fried_r0_m", None, "give fried_r0_m or cn2", unit="m")
-        path, wavelength = of_context("range_m", context, unit="m"), self._wavelength(context)
+        path, wavelength = of_context("range_m", context), self._wavelength(context)
         if self.view == "horizontal":
             return fried_r0_uniform_m(cn2=self.cn2, path_m=path, wavelength_um=wavelength)
         up = self.view == "up"
@@ -340,7 +340,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         return path_optical_depth(
             absorption_per_km=0.0,
             scattering_per_km=self.scattering_per_km,
-            path_m=of_context("range_m", context, unit="m"),
+            path_m=of_context("range_m", context),
             view=self.view,
             scale_height_km=self.scale_height_km,
         ).scattering

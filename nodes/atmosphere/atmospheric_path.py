@@ -31,18 +31,21 @@ from core.physics.atmosphere.air_path import (
 )
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
-from core.physics.radiometry.radiance_units import radiance_unit
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.atmosphere.modtran_tables import table_path
 from nodes.files.path_table import Points, read_path_table
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import TableFigures, WeightingSource
-from nodes.shared.shared_warnings import apart_caution, first, is_temperature
+from nodes.shared.shared_warnings import apart_caution, first, watts_factor
 from nodes.shared.steps import mean_of
 
 _PREVIEW_POINTS = 401
 _ROOM = 1.2  # above a transmission of 1, whose tick the title would hide
 _TITLE = "wavelength (µm)"
+_NEEDED = (
+    "Atmospheric Path needs W/m²/sr; set the unit on Read Image, or convert temperatures with To "
+    "Radiance"
+)
 _TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables contain"}
 
 
@@ -170,7 +173,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             raise ParameterError("path", None, "a MODTRAN tape7 or JSON, or a CSV of three columns")
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
-        factor = _factor(image.unit)
+        factor = watts_factor(image.unit, temperature="a temperature", needed=_NEEDED)
         air = self.air(image, here, context)
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
@@ -361,19 +364,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 def _orbit_altitude_m(image: Image) -> float | None:
     orbit = None if image.camera is None else image.camera.orbit
     return None if orbit is None else 1000.0 * orbit.altitude_km
-
-
-def _factor(unit: str) -> float:
-    """What makes W/m²/sr of a picture's samples."""
-    known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
-    if known is None or known.photons or known.spectral:
-        named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
-        what = "a temperature" if is_temperature(unit) else "not the radiance of a band in watts"
-        raise DataError(
-            f"the picture, {named}, is {what}: Atmospheric Path needs W/m²/sr; set the unit on "
-            "Read Image, or convert temperatures with To Radiance"
-        )
-    return known.factor
 
 
 # The steps of Atmospheric Path: what the path does to the band, the picture behind it, figures.

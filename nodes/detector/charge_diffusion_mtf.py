@@ -91,7 +91,7 @@ class ChargeDiffusionMTF(
         """What the transfer function is made of."""
         absorptions, weights = self._absorptions(context)
         law: dict[str, Any] = {
-            "focal_length_mm": of_context("focal_length_mm", context, unit="mm"),
+            "focal_length_mm": of_context("focal_length_mm", context),
             "absorptions_per_um": absorptions,
             "weights": weights,
             "depletion_um": self.depletion_um,

@@ -9,8 +9,7 @@ from core.chain.wires import Context
 from core.modules.declaration import Module
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.sampling.detector_sampling import ifov_mrad
-from nodes.shared.context_defaults import of_context
+from nodes.shared.context_defaults import pixel_mrad
 
 
 class ChargeTransfer(Module):
@@ -48,13 +47,5 @@ class ChargeTransfer(Module):
 
     def phase_per_frequency(self, context: Context) -> float:
         """2π times the packets' distance in mrad: w per cycle/mrad."""
-        if self.nyquist == "image":
-            return 2 * math.pi * context.grid.interval_x_mrad
-        return (
-            2
-            * math.pi
-            * ifov_mrad(
-                pitch_um=of_context("detector_x_um", context, unit="µm"),
-                focal_length_mm=of_context("focal_length_mm", context, unit="mm"),
-            )
-        )
+        image = self.nyquist == "image"
+        return 2 * math.pi * (context.grid.interval_x_mrad if image else pixel_mrad("x", context))

@@ -53,9 +53,9 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
         kernel = crosstalk_kernel(self.kernel)
         if self.lost() == 0.0:
             return otf_outputs(self.apply, magnitude, phase, blur=(), label=self.title)
-        focal = of_context("focal_length_mm", context, unit="mm")
+        focal = of_context("focal_length_mm", context)
         pitch_x, pitch_y = (
-            ifov_mrad(pitch_um=of_context(name, context, unit="µm"), focal_length_mm=focal)
+            ifov_mrad(pitch_um=of_context(name, context), focal_length_mm=focal)
             for name in ("detector_x_um", "detector_y_um")
         )
         law = Law.of(crosstalk_otf, kernel=kernel, pitch_x_mrad=pitch_x, pitch_y_mrad=pitch_y)

@@ -88,7 +88,7 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     def _ifov(self, axis: str, context: Context) -> float:
         pitch, fill = f"detector_{axis}_um", f"fill_{axis}"
         return ifov_mrad(
-            pitch_um=given(pitch, getattr(self, pitch), context, unit="µm"),
-            focal_length_mm=given("focal_length_mm", self.focal_length_mm, context, unit="mm"),
-            fill=given(fill, getattr(self, fill), context, unit=""),
+            pitch_um=given(pitch, getattr(self, pitch), context),
+            focal_length_mm=given("focal_length_mm", self.focal_length_mm, context),
+            fill=given(fill, getattr(self, fill), context),
         )

@@ -18,7 +18,6 @@ from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.optics.diffraction_otf import Aperture
-from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (
@@ -39,7 +38,7 @@ from nodes.detector.spectral_response import (
     radiance_per_photon,
     response_preview,
 )
-from nodes.shared.context_defaults import of_context, t_number_caution
+from nodes.shared.context_defaults import pixel_mrad, t_number_caution
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import (
@@ -388,11 +387,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         speed, range_m = context.velocity_m_per_s, context.range_m
         if context.platform != "push" or not speed or not range_m:
             return None
-        pixel_mrad = ifov_mrad(
-            pitch_um=of_context("detector_y_um", context, unit="µm"),
-            focal_length_mm=of_context("focal_length_mm", context, unit="mm"),
-        )
-        ground_m = pixel_mrad * range_m / 1000.0
+        ground_m = pixel_mrad("y", context) * range_m / 1000.0
         line_s = ground_m / abs(speed)
         own, stages = self.integration_time_s, self.tdi_stages
         if own <= line_s * (1 + NEAR) and (stages == 1 or own >= line_s * (1 - NEAR)):

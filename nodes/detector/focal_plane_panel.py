@@ -28,7 +28,7 @@ from core.physics.noise.noise_equivalent import detector_area_cm2
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.spectrum_tables import read_wavelengths
-from nodes.shared.context_defaults import given_band, lens, of_context
+from nodes.shared.context_defaults import given_band, lens, of_context, pixel_of
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _ALL = 0.0, 1e6  # µm
@@ -406,10 +406,7 @@ class FocalPlanePanel(SeededModule):
         points = self._points(here)
         efficiency = QuantumEfficiency(low, high, self._efficiency(), points)
         exposure = exposure_m2_s(
-            pitch_x_um=of_context("detector_x_um", context, unit="µm"),
-            pitch_y_um=of_context("detector_y_um", context, unit="µm"),
-            fill_x=context.fill_x,
-            fill_y=context.fill_y,
+            **pixel_of(context),
             integration_time_s=self.integration_time_s,
             tdi_stages=self.tdi_stages,
         )
@@ -458,8 +455,8 @@ class FocalPlanePanel(SeededModule):
         return read_wavelengths(path, what="quantum efficiency", low=0.0, high=1.0)
 
     def _dark_current(self, context: Context) -> float:
-        pitch_x = of_context("detector_x_um", context, unit="µm")
-        area_um2 = pitch_x * of_context("detector_y_um", context, unit="µm")
+        pitch_x = of_context("detector_x_um", context)
+        area_um2 = pitch_x * of_context("detector_y_um", context)
         kelvin = self.detector_K
         if self.rule_07 and kelvin is not None and self.material_cutoff_um is not None:
             return rule_07_e_per_s(
@@ -479,9 +476,4 @@ class FocalPlanePanel(SeededModule):
         )
 
     def area_cm2(self, context: Context) -> float:
-        return detector_area_cm2(
-            pitch_x_um=of_context("detector_x_um", context, unit="µm"),
-            pitch_y_um=of_context("detector_y_um", context, unit="µm"),
-            fill_x=context.fill_x,
-            fill_y=context.fill_y,
-        )
+        return detector_area_cm2(**pixel_of(context))

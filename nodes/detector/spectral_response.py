@@ -180,14 +180,14 @@ class SpectralResponse(
         )
 
     @readout()
-    def mean_of_band(self, image: Image, outputs: ImageOutput) -> Step | float:
+    def mean_of_band(self, image: Image, outputs: ImageOutput) -> Recipe | float:
         """Mean response over the picture's band, weighted by the light."""
         made = outputs.image.recipe
         if made is image.recipe:
             return 1.0
         if image.bands is None:
             assert isinstance(made, Step)
-            return Step.of(_number, made.inputs[1])
+            return made.inputs[1]
         assert isinstance(outputs.image.bands, AttenuatedBands)
         return Step.of(
             _share, image.bands.means(), weights=image.bands.whole, gain=outputs.image.bands.gain
@@ -234,11 +234,6 @@ def weighted(work: Work, image: Array, counted: float) -> Array:
 def _level(work: Work, samples: Array, counted: float) -> LevelChange:
     mean = float(np.mean(samples, dtype=np.float64))
     return LevelChange(counted, mean, counted * mean)
-
-
-@ends_lineage
-def _number(work: Work, number: float) -> float:
-    return number
 
 
 @ends_lineage

@@ -100,8 +100,8 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         name = f"detector_{self.direction}_um"
         own = {"detector_y_um": self.detector_um, "detector_x_um": self.detector_um}
         pitch_mrad = ifov_mrad(
-            pitch_um=given(name, own[name], context, unit="µm"),
-            focal_length_mm=given("focal_length_mm", self.focal_length_mm, context, unit="mm"),
+            pitch_um=given(name, own[name], context),
+            focal_length_mm=given("focal_length_mm", self.focal_length_mm, context),
         )
         return {
             "pitch_mrad": pitch_mrad,
@@ -115,7 +115,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         mismatch = self.velocity_mismatch_percent / 100.0
         if self.line_rate_Hz:
             speed = positive("velocity_m_per_s", abs(context.velocity_m_per_s), unit="m/s")
-            range_m = of_context("range_m", context, unit="m")
+            range_m = of_context("range_m", context)
             mismatch = 1000.0 * speed / range_m / self.line_rate_Hz / pitch_mrad - 1.0
         return image_motion(velocity_mismatch=mismatch, yaw_deg=self.yaw_deg)
 

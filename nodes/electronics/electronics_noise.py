@@ -54,7 +54,7 @@ from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared.context_defaults import (
     given_band,
     lens,
-    of_context,
+    pixel_of,
     t_number_caution,
     with_interval,
 )
@@ -506,12 +506,7 @@ class ElectronicsNoise(
             d_star=self.d_star,
             lens=lens(context, optics_transmission=self.optics_transmission),
             filter_transmission=self.filter_transmission,
-            area_cm2=detector_area_cm2(
-                pitch_x_um=of_context("detector_x_um", context, unit="µm"),
-                pitch_y_um=of_context("detector_y_um", context, unit="µm"),
-                fill_x=context.fill_x,
-                fill_y=context.fill_y,
-            ),
+            area_cm2=detector_area_cm2(**pixel_of(context)),
             bandwidth_Hz=self._bandwidth(context),
             background_K=self.background_K,
         )

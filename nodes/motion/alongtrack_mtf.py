@@ -65,5 +65,5 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         return blur_mrad(
             velocity_m_per_s=velocity,
             time_s=self.integration_time_s,
-            range_m=given("range_m", self.range_m, context, unit="m"),
+            range_m=given("range_m", self.range_m, context),
         )

@@ -100,5 +100,5 @@ class RelativeMotionMTF(
         return blur_mrad(
             velocity_m_per_s=velocity,
             time_s=self.integration_time_s,
-            range_m=given("range_m", self.range_m, context, unit="m"),
+            range_m=given("range_m", self.range_m, context),
         )

@@ -105,11 +105,6 @@ def mean_brightness(
     return float(brightness_temperature(radiance=mean, **band))
 
 
-@ends_lineage
-def number(work: Work, *, value: float) -> float:
-    return value
-
-
 def photon_weights(bands: BandStack, weighting: str, detector: Responses = ()) -> Row:
     """Weights of a picture's bands: by their photons, or their energy, and what is detected."""
     weights = bands.whole

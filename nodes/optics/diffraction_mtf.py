@@ -28,7 +28,6 @@ from nodes.optics.band_spectrum import (
     DetectorResponse,
     Responses,
     kelvin_caution,
-    number,
     one_wavelength_caution,
     photon_weights,
     source_temperature,
@@ -38,6 +37,7 @@ from nodes.shared.context_defaults import given_band
 from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, Band, apart_caution, first, middle_caution
+from nodes.shared.steps import number
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
 

@@ -21,7 +21,6 @@ from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     Responses,
-    number,
     one_wavelength_caution,
     photon_weights,
     source_temperature,
@@ -41,6 +40,7 @@ from nodes.shared.context_defaults import given_band
 from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, middle_caution
+from nodes.shared.steps import number
 
 Weighting = Literal["uniform", "photons", "energy"]
 EXACT_ERROR = 1e-12  # of the closed forms, as tested

@@ -153,11 +153,11 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             )
         if unit == "cyc/mrad":
             return 1.0, 1.0
-        focal_length = given("focal_length_mm", self.focal_length_mm, context, unit="mm")
+        focal_length = given("focal_length_mm", self.focal_length_mm, context)
         if unit == "cyc/mm":
             return 1000.0 / focal_length, 1000.0 / focal_length
         x, y = (
-            given(name, getattr(self, name), context, unit="µm") / focal_length
+            given(name, getattr(self, name), context) / focal_length
             for name in ("detector_x_um", "detector_y_um")
         )
         return x, y

@@ -157,7 +157,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         along = across if self.sample_pitch_y is None else self.sample_pitch_y
         if unit == "mrad":
             return across, along
-        focal_length = given("focal_length_mm", self.focal_length_mm, context, unit="mm")
+        focal_length = given("focal_length_mm", self.focal_length_mm, context)
         return across / focal_length, along / focal_length
 
     @warning

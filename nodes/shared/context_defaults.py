@@ -8,26 +8,38 @@ from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.modules.panel_sections import Caution
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
+from core.physics.sampling.detector_sampling import ifov_mrad
 
 Band = tuple[float, float]
+_UNITS = {"um": "µm", "mm": "mm", "m": "m"}
 
 
-def given(name: str, own: float | None, context: Context, *, unit: str) -> float:
+def given(name: str, own: float | None, context: Context) -> float:
     """The module's own value, else the context's of the same name."""
     if own is not None:
         return own
-    value = getattr(context, name)
-    if value is None:
-        raise ParameterError(name, None, "give it here or on Init & Trans", unit=unit)
-    return float(value)
+    return of_context(name, context, where="here or on Init & Trans")
 
 
-def of_context(name: str, context: Context, *, unit: str) -> float:
+def of_context(name: str, context: Context, *, where: str = "on Init & Trans") -> float:
     """The value of Init & Trans, for a module without a parameter of its own for it."""
     value = getattr(context, name)
     if value is None:
-        raise ParameterError(name, None, "give it on Init & Trans", unit=unit)
+        unit = _UNITS.get(name.rpartition("_")[2], "")
+        raise ParameterError(name, None, f"give it {where}", unit=unit)
     return float(value)
+
+
+def pixel_mrad(axis: str, context: Context) -> float:
+    """Angle from pixel to pixel."""
+    pitch = of_context(f"detector_{axis}_um", context)
+    return ifov_mrad(pitch_um=pitch, focal_length_mm=of_context("focal_length_mm", context))
+
+
+def pixel_of(context: Context) -> dict[str, float]:
+    """Pitches and fill factors of a pixel."""
+    pitches = {f"pitch_{axis}_um": of_context(f"detector_{axis}_um", context) for axis in "xy"}
+    return {**pitches, "fill_x": context.fill_x, "fill_y": context.fill_y}
 
 
 def pitch_in_samples(axis: str, image: Image) -> float | None:

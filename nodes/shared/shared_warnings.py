@@ -30,6 +30,16 @@ def is_temperature(unit: str) -> bool:
     return unit.strip() in _TEMPERATURES
 
 
+def watts_factor(unit: str, *, temperature: str, needed: str) -> float:
+    """What makes W/m²/sr of a picture's samples; refused if they are not a band's radiance."""
+    known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
+    if known is None or known.photons or known.spectral:
+        named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
+        what = temperature if is_temperature(unit) else "not the radiance of a band in watts"
+        raise DataError(f"the picture, {named}, is {what}: {needed}")
+    return known.factor
+
+
 def unit_caution(unit: str, *, meant: str) -> Caution | None:
     """A picture that is no radiance, where a module takes it for one, or makes `meant` of it."""
     if is_radiance(unit):

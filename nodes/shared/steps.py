@@ -44,6 +44,11 @@ def even(work: Work, *, shape: tuple[int, int], value: float) -> Array:
     return picture
 
 
+@ends_lineage
+def number(work: Work, *, value: float) -> float:
+    return value
+
+
 @in_blocks()
 @ends_lineage
 def mean_of(work: Work, samples: Array) -> float:

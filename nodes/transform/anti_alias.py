@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from core.chain.wires import Image, Magnitude, Phase
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Formula, Param
 from core.physics.optics.gaussian import gaussian_mtf
+from core.physics.sampling.interpolation import block_mean_mtf
 from core.transfer.factors import Grid
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput
@@ -61,16 +63,18 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
         if self.factor == 1:
             return ImageOutput(image)
         grid = Grid(image.rows, image.columns, 1.0, 1.0)  # frequencies in cycles/sample
-        if self.kernel == "gaussian":
-            bound = {"sigma_mrad": self.factor * _SIGMA_SAMPLES}  # per sample, as the frequencies
-            factors = separable(gaussian_mtf, x=bound, y=bound, label=self.title, node=here.node)
-        else:
-            law = box_mtf if self.kernel == "box" else lanczos_mtf
-            width = {"factor": self.factor}
-            factors = separable(law, x=width, y=width, label=self.title, node=here.node)
+        law, bound = self._law()
+        factors = separable(law, x=bound, y=bound, label=self.title, node=here.node)
         magnitude = Magnitude(image, grid).times(*factors)
         filtered = back_transform(magnitude, Phase(image, grid), node=here.node)
         return ImageOutput(image.with_recipe(filtered.recipe))
+
+    def _law(self) -> tuple[Callable[..., Any], dict[str, Any]]:
+        if self.kernel == "box":
+            return block_mean_mtf, {"interval_mrad": 1.0, "samples": self.factor}
+        if self.kernel == "lanczos":
+            return lanczos_mtf, {"factor": self.factor}
+        return gaussian_mtf, {"sigma_mrad": self.factor * _SIGMA_SAMPLES}  # samples
 
     @readout("cyc/mrad")
     def new_nyquist_x(self, image: Image) -> float | None:
@@ -83,32 +87,8 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
         return None if image.interval_y_mrad is None else 0.5 / image.interval_y_mrad / self.factor
 
 
-def box_mtf(*, frequency: NDArray[np.float64], factor: int) -> NDArray[np.float64]:
-    """Transfer function of the mean of `factor` adjacent samples, centred.
-
-    Parameters
-    ----------
-    frequency : ndarray
-        Cycles/sample, |frequency| ≤ 1/2.
-    factor : int
-        Number of samples, 1 or more.
-
-    Returns
-    -------
-    ndarray of float64
-        sin(πnf)/(n·sin(πf)), 1 at f = 0.
-
-    Notes
-    -----
-    Source: Bracewell 1986, the transform of a row of n impulses.
-    """
-    one = np.sin(np.pi * frequency)
-    zero = one == 0.0
-    return np.where(zero, 1.0, np.sin(np.pi * factor * frequency) / np.where(zero, 1, factor * one))
-
-
 def lanczos_mtf(*, frequency: NDArray[np.float64], factor: int) -> NDArray[np.float64]:
-    """Transfer function of sinc(k/n)·sinc(k/(3n)), |k| < 3n, of sum 1; arguments as `box_mtf`.
+    """Transfer function of sinc(k/n)·sinc(k/(3n)), |k| < 3n, of sum 1; f in cycles/sample.
 
     Notes
     -----

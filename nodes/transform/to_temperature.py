@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from core.chain.wires import Image
-from core.errors import DataError
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula
-from core.physics.radiometry.radiance_units import radiance_unit
 from nodes.shared.module_ports import ImageOutput
-from nodes.shared.shared_warnings import is_temperature
+from nodes.shared.shared_warnings import watts_factor
 from nodes.transform.radiometry_steps import Radiometry, temperature_of_radiance
 
 
@@ -37,24 +35,11 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
             image.recipe,
             *self.shares(image, emissivity),
             surface=surface,
-            factor=_factor(image.unit),
+            factor=watts_factor(
+                image.unit,
+                temperature="already a temperature",
+                needed="To Temperature needs radiance in W/m²/sr; set the unit on Read Image",
+            ),
         )
         band = surface.cut_on_um, surface.cut_off_um
         return ImageOutput(image.with_recipe(made, unit="K", band_um=band))
-
-
-def _factor(unit: str) -> float:
-    """What makes W/m²/sr of a picture's samples."""
-    known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
-    if known is None or known.photons or known.spectral:
-        named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
-        what = (
-            "already a temperature"
-            if is_temperature(unit)
-            else "not the radiance of a band in watts"
-        )
-        raise DataError(
-            f"the picture, {named}, is {what}: To Temperature needs radiance in W/m²/sr; set the "
-            "unit on Read Image"
-        )
-    return known.factor

@@ -36,13 +36,6 @@ class NoiseTerm:
 
 
 @dataclass(frozen=True)
-class Summed:
-    """All noises together."""
-
-    variances: NoiseVariances
-
-
-@dataclass(frozen=True)
 class ImageNoise:
     """Every noise of a picture, in the order in which they arise.
 
@@ -58,11 +51,9 @@ class ImageNoise:
     spectrum: Array | None = field(default=None, compare=False)
 
     @property
-    def total(self) -> Summed:
-        total = NoiseVariances()
-        for term in self.terms:
-            total += term.variances
-        return Summed(total)
+    def total(self) -> NoiseVariances:
+        """Of all noises together."""
+        return sum((term.variances for term in self.terms), NoiseVariances())
 
     def require_known(self) -> None:
         """Refuse a picture of which not all noise is known (`DataError`)."""

@@ -7,10 +7,11 @@ import pytest
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
+from core.physics.sampling.interpolation import block_mean_mtf
 from linked_network import linked_network
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
-from nodes.transform.anti_alias import AntiAlias, box_mtf, lanczos_mtf
+from nodes.transform.anti_alias import AntiAlias, lanczos_mtf
 from nodes.transform.interpolate import Interpolate
 from slow_reference.resampling import interpolated
 from small_library import library_of
@@ -179,16 +180,10 @@ def test_anti_alias_is_the_direct_sum(tmp_path, kernel, factor, weights, precisi
     assert readouts["new_nyquist_x"] == pytest.approx(0.5 / source.interval_x_mrad / factor)
 
 
-def test_box_of_two_interpolates_half_way():
-    frequency = np.linspace(0, 0.5, 7)
-    np.testing.assert_allclose(
-        box_mtf(frequency=frequency, factor=2), np.cos(np.pi * frequency), atol=1e-15
-    )
-
-
 def test_low_passes_are_one_at_zero_exactly():
     for factor in range(1, 40):
-        assert box_mtf(frequency=np.zeros(1), factor=factor)[0] == 1.0
+        box = block_mean_mtf(frequency=np.zeros(1), interval_mrad=1.0, samples=factor)
+        assert box[0] == 1.0
         assert lanczos_mtf(frequency=np.zeros(1), factor=factor)[0] == 1.0
 
 

@@ -187,7 +187,7 @@ def test_noise_follows(tmp_path, edges, ratio):
     engine = Engine(LIBRARY)
     plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
     work = engine.work(Policy(precision="double"))
-    found = work.value(NoiseOf(plan.output("pixels.image"))).total.variances.total
+    found = work.value(NoiseOf(plan.output("pixels.image"))).total.total
     places = (np.arange(int(10 / ratio)) + 0.5) * ratio - 0.5
     variance = np.mean(engine.value(plan, "back.image", work)) / 10
     # Of the frame's interpolation at a place: the squares of its weights.

@@ -85,7 +85,7 @@ def test_its_noise_arrives(work):
         ("shot", "shot", True)
     ]
     true = 0.25 * SEEN.mean() / 100.0
-    assert found.total.variances.total == pytest.approx(true, rel=1e-12)
+    assert found.total.total == pytest.approx(true, rel=1e-12)
     frames = [work.value(at_frame(image.recipe, frame)) for frame in range(400)]
     variance = np.var(frames, axis=0, ddof=1).mean()
     assert variance == pytest.approx(true, rel=4 * np.sqrt(2 / (400 * SEEN.size)))

@@ -30,7 +30,7 @@ def simulated(folder, kinds, **settings):
             cube.add(work.value(at_frame(image.recipe, frame)) - clean)
         variances = cube.measured().variances
         found.append([variances.variance(name) for name in COMPONENTS])
-    total = work.value(NoiseOf(image)).total.variances
+    total = work.value(NoiseOf(image)).total
     return np.array(found), np.array([total.variance(name) for name in COMPONENTS])
 
 
@@ -76,7 +76,7 @@ def test_each_source_has_its_term(tmp_path):
     assert noise.mean == pytest.approx(30.0, rel=0.01)
     assert noise.unknown == ()
     summed = sum(term.variances.total for term in noise.terms)
-    assert noise.total.variances.total == pytest.approx(summed)
+    assert noise.total.total == pytest.approx(summed)
     # 8 levels of noise stir a step of 80/63 fully: q²/12, less what interpolation averages.
     stirred = told["electronics", "quantization"].variances
     assert stirred.total == 0.0 or stirred.total < (80 / 63) ** 2 / 12
@@ -91,7 +91,7 @@ def test_prediction_of_a_uniform_field_in_closed_form(tmp_path, monkeypatch):
     monkeypatch.setattr(noisy_sensors, "QUIET", quiet)
     engine, network = noisy_sensor(tmp_path, "amplifier", "gain", resize=False)
     image, work = picture_of(engine, network, tmp_path, 1)
-    found = work.value(NoiseOf(image)).total.variances
+    found = work.value(NoiseOf(image)).total
     assert found.sigma("tvh") == pytest.approx(30.0 / 40.0, rel=1e-9)
     assert found.sigma("vh") == pytest.approx(30.0 * 0.02, rel=1e-6)
     for name in ("t", "v", "h", "tv", "th"):
