@@ -18,19 +18,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.acquisition.giqe import (
-    INCH_M,
-    beyond_limits,
-    edge_overshoot,
-    edge_response,
-    giqe_3,
-    giqe_4,
-    giqe_5,
-    ground_gsd,
-    relative_edge_response,
-    weighted_gsd,
-    weighted_rer,
-)
+from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
 from nodes.analysis.lineage import ImageNoise, NoiseOf, transfer_of
@@ -301,9 +289,9 @@ def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQu
 
         results.append(
             (
-                relative_edge_response(mtf=mtf, sample_mrad=sample_mrad),
-                edge_overshoot(mtf=mtf, sample_mrad=sample_mrad),
-                edge_response(mtf=mtf, places_px=_DRAWN, sample_mrad=sample_mrad),
+                giqe.relative_edge_response(mtf=mtf, sample_mrad=sample_mrad),
+                giqe.edge_overshoot(mtf=mtf, sample_mrad=sample_mrad),
+                giqe.edge_response(mtf=mtf, places_px=_DRAWN, sample_mrad=sample_mrad),
             )
         )
     rer, overshoot, response = zip(*results, strict=True)
@@ -370,19 +358,19 @@ def quality_table(
     """
     gsd_m = math.sqrt(across_m * along_m)
     at = {"gsd": gsd_m, "elevation_deg": elevation_deg}
-    ground, weighted = float(ground_gsd(**at)), float(weighted_gsd(**at))
+    ground, weighted = float(giqe.ground_gsd(**at)), float(giqe.weighted_gsd(**at))
     rer_x, rer_y = (typed or own for typed, own in zip(typed_rer, edge.rer, strict=True))
     rer = _mean("relative edge response", (rer_x, rer_y))
-    worse_twice = float(weighted_rer(rer_x=rer_x, rer_y=rer_y))
+    worse_twice = float(giqe.weighted_rer(rer_x=rer_x, rer_y=rer_y))
     if overshoot is None:
         overshoot = _mean("largest height of the edge response near the edge", edge.overshoot)
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
     if not isinstance(snr, Unseen):
         known = {"rer": rer, "snr": snr, "overshoot": overshoot, "noise_gain": noise_gain}
-        fifth = float(giqe_5(gsd_inch=weighted / INCH_M, rer=worse_twice, snr=snr))
-        fourth = float(giqe_4(gsd_inch=ground / INCH_M, **known))
-        third = float(giqe_3(gsd_inch=gsd_m / INCH_M, **known))
+        fifth = float(giqe.giqe_5(gsd_inch=weighted / giqe.INCH_M, rer=worse_twice, snr=snr))
+        fourth = float(giqe.giqe_4(gsd_inch=ground / giqe.INCH_M, **known))
+        third = float(giqe.giqe_3(gsd_inch=gsd_m / giqe.INCH_M, **known))
         shown_snr = snr if math.isfinite(snr) else None
     rows: tuple[tuple[Any, ...], ...] = (
         ("giqe5", fifth, "NIIRS", "GIQE 5, for the picture without sharpening", why),
@@ -391,7 +379,8 @@ def quality_table(
         ("gsd_m", gsd_m, "m", "ground sample distance normal to the line of sight (GIQE 3)"),
         ("gsd_ground_m", ground, "m", "ground sample distance on the ground (GIQE 4)"),
         ("gsd_weighted_m", weighted, "m", "geometric mean of these two (GIQE 5)"),
-        ("gsd_inch", gsd_m / INCH_M, "in", "ground sample distance normal to the line of sight"),
+        ("gsd_inch", gsd_m / giqe.INCH_M, "in",
+         "ground sample distance normal to the line of sight"),
         ("elevation_deg", elevation_deg, "deg",
          "elevation of the line of sight, seen from the target"),
         ("rer", rer, "", "relative edge response, geometric mean (GIQE 3 and 4)"),
@@ -432,7 +421,7 @@ def limits_caution(work: Work, table: TableData) -> Caution | None:
     if figures["giqe5"] is None:
         return None
     known = {name: math.inf if value is None else float(value) for name, value in values.items()}
-    beyond = beyond_limits(**known)
+    beyond = giqe.beyond_limits(**known)
     if not beyond:
         return None
     return Caution(

@@ -11,17 +11,9 @@ from core.errors import ParameterError
 from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from core.physics.detector import focal_plane_array
 from core.physics.detector.charge_gain import ChargeGain, excess_noise_factor
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.detector.focal_plane_array import (
-    current_e_per_s,
-    dark_electrons,
-    dark_factor,
-    exposure_m2_s,
-    gain_to_fill_e_per_dn,
-    housing_sr,
-    rule_07_e_per_s,
-)
 from core.physics.detector.photon_conversion import CountedPhotons, PhotonWeights
 from core.physics.detector.spectral_photons import QuantumEfficiency, efficiency_of_responsivity
 from core.physics.noise.noise_equivalent import detector_area_cm2
@@ -356,7 +348,7 @@ class FocalPlanePanel(SeededModule):
         gain, charge, well = self.gain_e_per_dn, self._gain(), self._well_e()
         per_dn = 1.0 if gain is None else gain / charge
         if gain is None and self.bits and well is not None:
-            per_dn = gain_to_fill_e_per_dn(full_well_e=well, bits=self.bits)
+            per_dn = focal_plane_array.gain_to_fill_e_per_dn(full_well_e=well, bits=self.bits)
         return ReadOut(
             read_noise_e=self.read_noise_e / charge,
             excess_factor=self._excess_factor(),
@@ -405,13 +397,13 @@ class FocalPlanePanel(SeededModule):
         low, high = given_band(self.cut_on_um, self.cut_off_um, band)
         points = self._points(here)
         efficiency = QuantumEfficiency(low, high, self._efficiency(), points)
-        exposure = exposure_m2_s(
+        exposure = focal_plane_array.exposure_m2_s(
             **pixel_of(context),
             integration_time_s=self.integration_time_s,
             tdi_stages=self.tdi_stages,
         )
         optics = lens(context, optics_transmission=self.optics_transmission)
-        housing = housing_sr(
+        housing = focal_plane_array.housing_sr(
             solid_angle_sr=optics.solid_angle_sr,
             cold_shield_efficiency=self.cold_shield_efficiency,
         )
@@ -429,7 +421,7 @@ class FocalPlanePanel(SeededModule):
             optics_transmission=optics.transmission,
             optics_K=self.optics_K,
             housing_K=self.housing_K,
-            dark_e=dark_electrons(
+            dark_e=focal_plane_array.dark_electrons(
                 dark_current_e_per_s=self._dark_current(context),
                 integration_time_s=self.integration_time_s,
                 tdi_stages=self.tdi_stages,
@@ -459,17 +451,19 @@ class FocalPlanePanel(SeededModule):
         area_um2 = pitch_x * of_context("detector_y_um", context)
         kelvin = self.detector_K
         if self.rule_07 and kelvin is not None and self.material_cutoff_um is not None:
-            return rule_07_e_per_s(
+            return focal_plane_array.rule_07_e_per_s(
                 cutoff_um=self.material_cutoff_um, detector_K=kelvin, area_um2=area_um2
             )
         current = self.dark_current_e_per_s
         if self.dark_current_A_per_cm2:
             density = self.dark_current_A_per_cm2
-            current = current_e_per_s(dark_current_A_per_cm2=density, area_um2=area_um2)
+            current = focal_plane_array.current_e_per_s(
+                dark_current_A_per_cm2=density, area_um2=area_um2
+            )
             current /= self._gain(in_pixel=True)
         if kelvin is None or self.dark_reference_K is None or self.dark_doubling_K is None:
             return current
-        return current * dark_factor(
+        return current * focal_plane_array.dark_factor(
             detector_K=kelvin,
             reference_K=self.dark_reference_K,
             doubling_K=self.dark_doubling_K,

@@ -20,12 +20,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.detector.focal_plane_array import (
-    LEAST_RESPONSE,
-    one_point_offset,
-    two_point_gain,
-    two_point_offset,
-)
+from core.physics.detector import focal_plane_array
 from core.physics.radiometry.planck import band_radiance
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import TableFigures
@@ -197,14 +192,14 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
 
 @ends_lineage
 def gain_map(work: Work, low: Array, high: Array) -> Array:
-    return two_point_gain(low=low, high=high).astype(work.policy.dtype)
+    return focal_plane_array.two_point_gain(low=low, high=high).astype(work.policy.dtype)
 
 
 @ends_lineage
 def offset_map(work: Work, low: Array, gain: Array, *, two: bool) -> Array:
     if two:
-        return two_point_offset(low=low, gain=gain).astype(work.policy.dtype)
-    return one_point_offset(low=low).astype(work.policy.dtype)
+        return focal_plane_array.two_point_offset(low=low, gain=gain).astype(work.policy.dtype)
+    return focal_plane_array.one_point_offset(low=low).astype(work.policy.dtype)
 
 
 @ends_lineage
@@ -219,7 +214,7 @@ def drifted(
 def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) -> TableData:
     """What the references show of the camera before its correction."""
     rise = float(np.mean(high) - np.mean(low))
-    weak = np.count_nonzero(~((high - low) > LEAST_RESPONSE * rise))
+    weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
     rows = (
         ("pattern_low", float(np.std(low)), unit, "spread between pixels on the cooler reference"),
         ("pattern_high", float(np.std(high)), unit,

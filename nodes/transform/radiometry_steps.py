@@ -16,12 +16,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Param
-from core.physics.radiometry.grey_body import (
-    grey_radiance,
-    grey_radiance_slope,
-    grey_temperature,
-    in_kelvin,
-)
+from core.physics.radiometry import grey_body
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
@@ -49,10 +44,10 @@ def radiance_change(
     work: Work, mean: float, *shares: float, surface: Surface, unit: str
 ) -> LevelChange:
     share = shares[0] if shares else surface.emissivity
-    kelvin = float(in_kelvin(np.asarray(mean), unit=unit))
-    slope = grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
-    per_unit = float(np.diff(in_kelvin(np.array([0.0, 1.0]), unit=unit))[0])
-    made = grey_radiance(
+    kelvin = float(grey_body.in_kelvin(np.asarray(mean), unit=unit))
+    slope = grey_body.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    per_unit = float(np.diff(grey_body.in_kelvin(np.array([0.0, 1.0]), unit=unit))[0])
+    made = grey_body.grey_radiance(
         temperature_K=kelvin, emissivity=share, surroundings_K=surface.surroundings_K,
         **surface.band,
     )  # fmt: skip
@@ -64,12 +59,12 @@ def temperature_change(
     work: Work, mean: float, *shares: float, surface: Surface, factor: float
 ) -> LevelChange:
     share = shares[0] if shares else surface.emissivity
-    made = grey_temperature(
+    made = grey_body.grey_temperature(
         radiance=mean * factor, emissivity=share, surroundings_K=surface.surroundings_K,
         **surface.band,
     )  # fmt: skip
     kelvin = float(made)
-    slope = grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    slope = grey_body.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
     return LevelChange(factor / slope, mean, kelvin)
 
 
@@ -83,8 +78,8 @@ def radiance_of_temperature(
     work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
 ) -> Array:
     def convert(samples: Array, share: Array | float) -> Array:
-        return grey_radiance(
-            temperature_K=in_kelvin(samples, unit=unit), emissivity=share,
+        return grey_body.grey_radiance(
+            temperature_K=grey_body.in_kelvin(samples, unit=unit), emissivity=share,
             surroundings_K=surface.surroundings_K, **surface.band,
         )  # fmt: skip
 
@@ -99,7 +94,7 @@ def temperature_of_radiance(
     """Temperatures, in kelvin, of band radiance; `factor` makes W/m²/sr of it."""
 
     def convert(samples: Array, share: Array | float) -> Array:
-        return grey_temperature(
+        return grey_body.grey_temperature(
             radiance=factor * samples.astype(np.float64), emissivity=share,
             surroundings_K=surface.surroundings_K, **surface.band,
         )  # fmt: skip
