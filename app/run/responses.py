@@ -14,8 +14,8 @@ from app.run.transfer_chain import Chain, Stage
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.work import Work
 from core.transfer.factors import Factor
-from nodes.analysis.lineage.line_transfer import Line, stage_along
-from nodes.analysis.lineage.line_transfer import Stage as LineStage
+from nodes.analysis.lineage import Line, stage_along
+from nodes.analysis.lineage import Stage as LineStage
 from nodes.files.common.table_cells import csv_lines
 
 Vector = NDArray[np.float64]

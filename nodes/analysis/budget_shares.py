@@ -13,8 +13,7 @@ from core.chain.results import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.noise.noise_equivalent import loss, shares_of_losses
-from nodes.analysis.lineage import ImageNoise, ImageTransfer
-from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
+from nodes.analysis.lineage import ImageNoise, ImageTransfer, Line, Stage, stage_along
 
 Kind = Literal["all", "temporal", "fixed"]
 _NOTHING = 1e-20  # of the variance: what a source of two kinds has so little of, it has not

@@ -21,8 +21,16 @@ from core.modules.parameters import Formula, Param
 from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
-from nodes.analysis.lineage import ImageNoise, NoiseOf, transfer_of
-from nodes.analysis.lineage.line_transfer import HORIZONTAL, VERTICAL, Line, Stage, all_along
+from nodes.analysis.lineage import (
+    HORIZONTAL,
+    VERTICAL,
+    ImageNoise,
+    Line,
+    NoiseOf,
+    Stage,
+    all_along,
+    transfer_of,
+)
 from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
 from nodes.shared.module_ports import TableFigures

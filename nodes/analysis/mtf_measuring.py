@@ -25,8 +25,7 @@ from core.physics.measurement.edges.slanted_edge import (
 )
 from core.physics.numerics import sinc
 from core.transfer.factors import Array, Grid, factor_at
-from nodes.analysis.lineage import transfer_of
-from nodes.analysis.lineage.line_transfer import Stage
+from nodes.analysis.lineage import Stage, transfer_of
 
 Vector = NDArray[np.float64]
 Direction = Literal["automatic", "horizontal", "vertical"]

@@ -15,7 +15,7 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.transfer.factors import Grid, Part
-from nodes.analysis.lineage.line_transfer import (
+from nodes.analysis.lineage import (
     HORIZONTAL,
     VERTICAL,
     Line,

@@ -20,10 +20,10 @@ from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_tw
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Grid
-from nodes.analysis.lineage import ImageNoise
-from nodes.analysis.lineage.line_transfer import (
+from nodes.analysis.lineage import (
     HORIZONTAL,
     VERTICAL,
+    ImageNoise,
     Line,
     Stage,
     all_along,

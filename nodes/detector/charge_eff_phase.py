@@ -6,7 +6,7 @@ from core.chain.wires import Context, Phase
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula
 from core.physics.detector.detector_mtf import charge_transfer_ptf
-from nodes.detector.charge_transfer_base import ChargeTransfer
+from nodes.detector.charge_eff_mtf import ChargeTransfer
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import PtfModule, PtfOutputs
 

@@ -49,7 +49,7 @@ from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION, Material, find_material
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
-from nodes.electronics.detector_figures import Detector, detector_figures, figures
+from nodes.electronics.noise_steps import Detector, detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared.context_defaults import (
     given_band,

@@ -19,8 +19,14 @@ from core.physics.radiometry.planck import band_radiance
 from nodes.scenes.airfield import airfield
 from nodes.scenes.coverage import FloatArray
 from nodes.scenes.dormitory import dormitory
-from nodes.scenes.scene_canvas import Canvas, Radiances, with_textures
-from nodes.scenes.scene_layers import Layers, layers_of, mean_shares
+from nodes.scenes.scene_canvas import (
+    Canvas,
+    Layers,
+    Radiances,
+    layers_of,
+    mean_shares,
+    with_textures,
+)
 from nodes.scenes.scene_targets import draw_target
 from nodes.scenes.spectral_surfaces import Emissivity, surface_radiance, surface_spectra
 

@@ -9,7 +9,7 @@ from core.transfer.product import Product
 from cube_files import centres, write_cube
 from linked_network import linked_network
 from node_bench import NodeBench
-from nodes.analysis.lineage.line_transfer import transfer_of
+from nodes.analysis.lineage import transfer_of
 from nodes.library import standard_library
 from region_checks import assert_parts
 from short_chain import short_chain

@@ -11,7 +11,7 @@ from core.evaluation.store import size_in_bytes
 from core.machine import Workers
 from core.network.network import Network, Node
 from nodes.library import standard_library
-from nodes.scenes import scene_layers as layers
+from nodes.scenes import scene_canvas as layers
 from nodes.scenes.coverage import band
 from nodes.scenes.draw import (
     MOST_SAMPLES,
@@ -20,8 +20,7 @@ from nodes.scenes.draw import (
     scene_radiances,
     show_radiances,
 )
-from nodes.scenes.scene_canvas import Canvas, Drawing, Texture, between, difference
-from nodes.scenes.scene_layers import layers_of
+from nodes.scenes.scene_canvas import Canvas, Drawing, Texture, between, difference, layers_of
 from planck_truth import band_radiance
 
 BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0}
@@ -108,7 +107,7 @@ def test_background_alone_is_even():
 def test_shares_do_not_depend_on_blocks_nor_threads(monkeypatch):
     radiances = scene_radiances(kind="dormitory", **BAND, temperature_K=303.0, delta_K=10.0)
     whole = show_radiances(shares_of("dormitory", 200, 150, np.float32), radiances)
-    monkeypatch.setattr(layers, "BLOCK_SAMPLES", 1)
+    monkeypatch.setattr(layers, "SHEET_SAMPLES", 1)
     workers = Workers()
     threaded = show_radiances(
         shares_of("dormitory", 200, 150, np.float32),

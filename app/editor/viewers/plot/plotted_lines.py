@@ -21,7 +21,7 @@ from core.chain.wires import Curve, Table
 from core.errors import NetworkError
 from core.network.macro import SEPARATOR
 from core.transfer.factors import Grid, Planar
-from nodes.analysis.lineage.line_transfer import Line as Direction
+from nodes.analysis.lineage import Line as Direction
 
 Vector = NDArray[np.float64]
 Parts = Literal["mtf", "ptf", "both"]

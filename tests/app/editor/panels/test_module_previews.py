@@ -15,7 +15,7 @@ from core.network.network import Link, Network, Node
 from core.physics.optics.pupil_shapes import PupilShape
 from cube_files import C1_UM, C2_UM
 from cube_network import write_cube_network
-from nodes.optics.pupil_preview import open_share
+from nodes.optics.exit_pupil import open_share
 from preview_hands import INFRAMETRICS, LIBRARY, previewed, sensor
 
 SCENE = {"cut_on_um": 3.0, "cut_off_um": 5.0, "width": 16, "height": 16}

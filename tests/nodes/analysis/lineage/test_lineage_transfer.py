@@ -7,8 +7,7 @@ from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from linked_network import linked_network
-from nodes.analysis.lineage import transfer_of
-from nodes.analysis.lineage.line_transfer import Line, stage_along
+from nodes.analysis.lineage import Line, stage_along, transfer_of
 from noisy_sensors import LIBRARY, QUIET, noisy_sensor, picture_of
 
 SIZE = 240
