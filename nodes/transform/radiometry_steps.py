@@ -68,11 +68,13 @@ def temperature_change(
     return LevelChange(factor / slope, mean, kelvin)
 
 
-def _at_the_means(change: Any, images: tuple[Recipe, ...], **how: Any) -> AboutMean:
-    return AboutMean(Step.of(change, *(Step.of(mean_of, image) for image in images), **how))
+def _means(images: tuple[Recipe, ...]) -> tuple[Step, ...]:
+    return tuple(Step.of(mean_of, image) for image in images)
 
 
-@picture_step(linear=lambda *images, **how: _at_the_means(radiance_change, images, **how))
+@picture_step(
+    linear=lambda *images, **how: AboutMean(Step.of(radiance_change, *_means(images), **how))
+)
 @pointwise
 def radiance_of_temperature(
     work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
@@ -86,7 +88,9 @@ def radiance_of_temperature(
     return _by_rows(work, image, emissivities, surface, convert)
 
 
-@picture_step(linear=lambda *images, **how: _at_the_means(temperature_change, images, **how))
+@picture_step(
+    linear=lambda *images, **how: AboutMean(Step.of(temperature_change, *_means(images), **how))
+)
 @pointwise
 def temperature_of_radiance(
     work: Work, image: Array, *emissivities: Array, surface: Surface, factor: float
