@@ -327,24 +327,52 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def band(self, image: Image, context: Context) -> Caution | None:
         """The cold filter passes wavelengths outside the picture's band."""
         known = image.band_um or context.band_um
-        return (
-            None
-            if known is None
-            else filter_caution(known, self._passed(known), in_bands=image.bands is not None)
+        if known is None:
+            return None
+        low, high = self._passed(known)
+        if low >= known[0] * (1 - NEAR) and high <= known[1] * (1 + NEAR):
+            return None
+        lost = "not counted" if image.bands is not None else "extrapolated by a black body"
+        return Caution(
+            f"the cold filter passes {low:g} to {high:g} µm, but the picture's radiance covers "
+            f"{known[0]:g} to {known[1]:g} µm: the light outside is {lost}",
+            "use a picture that covers the filter's whole band, or a narrower filter",
         )
 
     @warning
     def material(self, image: Image, context: Context) -> Caution | None:
         """Photons are counted beyond the cutoff of the detector material."""
-        known = image.band_um or context.band_um
-        if known is None or self.response is not None:
+        known, cutoff = image.band_um or context.band_um, self.material_cutoff_um
+        if known is None or self.response is not None or not cutoff:
             return None
-        return material_caution(self._passed(known), self.material_cutoff_um)
+        low, high = self._passed(known)
+        if high <= cutoff * (1 + NEAR):
+            return None
+        return Caution(
+            f"photons are counted from {low:g} to {high:g} µm with one quantum efficiency, but the "
+            f"detector material cuts off at material_cutoff_um = {cutoff:g} µm",
+            "set cut_off_um to the material's cutoff or below, or give the quantum efficiency "
+            "over wavelength in response",
+        )
 
     @warning
     def obscuration(self, image: Image, context: Context) -> Caution | None:
         """Diffraction and radiometry use different obscurations."""
-        return obscuration_caution(image, context)
+        blocks = context.obscuration_ratio
+        for factor in passed_factors(image) if context.t_number is None else ():
+            for law in factor.laws:
+                aperture = dict(law.parameters).get("aperture")
+                if not isinstance(aperture, Aperture):
+                    continue
+                blurs = aperture.obscuration_ratio
+                if abs(blurs - blocks) > NEAR:
+                    return Caution(
+                        "electrons are counted for the wrong aperture: the blur uses "
+                        f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the light uses "
+                        f"{blocks:.4g} on Camera or Init & Trans",
+                        f"enter the obscuration on Camera and leave it empty on {factor.node}",
+                    )
+        return None
 
     @warning
     def transmission(self, context: Context) -> Caution | None:
@@ -439,7 +467,22 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def optics(self, image: Image, context: Context) -> Caution | None:
         """Diffraction is computed for other wavelengths than the cold filter passes."""
         known = image.band_um or context.band_um
-        return None if known is None else optics_caution(image, self._passed(known))
+        if known is None:
+            return None
+        low, high = self._passed(known)
+        for factor in passed_factors(image):
+            band = _band_of(factor)
+            # The cutoff of the optics goes as 1 over the wavelength, as it goes as 1 over the
+            # F-number: the middles of both bands may differ by as much as a nominal F-number may.
+            if band is not None and not alike(sum(band), low + high, near=F_NUMBER_NEAR):
+                return Caution(
+                    f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
+                    f"computes the blur for {band[0]:g} to {band[1]:g} µm, but the cold filter "
+                    f"passes {low:g} to {high:g} µm",
+                    f"set cut_on_um = {low:g} and cut_off_um = {high:g} on {factor.node} too, or "
+                    "use a picture in the filter's band",
+                )
+        return None
 
     def _passed(self, known: Band) -> Band:
         """The cold filter's band; an end that is not given is the picture's."""
@@ -465,7 +508,22 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def response_ends(self, outputs: FocalPlaneOutputs) -> Caution | None:
         """The response curve ends within the band."""
-        return response_caution(self.efficiency(outputs))
+        efficiency = self.efficiency(outputs)
+        if not efficiency.points:
+            return None
+        (first, at_first), (last, at_last) = efficiency.points[0], efficiency.points[-1]
+        ends = []
+        if at_first > 0.0 and first > efficiency.cut_on_um * (1 + NEAR):
+            ends.append(f"begins at {first:g} µm with {at_first:g}")
+        if at_last > 0.0 and last < efficiency.cut_off_um * (1 - NEAR):
+            ends.append(f"ends at {last:g} µm with {at_last:g}")
+        if not ends:
+            return None
+        return Caution(
+            f"photons outside the curve are not counted: the response {' and '.join(ends)}, within "
+            f"the band of {efficiency.cut_on_um:g} to {efficiency.cut_off_um:g} µm",
+            "give points over the whole band, or end the curve with points of 0",
+        )
 
     @staticmethod
     def efficiency(outputs: FocalPlaneOutputs) -> QuantumEfficiency:
@@ -548,75 +606,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     )  # fmt: skip
 
 
-# What Focal Plane warns of: its band beside the picture's and the optics', and what is clipped.
-
-
-def filter_caution(picture: Band, passed: Band, *, in_bands: bool) -> Caution | None:
-    """The cold filter passes wavelengths outside the picture's band."""
-    low, high = passed
-    if low >= picture[0] * (1 - NEAR) and high <= picture[1] * (1 + NEAR):
-        return None
-    return Caution(
-        f"the cold filter passes {low:g} to {high:g} µm, but the picture's radiance covers "
-        f"{picture[0]:g} to {picture[1]:g} µm: the light outside is "
-        + ("not counted" if in_bands else "extrapolated by a black body"),
-        "use a picture that covers the filter's whole band, or a narrower filter",
-    )
-
-
-def material_caution(passed: Band, material_cutoff_um: float | None) -> Caution | None:
-    """A band that goes on beyond the wavelength up to which the material detects."""
-    if not material_cutoff_um or passed[1] <= material_cutoff_um * (1 + NEAR):
-        return None
-    return Caution(
-        f"photons are counted from {passed[0]:g} to {passed[1]:g} µm with one quantum "
-        "efficiency, but the detector material cuts off at material_cutoff_um = "
-        f"{material_cutoff_um:g} µm",
-        "set cut_off_um to the material's cutoff or below, or give the quantum efficiency "
-        "over wavelength in response",
-    )
-
-
-def optics_caution(image: Image, passed: Band) -> Caution | None:
-    """Diffraction over other wavelengths than those which the cold filter lets through.
-
-    The cutoff of the optics goes as 1 over the wavelength, as it goes as 1 over the F-number: the
-    middles of both bands may differ by as much as a nominal F-number may.
-    """
-    for factor in passed_factors(image):
-        band = _band_of(factor)
-        if band is None or alike(sum(band), sum(passed), near=F_NUMBER_NEAR):
-            continue
-        return Caution(
-            f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
-            f"computes the blur for {band[0]:g} to {band[1]:g} µm, but the cold filter passes "
-            f"{passed[0]:g} to {passed[1]:g} µm",
-            f"set cut_on_um = {passed[0]:g} and cut_off_um = {passed[1]:g} on {factor.node} "
-            "too, or use a picture in the filter's band",
-        )
-    return None
-
-
-def obscuration_caution(image: Image, context: Context) -> Caution | None:
-    """Diffraction at another obscuration than the one that blocks the light."""
-    if context.t_number is not None:
-        return None
-    for factor in passed_factors(image):
-        for law in factor.laws:
-            aperture = dict(law.parameters).get("aperture")
-            if not isinstance(aperture, Aperture):
-                continue
-            blurs, blocks = aperture.obscuration_ratio, context.obscuration_ratio
-            if abs(blurs - blocks) > NEAR:
-                return Caution(
-                    "electrons are counted for the wrong aperture: the blur uses "
-                    f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the light uses "
-                    f"{blocks:.4g} on Camera or Init & Trans",
-                    f"enter the obscuration on Camera and leave it empty on {factor.node}",
-                )
-    return None
-
-
 def _band_of(factor: Factor) -> Band | None:
     """Wavelengths over which a factor is a mean; None where it names none."""
     for law in factor.laws:
@@ -654,23 +643,4 @@ def reference_caution(work: Work, found: TableData) -> Caution | None:
     return Caution(
         f"{row.reason}: snr_at_reference is left out",
         "lower reference_radiance or integration_time_s, or check full_well_e, gain and bits",
-    )
-
-
-def response_caution(efficiency: QuantumEfficiency) -> Caution | None:
-    """A curve whose first or last point is within the band and not zero."""
-    if not efficiency.points:
-        return None
-    (first, at_first), (last, at_last) = efficiency.points[0], efficiency.points[-1]
-    ends = []
-    if at_first > 0.0 and first > efficiency.cut_on_um * (1 + NEAR):
-        ends.append(f"begins at {first:g} µm with {at_first:g}")
-    if at_last > 0.0 and last < efficiency.cut_off_um * (1 - NEAR):
-        ends.append(f"ends at {last:g} µm with {at_last:g}")
-    if not ends:
-        return None
-    return Caution(
-        f"photons outside the curve are not counted: the response {' and '.join(ends)}, within "
-        f"the band of {efficiency.cut_on_um:g} to {efficiency.cut_off_um:g} µm",
-        "give points over the whole band, or end the curve with points of 0",
     )
