@@ -161,7 +161,7 @@ class DiffractionMTF(
             cut_on_um=band[0],
             cut_off_um=band[1],
             weighting=weighting,
-            temperature_K=self._temperature(magnitude, band, here.node),
+            temperature_K=self._temperature(magnitude, band, here.node) or 1.0,
             responses=responses,
             wavelengths=0 if self.wavelengths == "auto" else self.wavelengths,
             tolerance=self._finest(many_bends=has_many_bends(spectrum)),
@@ -233,11 +233,12 @@ class DiffractionMTF(
     def _band(self, context: Context) -> Band:
         return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
 
-    def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe:
+    def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe | None:
+        """Of the black body that weights the band; bands have their own light."""
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
-            return 1.0
+            return None
         if self._bands(magnitude) is not None:
-            return 1.0  # their own light counts
+            return None
         return source_temperature(self.source_K, magnitude, band, node)
 
     @warning
@@ -289,12 +290,7 @@ class DiffractionMTF(
     @readout("K", name="weighting_K")
     def weighted_by(self, context: Context, magnitude: Magnitude) -> float | Recipe | None:
         """Temperature of the black body whose spectrum weights the band."""
-        band = self._band(context)
-        if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
-            return None
-        if self._bands(magnitude) is not None:
-            return None
-        return source_temperature(self.source_K, magnitude, band, self.title)
+        return self._temperature(magnitude, self._band(context), self.title)
 
     @readout()
     def wavelengths_used(

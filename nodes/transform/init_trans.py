@@ -19,7 +19,7 @@ from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
-from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad, oversampling
+from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
 from core.transfer.factors import Edges, Grid
 from nodes.shared.shared_warnings import apart_caution, first
 
@@ -159,9 +159,12 @@ class InitTrans(
             irradiance=camera.irradiance,
             elevation_deg=orbit.elevation_deg if orbit else None,
         )
-        focal_length_mm = context.focal_length_mm
-        pitches = context.detector_x_um, context.detector_y_um
-        x, y = (_ifov(focal_length_mm, pitch, 1.0) for pitch in pitches)
+        x, y = (
+            ifov_mrad(pitch_um=pitch, focal_length_mm=context.focal_length_mm)
+            if pitch is not None and context.focal_length_mm is not None
+            else None
+            for pitch in (context.detector_x_um, context.detector_y_um)
+        )
         image = replace(image, pixel_mrad=(x, y))
         return InitOutputs(
             context, Magnitude(image, grid, self.edges), Phase(image, grid, self.edges)
@@ -170,8 +173,10 @@ class InitTrans(
     def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
         """The detectors on the samples of the scene, to scale, and where they move."""
         context: Context = planned.sound().outputs["context"]
-        facts = _facts(context)
-        return Preview(", ".join(facts), (_sketch(context),), facts)
+        x, y = planned.outputs["magnitude"].pixel_mrad
+        pitch = None if x is None or y is None else (x, y)
+        facts = _facts(context, pitch)
+        return Preview(", ".join(facts), (_sketch(context, pitch),), facts)
 
     def _interval(self, name: str, samples: int, of_image: float | None) -> float:
         fov_deg = getattr(self, name)
@@ -262,14 +267,14 @@ class InitTrans(
     @readout("mrad")
     def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
         """Horizontal instantaneous field of view of a detector, with its fill factor."""
-        context = outputs.context
-        return _ifov(context.focal_length_mm, context.detector_x_um, context.fill_x)
+        pixel = outputs.magnitude.pixel_mrad[0]
+        return None if pixel is None else pixel * outputs.context.fill_x
 
     @readout("mrad")
     def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
         """Vertical instantaneous field of view of a detector, with its fill factor."""
-        context = outputs.context
-        return _ifov(context.focal_length_mm, context.detector_y_um, context.fill_y)
+        pixel = outputs.magnitude.pixel_mrad[1]
+        return None if pixel is None else pixel * outputs.context.fill_y
 
     @readout("cyc/mrad")
     def frequency_interval_x(self, outputs: InitOutputs) -> float:
@@ -294,52 +299,31 @@ class InitTrans(
     @readout("cyc/mrad")
     def pixel_nyquist_x(self, outputs: InitOutputs) -> float | None:
         """Horizontal Nyquist frequency of the pixels: half a cycle per detector pitch."""
-        return _half_a_cycle_in(outputs, "x")
+        pixel = outputs.magnitude.pixel_mrad[0]
+        return 0.5 / pixel if pixel else None
 
     @readout("cyc/mrad")
     def pixel_nyquist_y(self, outputs: InitOutputs) -> float | None:
         """Vertical Nyquist frequency of the pixels: half a cycle per detector pitch."""
-        return _half_a_cycle_in(outputs, "y")
+        pixel = outputs.magnitude.pixel_mrad[1]
+        return 0.5 / pixel if pixel else None
 
     @readout("samples")
     def oversampling_x(self, outputs: InitOutputs) -> float | None:
         """Samples per horizontal detector pitch."""
-        context = outputs.context
-        interval = context.grid.interval_x_mrad
-        return _oversampling(context.focal_length_mm, context.detector_x_um, interval)
+        pixel = outputs.magnitude.pixel_mrad[0]
+        return None if pixel is None else pixel / outputs.context.grid.interval_x_mrad
 
     @readout("samples")
     def oversampling_y(self, outputs: InitOutputs) -> float | None:
         """Samples per vertical detector pitch."""
-        context = outputs.context
-        interval = context.grid.interval_y_mrad
-        return _oversampling(context.focal_length_mm, context.detector_y_um, interval)
-
-
-def _half_a_cycle_in(outputs: InitOutputs, axis: str) -> float | None:
-    context = outputs.context
-    pitch_um = context.detector_x_um if axis == "x" else context.detector_y_um
-    pixel = _ifov(context.focal_length_mm, pitch_um, 1.0)
-    return 0.5 / pixel if pixel else None
+        pixel = outputs.magnitude.pixel_mrad[1]
+        return None if pixel is None else pixel / outputs.context.grid.interval_y_mrad
 
 
 def _fill(own: float | None, of_camera: float | None) -> float:
     """1, the default here, is as good as empty."""
     return (own if own not in (None, 1.0) else None) or of_camera or 1.0
-
-
-def _ifov(focal_length_mm: float | None, pitch_um: float | None, fill: float) -> float | None:
-    if focal_length_mm is None or pitch_um is None:
-        return None
-    return ifov_mrad(pitch_um=pitch_um, focal_length_mm=focal_length_mm, fill=fill)
-
-
-def _oversampling(
-    focal_length_mm: float | None, pitch_um: float | None, interval: float
-) -> float | None:
-    if focal_length_mm is None or pitch_um is None:
-        return None
-    return oversampling(pitch_um=pitch_um, focal_length_mm=focal_length_mm, interval_mrad=interval)
 
 
 # The preview: sensitive areas at the detectors' pitch, and the scene's samples as dots.
@@ -359,15 +343,9 @@ _INTERVALS = 4.0  # at least
 _MOST_DOTS = 40  # samples across that are still drawn
 
 
-def _pitch_mrad(context: Context) -> tuple[float, float] | None:
-    """The detector's pitch; None as long as it or the focal length is missing."""
-    pitches = context.detector_x_um, context.detector_y_um
-    x, y = (_ifov(context.focal_length_mm, pitch_um, 1.0) for pitch_um in pitches)
-    return None if x is None or y is None else (x, y)
-
-
-def _sketch(context: Context) -> Plot:
-    grid, pitch = context.grid, _pitch_mrad(context)
+def _sketch(context: Context, pitch: tuple[float, float] | None) -> Plot:
+    """`pitch` is the detector's, mrad."""
+    grid = context.grid
     interval = grid.interval_x_mrad, grid.interval_y_mrad
     side = max(_INTERVALS * max(interval), _PITCHES * max(pitch or (0.0,)))
     curves = [_samples(interval, side)]
@@ -415,9 +393,9 @@ def _arrow(pitch: tuple[float, float], *, along: bool) -> Curve:
     return Curve(x * pitch[along], y * pitch[along], "text", width=2.0)
 
 
-def _facts(context: Context) -> tuple[str, ...]:
+def _facts(context: Context, pitch: tuple[float, float] | None) -> tuple[str, ...]:
     """What the sketch shows, in numbers."""
-    grid, pitch = context.grid, _pitch_mrad(context)
+    grid = context.grid
     facts = [
         f"{_NAMES[context.platform]}, {grid.columns} × {grid.rows}",
         f"interval {pair(grid.interval_x_mrad, grid.interval_y_mrad)} mrad",
