@@ -186,7 +186,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             air = air.within_band(*band)
         if image.bands is not None:
             return self._by_bands(image, image.bands, air, here)
-        how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self._source()}
+        how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self.source_K or SUNLIGHT_K}
         scene = self._scene(image, air, factor, here)
         over = here.step(path_over_band, *scene, **how)
         table = Table(here.step(path_table, over, *scene, **how))
@@ -234,13 +234,15 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         return PathOutputs(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
 
     def air(self, image: Image, here: NodeContext, context: Context | None) -> AirPath:
-        given: dict[str, Any] = {"range_m": self._range(image, context), "air_K": self.air_K}
+        of_camera = None if image.camera is None else image.camera.range_m
+        range_m = self.range_m or of_camera or (None if context is None else context.range_m)
+        given: dict[str, Any] = {"range_m": range_m, "air_K": self.air_K}
         if self.model == "modtran":
             assert self.path is not None
             points, radiance = read_path_table((here.folder / self.path).absolute())
             return AirPath(points=points, radiance=radiance, **given)
         if self.model == "modtran_tables":
-            points, radiance = self._tables(image, given["range_m"])
+            points, radiance = self._tables(image, range_m)
             return AirPath(points=points, radiance=radiance, **given)
         if self.model == "extinction_per_km":
             return AirPath(extinction_per_km=self.extinction_per_km, **given)
@@ -264,13 +266,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             raise ParameterError("range_m", None, "give it here, or on a Camera before this node")
         ihaze = 1 if self.haze == "rural_23_km" else 2
         return table_path(height_km=altitude_m / 1e3, range_km=range_m / 1e3, ihaze=ihaze)
-
-    def _range(self, image: Image, context: Context | None) -> float | None:
-        of_camera = None if image.camera is None else image.camera.range_m
-        return self.range_m or of_camera or (None if context is None else context.range_m)
-
-    def _source(self) -> float:
-        return SUNLIGHT_K if self.source_K is None else self.source_K
 
     def _scene(
         self, image: Image, air: AirPath, factor: float, here: NodeContext

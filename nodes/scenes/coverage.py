@@ -28,20 +28,10 @@ def edge_fraction(
 ) -> FloatArray:
     """Share of a rectangular sample on the positive side of a straight edge.
 
-    The sample's shadow on the edge's normal is a trapezoid, the convolution of two boxes; its
-    integral is quadratic near both ends and linear between.
-
-    Parameters
-    ----------
-    distance : ndarray
-        Signed distance of the sample's centre from the edge, positive on the covered side.
-    extent_a, extent_b : ndarray
-        Lengths of the shadows of the sample's two sides on the normal, in the same unit.
-
-    Returns
-    -------
-    ndarray
-        0 to 1.
+    `distance` is that of the sample's centre, positive on the covered side; the extents are the
+    lengths of the shadows of its two sides on the edge's normal. The sample's shadow is a
+    trapezoid, the convolution of two boxes: its integral is quadratic near both ends and linear
+    between.
     """
     long_side = np.maximum(extent_a, extent_b)
     short_side = np.minimum(extent_a, extent_b)
@@ -233,13 +223,8 @@ def steps(starts: npt.ArrayLike, ends: npt.ArrayLike, values: npt.ArrayLike = 1.
 
 def power(low: float, high: float, exponent: int) -> Profile:
     """((u - low) / (high - low))^exponent."""
-    width = high - low
-
-    def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = width / (exponent + 1) * ((e - low) / width) ** (exponent + 1)
-        return area
-
-    return Profile(low, high, integral)
+    width, next_one = high - low, exponent + 1
+    return Profile(low, high, lambda e: width / next_one * ((e - low) / width) ** next_one)
 
 
 def wave(
@@ -254,32 +239,19 @@ def wave(
     k = 2.0 * np.pi * np.asarray(cycles, dtype=np.float64)[..., None]
     start = np.asarray(phase, dtype=np.float64)[..., None]
     scale = np.asarray(height, dtype=np.float64)[..., None] / k
-
-    def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = scale * np.sin(k * e + start)
-        return area
-
-    return Profile(low, high, integral)
+    return Profile(low, high, lambda e: scale * np.sin(k * e + start))
 
 
 def bell(centre: float, sigma: float, height: float = 1.0) -> Profile:
     """A Gaussian of the given height, cut at 5 sigma."""
     scale = height * sigma * float(np.sqrt(2.0 * np.pi))
-
-    def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = scale * scipy.special.ndtr((e - centre) / sigma)
-        return area
-
-    return Profile(centre - 5.0 * sigma, centre + 5.0 * sigma, integral)
+    low, high = centre - 5.0 * sigma, centre + 5.0 * sigma
+    return Profile(low, high, lambda e: scale * scipy.special.ndtr((e - centre) / sigma))
 
 
 def bells(centres: FloatArray, sigma: float, heights: FloatArray) -> Profile:
     """A sum of equal Gaussians side by side, cut at 5 sigma beyond the first and the last."""
     scale = heights * (sigma * float(np.sqrt(2.0 * np.pi)))
-    reach = 5.0 * sigma
-
-    def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = scale @ scipy.special.ndtr((e - centres[:, None]) / sigma)
-        return area
-
-    return Profile(float(centres[0]) - reach, float(centres[-1]) + reach, integral)
+    low, high = float(centres[0]) - 5.0 * sigma, float(centres[-1]) + 5.0 * sigma
+    places = centres[:, None]
+    return Profile(low, high, lambda e: scale @ scipy.special.ndtr((e - places) / sigma))

@@ -79,18 +79,9 @@ def scene_radiances(
 ) -> Radiances:
     """Band radiance of each of a scene's surfaces, or of background and signal [W m⁻² sr⁻¹].
 
-    Parameters
-    ----------
-    kind : str
-        One of `KINDS`.
-    cut_on_um, cut_off_um : float
-        Band [µm].
-    temperature_K, delta_K : float
-        Background [K] and how much warmer the target is [K]. All targets are black; the
-        dormitory and the airfield have surfaces of many temperatures and emissivities, in steps
-        of delta_K.
-    reflectances : (float, float), optional
-        Of a target's background and signal, which are then given instead of their radiances.
+    Targets are black, `delta_K` warmer than a background of `temperature_K`; the scenes of
+    `DRAWN` have surfaces of many temperatures and emissivities, in steps of `delta_K`. A target's
+    `reflectances`, of background and signal, are given instead of their radiances.
     """
     if reflectances is not None:
         return dict(zip(_LEVELS, reflectances, strict=True))
@@ -107,17 +98,10 @@ def draw_radiances(
 ) -> npt.NDArray[np.floating]:
     """A test scene of these radiances, averaged over each sample's area.
 
-    Parameters
-    ----------
-    radiances : mapping of str to float
-        Of every surface, of those in `DRAWN`, and perhaps the strengths of their textures; else of
-        `background` and `signal`. The picture is linear in all of them.
-    angle_deg : float
-        Direction from +x towards +y: the normal of the slanted edge, and along which the
-        sinusoid varies [deg].
-    frequency : float
-        Cycles across the frame's width (sine) or shorter side (coarsest four-bar target), or
-        the number of spokes (siemens_star).
+    The picture is linear in all radiances, and in the strengths of textures that may be among them.
+    `angle_deg` is the direction, from +x towards +y, of the slanted edge's normal and of the
+    sinusoid; `frequency` is in cycles across the frame's width (sine) or shorter side (coarsest
+    bars), or the number of spokes.
     """
     if kind in DRAWN:
         return DRAWN[kind]().render(radiances, canvas)

@@ -34,6 +34,7 @@ STAR_RADIUS = 0.45
 BAR_GROUPS = 12
 BAR_MINIMUM = 9.0
 MAX_SPOKES = 1024
+_WARMER = difference("signal", "background")
 
 
 def draw_target(
@@ -48,7 +49,11 @@ def draw_target(
     """One of the targets; parameters as for `nodes.scenes.draw.draw_radiances`."""
     width, height = canvas.width, canvas.height
     if kind in ("two_panel", "four_bar"):
-        drawing = _two_panel() if kind == "two_panel" else _four_bar(width, height, frequency)
+        drawing = Drawing("background")
+        if kind == "two_panel":
+            drawing.add(_WARMER, (band(0.0, 1.0), band(0.5, 1.0)))
+        else:
+            _four_bar(drawing, width, height, frequency)
         return drawing.render({"background": background, "signal": signal}, canvas)
     if kind == "sine":
         return canvas.filled(_sine(width, height, background, signal, angle_deg, frequency))
@@ -91,13 +96,6 @@ def _sample_edges(*, count: int, start: int, stop: int) -> FloatArray:
     return np.arange(start, stop + 1, dtype=np.float64) - 0.5 * count
 
 
-def _two_panel() -> Drawing:
-    """`background` on the left half of the frame, `signal` on the right half."""
-    drawing = Drawing("background")
-    drawing.add(difference("signal", "background"), (band(0.0, 1.0), band(0.5, 1.0)))
-    return drawing
-
-
 def _slanted_edge(width: int, height: int, angle_deg: float) -> Shares:
     """Share of the signal on one side of an edge through the centre.
 
@@ -107,9 +105,10 @@ def _slanted_edge(width: int, height: int, angle_deg: float) -> Shares:
     turn = np.deg2rad(angle_deg)
     x_edges = _sample_edges(count=width, start=0, stop=width)
 
+    normal = {"normal_x": float(np.cos(turn)), "normal_y": float(np.sin(turn))}
+
     def shares(start: int, stop: int) -> tuple[FloatArray]:
         y_edges = _sample_edges(count=height, start=start, stop=stop)
-        normal = {"normal_x": float(np.cos(turn)), "normal_y": float(np.sin(turn))}
         return (half_plane_coverage(x_edges, y_edges, **normal, offset=0.0),)
 
     return shares
@@ -164,7 +163,7 @@ def _siemens_star(width: int, height: int, frequency: float) -> Shares:
     return shares
 
 
-def _four_bar(width: int, height: int, frequency: float) -> Drawing:
+def _four_bar(drawing: Drawing, width: int, height: int, frequency: float) -> None:
     """Pairs of four-bar targets, upright and level, each √2 finer than the one before.
 
     The coarsest has `frequency` cycles per shorter side of the frame. A bar is 7 times as long
@@ -178,17 +177,14 @@ def _four_bar(width: int, height: int, frequency: float) -> Drawing:
         )
     short = min(width, height)
     unit_x, unit_y = short / width, short / height
-    drawing = Drawing("background")
-    warmer = difference("signal", "background")
     for left, top, bar in _bar_layout(frequency, 1.0 / unit_x, 1.0 / unit_y):
         starts = 2.0 * bar * np.arange(4)
         side = 7.0 * bar
         across = left + 9.0 * bar
         upright = steps((left + starts) * unit_x, (left + starts + bar) * unit_x)
         level = steps((top + starts) * unit_y, (top + starts + bar) * unit_y)
-        drawing.add(warmer, (band(top * unit_y, (top + side) * unit_y), upright))
-        drawing.add(warmer, (level, band(across * unit_x, (across + side) * unit_x)))
-    return drawing
+        drawing.add(_WARMER, (band(top * unit_y, (top + side) * unit_y), upright))
+        drawing.add(_WARMER, (level, band(across * unit_x, (across + side) * unit_x)))
 
 
 def _bar_layout(frequency: float, room_x: float, room_y: float) -> list[tuple[float, float, float]]:

@@ -17,21 +17,17 @@ class PicturePreview(Module):
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
         image: Image = planned.sound().outputs["image"]
         samples = work.value(image.recipe)
+        x, y = image.interval_x_mrad, image.interval_y_mrad
         low, high = float(samples.min()), float(samples.max())
         facts = [
             f"{image.columns} × {image.rows} samples",
             f"{brief(low)} to {brief(high)} {image.unit}".rstrip(),
-            _interval(image),
+            "no field of view" if x is None or y is None else f"interval {pair(x, y)} mrad",
         ]
         if image.band_um is not None:
             facts.append(f"{brief(image.band_um[0])} to {brief(image.band_um[1])} µm")
         picture = Picture(samples, low, high, _shape(image))
         return Preview(", ".join(facts), (picture,), tuple(facts))
-
-
-def _interval(image: Image) -> str:
-    x, y = image.interval_x_mrad, image.interval_y_mrad
-    return "no field of view" if x is None or y is None else f"interval {pair(x, y)} mrad"
 
 
 def _shape(image: Image) -> tuple[float, float]:

@@ -160,24 +160,11 @@ def _combined(
 
 
 def taps(old: int, new: int, order: int, edges: Edges | None) -> Taps:
-    """Where each new sample is taken from along one axis.
+    """Where each of `new` samples is taken from along one axis, of `old` ones over the same field.
 
-    Parameters
-    ----------
-    old, new : int
-        Samples before and after, which span the same field.
-    order : 0, 1 or 3
-        Nearest, linear or cubic.
-    edges : "reflect", "periodic" or None
-        What lies beyond the samples: they mirrored, or repeated, or the outermost one alone.
-
-    Returns
-    -------
-    base : ndarray of int, shape (new,)
-        Index of the sample at or before each new one (order 0: the nearest).
-    further : list of (index, weight)
-        What is added: weight·(sample at index − sample at base). Written as differences, a
-        constant image stays constant to the last bit.
+    First the index of the sample at or before each new one (order 0: the nearest), then what is
+    added: weight·(sample at index − sample at base). Written as differences, a constant image stays
+    constant to the last bit.
     """
     number = np.arange(new, dtype=np.int64)
     # Whole numbers of 1/(2·new) of a sample: exact, so that ties fall alike everywhere.

@@ -170,19 +170,16 @@ def detector_averages(image: Image) -> list[Separable]:
     return [
         factor
         for factor in passed_factors(image)
-        if isinstance(factor, Separable) and any(_is_of_area(law) for law in factor.laws)
+        if isinstance(factor, Separable)
+        and any(law.function is aperture_mtf for law in factor.laws)
     ]
-
-
-def _is_of_area(law: object) -> bool:
-    return getattr(law, "function", None) is aperture_mtf
 
 
 def passes_table(image: Image) -> bool:
     """Whether a table of MTF is on the way, which may have been measured through the pixels."""
     tables = (tabulated_mtf, radial_tabulated_mtf)
     laws = [law for factor in passed_factors(image) for law in factor.laws]
-    return any(getattr(law, "function", None) in tables for law in laws)
+    return any(law.function in tables for law in laws)
 
 
 def width_mrad(average: Separable, axis: str) -> float:

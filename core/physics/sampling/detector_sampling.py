@@ -123,29 +123,6 @@ def ifov_mrad(*, pitch_um: float, focal_length_mm: float, fill: float = 1.0) -> 
     return pitch / positive("focal_length_mm", focal_length_mm, unit="mm") * share
 
 
-def oversampling(*, pitch_um: float, focal_length_mm: float, interval_mrad: float) -> float:
-    """Samples of the scene per detector pitch, along one axis; the fill does not enter.
-
-    Parameters
-    ----------
-    pitch_um : float
-        Detector pitch, above zero.
-    focal_length_mm : float
-        Focal length, above zero.
-    interval_mrad : float
-        Sampling interval of the scene in mrad, above zero.
-
-    Returns
-    -------
-    float
-        pitch/focal length/interval, without unit.
-
-    Source: Tantalo 1996, section 4.1.
-    """
-    footprint = ifov_mrad(pitch_um=pitch_um, focal_length_mm=focal_length_mm)
-    return footprint / positive("interval_mrad", interval_mrad, unit="mrad")
-
-
 def _count(samples: int) -> int:
     if within("samples", samples, 1, 2**53) != int(samples):
         raise ParameterError("samples", samples, "a whole number, 1 or above")

@@ -14,7 +14,6 @@ from core.physics.sampling.detector_sampling import (
     ifov_mrad,
     interval_mrad,
     nyquist_cyc_per_mrad,
-    oversampling,
 )
 from core.physics.sampling.platform_motion import (
     blur_mrad,
@@ -117,8 +116,6 @@ def test_motion_widths() -> None:
 def test_sampling_of_a_detector() -> None:
     interval = interval_mrad(fov_deg=30.0, samples=512)
     assert nyquist_cyc_per_mrad(interval_mrad=interval) == pytest.approx(0.488924, abs=1e-6)
-    got = oversampling(pitch_um=600.0, focal_length_mm=130.0, interval_mrad=interval)
-    assert got == pytest.approx(600.0 / 130.0 / interval, rel=1e-15)
     assert interval_mrad(fov_deg=1e-6, samples=512) > 0.0
 
 
