@@ -129,23 +129,10 @@ def acquisition(
     spectrum = noise.spectrum
     turned = None if spectrum is None else spectrum.T
     limits = [
-        TtpThreshold(
-            thresholds.frequency,
-            _contrast_threshold(thresholds, mrtd, mtf, task)
-            if task.ttp_threshold == "mrtd"
-            else _through_the_system(thresholds, mrtd, mtf, task, _relative_noise(task, *seen)),
-        )
-        for mrtd, mtf, seen in (
-            (
-                thresholds.horizontal,
-                thresholds.mtf_x,
-                (noise, thresholds.frequency, grid.nyquist_x, grid.nyquist_y, spectrum),
-            ),
-            (
-                thresholds.vertical,
-                thresholds.mtf_y,
-                (noise, thresholds.frequency, grid.nyquist_y, grid.nyquist_x, turned),
-            ),
+        TtpThreshold(thresholds.frequency, _contrast_threshold(task, noise, thresholds, *seen))
+        for seen in (
+            (thresholds.horizontal, thresholds.mtf_x, grid.nyquist_x, grid.nyquist_y, spectrum),
+            (thresholds.vertical, thresholds.mtf_y, grid.nyquist_y, grid.nyquist_x, turned),
         )
     ]
 
@@ -177,31 +164,35 @@ def acquisition(
     )
 
 
-def _contrast_threshold(thresholds: Thresholds, mrtd: Vector, mtf: Vector, task: Task) -> Vector:
-    """Threshold of the eye through the sensor, and of its noise, as the root of their squares."""
-    eye = eye_contrast_threshold(
-        frequency_cyc_per_deg=thresholds.frequency * (CYC_PER_DEG / task.magnification),
-        luminance_cd_m2=task.luminance_cd_m2,
-        display_deg=task.display_deg,
-    )
-    noise = thermal_contrast(difference_K=mrtd, scene_contrast_K=task.scene_contrast_K)
-    resolved = np.isfinite(mrtd)
-    through = eye / np.where(resolved, mtf, 1.0)
-    return np.where(resolved, np.hypot(through, noise), np.inf)
-
-
-def _through_the_system(
-    thresholds: Thresholds, mrtd: Vector, mtf: Vector, task: Task, relative_noise: Vector
+def _contrast_threshold(
+    task: Task,
+    noise: Sensitivity,
+    thresholds: Thresholds,
+    mrtd: Vector,
+    mtf: Vector,
+    across: float,
+    along: float,
+    spectrum: Vector | None,
 ) -> Vector:
-    """The published contrast threshold of the eye through MTF and noise; as far as is sampled."""
-    resolved = np.isfinite(mrtd)
+    """The published one, of the eye through MTF and noise; or by the MRTD; as far as is sampled.
+
+    By the MRTD it is the root of the squares of the eye's threshold through the sensor, and of its
+    noise.
+    """
+    frequency, resolved = thresholds.frequency, np.isfinite(mrtd)
+    seen = np.where(resolved, mtf, 1.0)
+    display = {"luminance_cd_m2": task.luminance_cd_m2, "display_deg": task.display_deg}
+    if task.ttp_threshold == "mrtd":
+        per_deg = frequency * (CYC_PER_DEG / task.magnification)
+        eye = eye_contrast_threshold(frequency_cyc_per_deg=per_deg, **display)
+        hidden = thermal_contrast(difference_K=mrtd, scene_contrast_K=task.scene_contrast_K)
+        return np.where(resolved, np.hypot(eye / seen, hidden), np.inf)
     threshold = system_contrast_threshold(
-        frequency=thresholds.frequency,
-        mtf=np.where(resolved, mtf, 1.0),
-        luminance_cd_m2=task.luminance_cd_m2,
-        display_deg=task.display_deg,
+        frequency=frequency,
+        mtf=seen,
         magnification=task.magnification,
-        relative_noise=relative_noise,
+        relative_noise=_relative_noise(task, noise, frequency, across, along, spectrum),
+        **display,
     )
     return np.where(resolved, threshold, np.inf)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from core.chain.results import CameraSheet, TableData, TableRow
 from core.chain.wires import Image, Table
@@ -400,19 +400,18 @@ def _field_caution(
     if not (pixels and pitch_mrad and interval_mrad):
         return None
     picture, camera = interval_mrad * samples, pixels * pitch_mrad
-    flat = field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad)
-    if alike(picture, camera) or alike(math.degrees(picture / 1000), flat):
+    degrees, flat = (
+        math.degrees(picture / 1000),
+        field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad),
+    )
+    if alike(picture, camera) or alike(degrees, flat):
         return None
     return Caution(
-        f"the picture's field of view, {_deg(picture)}, is used, but {name} = {pixels} of "
+        f"the picture's field of view, {degrees:.4g}°, is used, but {name} = {pixels} of "
         f"{pitch_mrad:.4g} mrad give {flat:.4g}°",
         "correct pixels, pitch, focal length or the picture's field of view, unless the picture "
         "covers more or less than the camera's field",
     )
-
-
-def _deg(mrad: float) -> str:
-    return f"{math.degrees(mrad / 1000):.4g}°"
 
 
 # What follows of a camera's data sheet: angles, frequencies, distances on the ground.
@@ -433,40 +432,35 @@ def camera_figures(
     x, y = sheet.pitch_x_mrad, sheet.pitch_y_mrad
     middle = None if band_um is None else sum(band_um) / 2
     blur = _times(middle, sheet.f_number)
-    gsd = _km(_times(x, sheet.range_m)), _km(_times(y, sheet.range_m))
-    return TableData(
-        (
-            TableRow("pixels_x", sheet.pixels_x, "pixels", "pixels per row"),
-            TableRow("pixels_y", sheet.pixels_y, "pixels", "pixels per column"),
-            TableRow("pitch_x_um", sheet.pitch_x_um, "µm", "horizontal pixel pitch"),
-            TableRow("pitch_y_um", sheet.pitch_y_um, "µm", "vertical pixel pitch"),
-            TableRow("focal_length_mm", sheet.focal_length_mm, "mm", "focal length"),
-            TableRow("f_number", sheet.f_number, "", "F-number"),
-            TableRow("aperture_mm", sheet.aperture_mm, "mm", "diameter of the aperture"),
-            TableRow(
-                "obscuration_ratio",
-                sheet.obscuration_ratio,
-                "",
-                "obscuration: inner diameter divided by the outer",
-            ),
-            TableRow("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
-            TableRow("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
-            TableRow("range_m", sheet.range_m, "m", "distance of the scene"),
-            TableRow("pixel_x_mrad", x, "mrad", "horizontal pixel angle"),
-            TableRow("pixel_y_mrad", y, "mrad", "vertical pixel angle"),
-            TableRow("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "horizontal field of view"),
-            TableRow("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "vertical field of view"),
-            TableRow("nyquist_x", _over(0.5, x), "cyc/mrad", "horizontal Nyquist frequency"),
-            TableRow("nyquist_y", _over(0.5, y), "cyc/mrad", "vertical Nyquist frequency"),
-            TableRow("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "horizontal"),
-            TableRow("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "vertical"),
-            TableRow("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
-            TableRow("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
-            TableRow("gsd_x_m", gsd[0], "m", "width seen by a pixel"),
-            TableRow("gsd_y_m", gsd[1], "m", "height seen by a pixel"),
-            *_orbit_rows(sheet.orbit, *gsd),
-        )
-    )
+    gsd = _over(_times(x, sheet.range_m), 1000.0), _over(_times(y, sheet.range_m), 1000.0)
+    rows: tuple[tuple[Any, ...], ...] = (
+        ("pixels_x", sheet.pixels_x, "pixels", "pixels per row"),
+        ("pixels_y", sheet.pixels_y, "pixels", "pixels per column"),
+        ("pitch_x_um", sheet.pitch_x_um, "µm", "horizontal pixel pitch"),
+        ("pitch_y_um", sheet.pitch_y_um, "µm", "vertical pixel pitch"),
+        ("focal_length_mm", sheet.focal_length_mm, "mm", "focal length"),
+        ("f_number", sheet.f_number, "", "F-number"),
+        ("aperture_mm", sheet.aperture_mm, "mm", "diameter of the aperture"),
+        ("obscuration_ratio", sheet.obscuration_ratio, "",
+         "obscuration: inner diameter divided by the outer"),
+        ("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
+        ("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
+        ("range_m", sheet.range_m, "m", "distance of the scene"),
+        ("pixel_x_mrad", x, "mrad", "horizontal pixel angle"),
+        ("pixel_y_mrad", y, "mrad", "vertical pixel angle"),
+        ("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "horizontal field of view"),
+        ("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "vertical field of view"),
+        ("nyquist_x", _over(0.5, x), "cyc/mrad", "horizontal Nyquist frequency"),
+        ("nyquist_y", _over(0.5, y), "cyc/mrad", "vertical Nyquist frequency"),
+        ("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "horizontal"),
+        ("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "vertical"),
+        ("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
+        ("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
+        ("gsd_x_m", gsd[0], "m", "width seen by a pixel"),
+        ("gsd_y_m", gsd[1], "m", "height seen by a pixel"),
+        *_orbit_rows(sheet.orbit, *gsd),
+    )  # fmt: skip
+    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _rotation_caution(orbit: OrbitView) -> Caution | None:
@@ -482,16 +476,14 @@ def _rotation_caution(orbit: OrbitView) -> Caution | None:
 
 def _orbit_rows(
     orbit: OrbitView | None, gsd_x_m: float | None, gsd_y_m: float | None
-) -> tuple[TableRow, ...]:
+) -> list[tuple[Any, ...]]:
     values: list[float | None] = [None] * len(_ORBIT)
     if orbit is not None:
         velocity, ground = orbit.velocity_m_per_s, orbit.ground_gsd(gsd_x_m, gsd_y_m)
         rate = _over(velocity, gsd_y_m)
         values = [orbit.elevation_deg, orbit.ground_speed_m_per_s, velocity, *ground, rate]
-    return tuple(
-        TableRow(name, value, unit, meaning.rstrip("."))
-        for (name, unit, meaning), value in zip(_ORBIT, values, strict=True)
-    )
+    pairs = zip(_ORBIT, values, strict=True)
+    return [(name, value, unit, meaning.rstrip(".")) for (name, unit, meaning), value in pairs]
 
 
 def _times(a: float | None, b: float | None) -> float | None:
@@ -506,8 +498,3 @@ def _field_deg(pixels: int | None, pitch_mrad: float | None) -> float | None:
     if pixels is None or pitch_mrad is None:
         return None
     return field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad)
-
-
-def _km(mrad_m: float | None) -> float | None:
-    """Milliradians times metres as metres."""
-    return None if mrad_m is None else mrad_m / 1000.0

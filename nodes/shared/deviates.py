@@ -120,12 +120,11 @@ def _deviates_part(work: Work, region: Region, *, stream: Stream, shape: tuple[i
     return normal_part(stream, shape, wanted, dtype=work.policy.dtype, for_each=work.for_each)
 
 
-def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
-    return len(region.blocks(shape[1], BLOCK)) / -(-shape[0] * shape[1] // BLOCK)
-
-
 @ends_lineage
-@in_parts(_deviates_part, _deviates_share)
+@in_parts(
+    _deviates_part,
+    lambda region, shape: len(region.blocks(shape[1], BLOCK)) / -(-shape[0] * shape[1] // BLOCK),
+)
 def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
     return normal_field(stream, shape, dtype=work.policy.dtype, for_each=work.for_each)
 
