@@ -44,6 +44,10 @@ from core.names import close, shown
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe, Step
 
+__all__ = [  # what a module is declared with; the rest is for those who read declarations
+    "Caution", "Formula", "Module", "NodeContext", "Param", "Section", "readout", "warning",
+]  # fmt: skip
+
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
 

@@ -14,9 +14,7 @@ from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
 from core.modules.preview import Axis, Plot, Preview, brief, pair
 from core.modules.preview import Curve as DrawnCurve
 from core.physics.sampling.footprint_means import (

@@ -14,8 +14,7 @@ from core.chain.wires import Curve, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param
 from core.transfer.factors import Array, Edges, Grid
 from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum

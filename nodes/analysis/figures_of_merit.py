@@ -8,9 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
-from core.modules.declaration import Module, NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mdtd import Window
 from core.physics.atmosphere.air_path import AirPath

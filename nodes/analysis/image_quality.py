@@ -15,9 +15,7 @@ from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid

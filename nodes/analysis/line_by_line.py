@@ -13,9 +13,7 @@ from core.chain.wires import Context, Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
 from core.transfer.factors import Array, Edges, Factor, Grid
 from core.transfer.mixed_sampling import MOST_NODES, Filtered, Method, filter_mixed

@@ -13,9 +13,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
 from core.physics.measurement.edges.slanted_edge import Target, Window
 from nodes.analysis.mtf_measuring import (
     Direction,

@@ -11,9 +11,7 @@ from core.chain.results import CurveData, CurveMark, SampledTransfer, Series
 from core.chain.wires import Curve, Magnitude, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
 from core.transfer.factors import Grid, Part
 from nodes.analysis.lineage import (
     HORIZONTAL,

@@ -16,9 +16,7 @@ from core.chain.wires import Curve, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.paths import readable_file

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from nodes.analysis.budget_shares import (
     Kind,
     Show,

@@ -19,9 +19,7 @@ from core.errors import DataError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.scratch import is_on_disk
 from core.transfer.factors import Edges, Factor, Grid
 from core.transfer.product import Product

@@ -13,9 +13,7 @@ from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.atmosphere.air_path import VISIBLE_UM
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,

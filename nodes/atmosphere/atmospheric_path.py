@@ -19,9 +19,7 @@ from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.atmosphere.air_path import (
     AirPath,

@@ -20,9 +20,7 @@ from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band

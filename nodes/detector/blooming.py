@@ -10,9 +10,7 @@ from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, warning
 from core.physics.detector.readout import bloomed
 from nodes.shared.module_ports import ImageOutput, OfPixels
 from nodes.shared.steps import PictureRange, picture_range

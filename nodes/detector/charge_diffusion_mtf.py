@@ -6,9 +6,7 @@ from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude
 from core.errors import ParameterError
-from core.modules.declaration import NodeContext, readout
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, NodeContext, Param, Section, readout
 from core.physics.detector.charge_diffusion import (
     Side,
     band_diffusion_mtf,

@@ -6,9 +6,7 @@ import math
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.physics.detector.detector_mtf import charge_transfer_mtf
 from nodes.shared.context_defaults import pixel_mrad
 from nodes.shared.factors import separable

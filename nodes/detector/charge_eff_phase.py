@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from core.chain.wires import Context, Phase
-from core.modules.declaration import NodeContext
-from core.modules.parameters import Formula
+from core.modules.declaration import Formula, NodeContext
 from core.physics.detector.detector_mtf import charge_transfer_ptf
 from nodes.detector.charge_eff_mtf import ChargeTransfer
 from nodes.shared.factors import separable

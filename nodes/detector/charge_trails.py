@@ -14,9 +14,7 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.readout import trail_length, trailed
 from core.transfer.factors import Factor, Grid, Separable

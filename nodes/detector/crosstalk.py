@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude, Phase
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.detector.crosstalk import crosstalk_kernel, crosstalk_otf
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Law, Planar

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.detector.detector_mtf import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given

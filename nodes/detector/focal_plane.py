@@ -11,9 +11,7 @@ from core.chain.results import TableData
 from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Formula
+from core.modules.declaration import Caution, Formula, NodeContext, warning
 from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import QuantumEfficiency

@@ -8,9 +8,7 @@ from typing import Annotated, Literal
 
 from core.chain.wires import Context, Image
 from core.errors import ParameterError
-from core.modules.declaration import NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.declaration import NodeContext, Param, Section
 from core.physics.detector import focal_plane_array
 from core.physics.detector.charge_gain import ChargeGain, excess_noise_factor
 from core.physics.detector.detectivity import ResponseCurve

@@ -12,8 +12,7 @@ from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, NodeContext, Param, readout
 from core.physics.detector.readout import smear, smear_mtf
 from core.transfer.factors import Factor, Grid, Law, Separable
 from nodes.shared.module_ports import ImageOutput, OfPixels

@@ -17,9 +17,7 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, warning
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
 from core.physics.detector.filters import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import (

@@ -17,9 +17,7 @@ from core.chain.wires import Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, warning
 from core.physics.detector import focal_plane_array
 from core.physics.radiometry.planck import band_radiance
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule

@@ -11,8 +11,7 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, NodeContext, Param, readout
 from core.physics.detector.readout import persistence
 from nodes.shared.module_ports import BeforeDigits, ImageOutput
 from nodes.shared.shared_warnings import is_radiance

@@ -13,9 +13,7 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
 from core.physics.detector.readout import REACH, sinc_weights
 from core.transfer.factors import Edges
 from nodes.shared.context_defaults import pitch_in_samples

@@ -18,8 +18,7 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.modules.preview import Axis, Curve, Mark, Plot, Preview, brief
 from core.physics.detector.detectivity import ResponseCurve

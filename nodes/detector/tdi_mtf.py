@@ -6,9 +6,7 @@ import math
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.checks import positive
 from core.physics.detector.detector_mtf import image_motion, smear_mrad, tdi_askew_mtf, tdi_mtf
 from core.physics.sampling.detector_sampling import ifov_mrad

@@ -15,9 +15,8 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, declaration, warning
+from core.modules.declaration import Formula, NodeContext, Param, declaration, warning
 from core.modules.panel_sections import Caution, Offer, Section
-from core.modules.parameters import Formula, Param
 from core.modules.preview import (
     Axis,
     Bar,

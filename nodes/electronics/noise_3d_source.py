@@ -16,9 +16,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.noise.noise_components import COMPONENTS
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates

@@ -13,9 +13,7 @@ from core.chain.wires import Image
 from core.evaluation.recipes import ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.noise.flicker_noise import periodic_pattern
 from core.transfer.factors import Grid

@@ -13,9 +13,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.noise.poisson import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import separable

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
 from core.physics.sampling.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

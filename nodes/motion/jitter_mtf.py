@@ -6,8 +6,7 @@ import math
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, NodeContext, Param, readout
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

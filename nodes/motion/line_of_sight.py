@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from core.chain.random_fields import FrameNumber, Stream, uniform_field
 from core.chain.wires import Context, Magnitude, Phase, Transfer
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.checks import non_negative, positive
 from core.physics.sampling.vibration import (
     WAVES,

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.shared.context_defaults import given

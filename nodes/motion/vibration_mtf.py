@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, NodeContext, Param, readout
 from core.physics.sampling.vibration import vibration_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

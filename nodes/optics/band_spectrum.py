@@ -14,8 +14,7 @@ from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Param
+from core.modules.declaration import Caution, Param
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature

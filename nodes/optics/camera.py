@@ -10,9 +10,7 @@ from core.chain.results import CameraSheet, TableData, TableRow
 from core.chain.wires import Image, Table
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
 from core.physics.sampling.orbit import EARTH_RADIUS_KM, LookDirection, OrbitView, orbit_view

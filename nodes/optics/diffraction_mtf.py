@@ -10,9 +10,7 @@ from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.optics.diffraction_otf import (
     FINEST_TOLERANCE,
     USUAL_WITH_DEFOCUS,

@@ -17,8 +17,7 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.physics.optics.distortion import Distortion as Lens
 from core.physics.optics.distortion import samples_at

@@ -15,8 +15,7 @@ from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.modules.preview import Axis, Picture, Plot, Preview, brief
 from core.physics.optics.pupil_shapes import (

@@ -13,9 +13,7 @@ from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.optics.polychromatic import Spectrum, band_wavelengths
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (

@@ -19,8 +19,7 @@ from core.chain.wires import Context, Image, Magnitude
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.physics.optics.distortion import samples_at
 from core.physics.optics.field_psf import (

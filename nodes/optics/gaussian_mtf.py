@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, NodeContext, Param
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.optics.tabulated_mtf import (
     ROUNDED,
     Column,

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
 from nodes.shared.factors import radial
 from nodes.shared.module_ports import MtfModule, MtfOutputs

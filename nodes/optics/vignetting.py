@@ -18,8 +18,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.physics.optics.vignetting import relative_illumination
 from core.transfer.factors import Grid

@@ -19,9 +19,7 @@ from core.chain.random_fields import (
 from core.evaluation.recipes import Step, ends_lineage, in_parts
 from core.evaluation.region import Array, Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.declaration import Module, NodeContext, Param, Section
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_wave,

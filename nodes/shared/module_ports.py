@@ -10,9 +10,7 @@ from core.chain.results import TableData
 from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
 from core.evaluation.work import Work
-from core.modules.declaration import Module, readout, warning
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Param
+from core.modules.declaration import Caution, Module, Param, readout, warning
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Factor
 from nodes.shared.context_defaults import pitch_in_samples

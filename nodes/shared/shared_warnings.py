@@ -6,8 +6,7 @@ from functools import lru_cache
 
 from core.chain.wires import Context, Phase, Transfer
 from core.errors import DataError
-from core.modules.declaration import Module, declaration
-from core.modules.panel_sections import Caution
+from core.modules.declaration import Caution, Module, declaration
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 
 Band = tuple[float, float]

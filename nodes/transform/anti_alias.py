@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
-from core.modules.declaration import Module, NodeContext, readout
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param, readout
 from core.physics.optics.gaussian import gaussian_mtf
 from core.physics.sampling.interpolation import block_mean_mtf
 from core.transfer.factors import Grid

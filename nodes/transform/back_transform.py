@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Magnitude, Phase
-from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import Formula
+from core.modules.declaration import Formula, Module, NodeContext
 from nodes.shared.module_ports import ImageOutput
 
 

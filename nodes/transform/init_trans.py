@@ -15,8 +15,7 @@ from core.chain.results import CameraSheet
 from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad

@@ -15,8 +15,7 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import Formula, Param
+from core.modules.declaration import Formula, Module, NodeContext, Param
 from core.physics.sampling.interpolation import (
     interpolation_mtf,
     interpolation_ptf,

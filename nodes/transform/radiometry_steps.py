@@ -13,9 +13,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Module, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Param
+from core.modules.declaration import Caution, Module, Param, Section, warning
 from core.physics.radiometry import grey_body
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn

@@ -7,8 +7,7 @@ from typing import Annotated
 from core.chain.back_transformed import sample_pixels
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
+from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
 from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.optics.tabulated_mtf import radial_tabulated_mtf, tabulated_mtf

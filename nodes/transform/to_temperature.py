@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from core.chain.wires import Image
-from core.modules.declaration import NodeContext
-from core.modules.parameters import Formula
+from core.modules.declaration import Formula, NodeContext
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import watts_factor
 from nodes.transform.radiometry_steps import Radiometry, temperature_of_radiance
