@@ -57,7 +57,7 @@ def installed_plug_ins(taken: Iterable[str] = ()) -> PlugIns:
                 known.add(module.key)
                 modules[module.key] = module
         except (Exception, SystemExit) as error:  # whatever code of others may raise
-            faults.setdefault(package, _line(point, error))
+            faults.setdefault(package, f"{point.value} cannot be loaded: {with_place(error)}")
     return PlugIns(tuple(modules.values()), faults)
 
 
@@ -91,7 +91,3 @@ def _modules_at(point: EntryPoint, package: str) -> tuple[type[Module], ...]:
             raise TypeError(f"{module.__name__} has no title or no group")
         declaration(module)
     return several
-
-
-def _line(point: EntryPoint, error: BaseException) -> str:
-    return f"{point.value} cannot be loaded: {with_place(error)}"

@@ -98,7 +98,7 @@ def noise_shares(work: Work, noise: ImageNoise, *, kind: Kind) -> NoiseShares:
         temporal: math.fsum(by_time.get(temporal, 0.0) for by_time in variances.values())
         for temporal in (True, False)
     }
-    counted = [temporal for temporal in (True, False) if kind in ("all", _kind(temporal))]
+    counted = [kind == "temporal"] if kind != "all" else [True, False]
     total = math.fsum(whole[temporal] for temporal in counted)
     for by_time in variances.values():
         for temporal in [key for key in by_time if by_time[key] < _NOTHING * sum(whole.values())]:
@@ -127,10 +127,6 @@ def noise_shares(work: Work, noise: ImageNoise, *, kind: Kind) -> NoiseShares:
     return NoiseShares(tuple(shares), math.sqrt(whole[True]), math.sqrt(whole[False]), noise.mean)
 
 
-def _kind(temporal: bool) -> Kind:
-    return "temporal" if temporal else "fixed"
-
-
 @ends_lineage
 def blur_shares(
     work: Work, *, stages: tuple[Stage, ...], frequency: tuple[float, float], before: str | None
@@ -140,26 +136,20 @@ def blur_shares(
     for line, cyc_per_mrad in zip(_LINES, frequency, strict=True):
         work.check()
         place = np.array([cyc_per_mrad])
-        values = (float(stage_along(work, stage, "mtf", line, place)[0]) for stage in stages)
-        moduli.append([_modulus(value) for value in values])
+        values = (abs(float(stage_along(work, s, "mtf", line, place)[0])) for s in stages)
+        # What is 1 but for rounding is 1.
+        moduli.append([1.0 if abs(value - 1.0) < _ROUNDING else value for value in values])
     shared = [shares_of_losses(losses=[loss(mtf=mtf) for mtf in along]) for along in moduli]
     shares = (
-        BlurShare(_node_of(stage), stage.label, mtf, share)
+        BlurShare(
+            next((f.node for f in stage.factors if f.node), stage.label), stage.label, mtf, share
+        )
         for stage, mtf, share in zip(
             stages, zip(*moduli, strict=True), zip(*shared, strict=True), strict=True
         )
         if mtf != (1.0, 1.0)
     )
     return BlurShares(frequency, tuple(shares), before)
-
-
-def _modulus(value: float) -> float:
-    """What is 1 but for rounding is 1."""
-    return 1.0 if abs(abs(value) - 1.0) < _ROUNDING else abs(value)
-
-
-def _node_of(stage: Stage) -> str:
-    return next((factor.node for factor in stage.factors if factor.node), stage.label)
 
 
 def unknown_before(transfer: ImageTransfer) -> str | None:

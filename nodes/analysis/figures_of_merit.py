@@ -292,7 +292,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         passed, grid, node = transfer_of(image, of_camera=True), image.grid(), here.node
         sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
         band_um = given_band(self.cut_on_um, self.cut_off_um, known)
-        self._refuse_reflected(known or band_um)
+        shortest = (known or band_um)[0]
+        if shortest < SHORTEST_THERMAL_UM and self.background_K is None:
+            raise DataError(
+                f"the band begins at {shortest:g} µm, where a scene reflects light and shows no "
+                "temperature: NETD, MRTD, MDTD and the ranges from them do not apply; use Image "
+                "Quality, or give background_K for a scene hot enough to emit there"
+            )
         seen = here.step(
             sensitivity,
             NoiseOf(image, node, uniform=True),
@@ -319,15 +325,6 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             Curve(here.step(mdtd_curve, seen, **sensor)),
             Curve(here.step(probability_curve, reached)),
             Table(table),
-        )
-
-    def _refuse_reflected(self, band_um: tuple[float, float]) -> None:
-        if band_um[0] >= SHORTEST_THERMAL_UM or self.background_K is not None:
-            return
-        raise DataError(
-            f"the band begins at {band_um[0]:g} µm, where a scene reflects light and shows no "
-            "temperature: NETD, MRTD, MDTD and the ranges from them do not apply; use Image "
-            "Quality, or give background_K for a scene hot enough to emit there"
         )
 
     @warning

@@ -266,15 +266,23 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def run(
         self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
     ) -> LineOutputs:
-        source = _source(context, magnitude, phase)
+        source = one_source(
+            magnitude, phase, wanted="frame to scan", refusal="Line by Line cannot combine"
+        )
+        if context.grid != magnitude.grid or context.edges != magnitude.edges:
+            raise DataError(
+                "context and magnitude come from different Init & Trans nodes: wire "
+                "both to the same one"
+            )
         whole = back_transform(magnitude, phase, node=here.node)
-        chain = self._chain(magnitude, phase)
+        factors = (*magnitude.factors, *phase.factors)
+        chain = ScanChain(Product(factors), magnitude.grid, magnitude.edges, self.scan)
         angles = self._view_angles(chain)
         intervals = self._intervals(chain, context, angles)
         filtered = here.step(
             mixed,
             source.recipe,
-            factors=(*magnitude.factors, *phase.factors),
+            factors=factors,
             grid=magnitude.grid,
             edges=magnitude.edges,
             scan=self.scan,
@@ -302,10 +310,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
                 )
             ),
         )
-
-    def _chain(self, magnitude: Magnitude, phase: Phase) -> ScanChain:
-        product = Product((*magnitude.factors, *phase.factors))
-        return ScanChain(product, magnitude.grid, magnitude.edges, self.scan)
 
     def _view_angles(self, chain: ScanChain) -> tuple[float, ...]:
         """Angles from nadir along a scan line, all of which meet the ground."""
@@ -382,15 +386,3 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ("error_percent", "%", "Estimated error of the interpolation between intervals, as a "
          "fraction of the picture's range."),
     )  # fmt: skip
-
-
-def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:
-    source = one_source(
-        magnitude, phase, wanted="frame to scan", refusal="Line by Line cannot combine"
-    )
-    if context.grid != magnitude.grid or context.edges != magnitude.edges:
-        raise DataError(
-            "context and magnitude come from different Init & Trans nodes: wire "
-            "both to the same one"
-        )
-    return source

@@ -171,7 +171,7 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
             TableRow("taps_x", across, "", "for the pass along x"),
             TableRow("taps_y", along, "", "for the pass along y"),
             TableRow(
-                "taps_plane", sum(_size(k) for k in planes), "", "for the two-dimensional kernel"
+                "taps_plane", sum(k.taps.size for k in planes), "", "for the two-dimensional kernel"
             ),
             TableRow(
                 "error_bound",
@@ -181,10 +181,6 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
             ),
         )
     )
-
-
-def _size(kernel: Kernel) -> int:
-    return int(kernel.taps.size)
 
 
 # Convolution of a frame in space, tap by tap, on blocks that stay in the processor's cache.

@@ -177,15 +177,11 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        bands = self._bands(magnitude)
+        image = magnitude.image
+        # Of the picture, if the wavelength is not fixed here.
+        bands = image.bands if image is not None and self.wavelength_um is None else None
         factors = *self._turbulence(context, here, bands), *self._aerosol(context, here, bands)
         return self.mtf_outputs(magnitude, *factors)
-
-    def _bands(self, magnitude: Magnitude) -> BandStack | None:
-        """Bands of the picture, where the wavelength is not fixed here."""
-        if self.wavelength_um is not None or magnitude.image is None:
-            return None
-        return magnitude.image.bands
 
     def _turbulence(
         self, context: Context, here: NodeContext, bands: BandStack | None

@@ -15,6 +15,7 @@ from core.modules.declaration import Caution, Formula, NodeContext, warning
 from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import QuantumEfficiency
+from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.optics.diffraction_otf import Aperture
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
@@ -36,7 +37,7 @@ from nodes.detector.spectral_response import (
     radiance_per_photon,
     response_preview,
 )
-from nodes.shared.context_defaults import pixel_mrad, t_number_caution
+from nodes.shared.context_defaults import pixel_mrad, pixel_of, t_number_caution
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import (
@@ -178,7 +179,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             of_bins,
             collection=whole,
             reading=self.delivered(),
-            area_cm2=self.area_cm2(context) * self.pixels,
+            area_cm2=detector_area_cm2(**pixel_of(context)) * self.pixels,
             reference_radiance=self.reference_radiance,
         )
 
@@ -273,7 +274,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             shape=image.shape,
             percent=self.bad_pixel_percent,
         )
-        return here.step(steps.with_bad_pixels, pixels, bad, levels, hot_e=self._hot_e())
+        # A hot pixel fills the well, or else gives what is just beyond the last number.
+        reading = self.read_out()
+        hot = self.pixel_well_e if self.sums_charge else reading.full_well_e
+        if hot is None and self.bits:
+            hot = (reading.top_dn + 1.0 - self.offset_dn) * reading.gain_e_per_dn
+        return here.step(steps.with_bad_pixels, pixels, bad, levels, hot_e=hot)
 
     def _bent(
         self, electrons: Recipe, levels: Recipe, reading: ReadOut, here: NodeContext
@@ -307,14 +313,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             return image.with_recipe(electrons, unit="e-")
         back = here.step(steps.radiance_of_electrons, electrons, levels)
         return image.with_recipe(back)
-
-    def _hot_e(self) -> float | None:
-        """Electrons of a hot pixel: the full well, else what is just beyond the last number."""
-        reading = self.read_out()
-        well = self.pixel_well_e if self.sums_charge else reading.full_well_e
-        if well is not None or not self.bits:
-            return well
-        return (reading.top_dn + 1.0 - self.offset_dn) * reading.gain_e_per_dn
 
     @warning
     def unit(self, image: Image) -> Caution | None:

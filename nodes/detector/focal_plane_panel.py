@@ -14,7 +14,6 @@ from core.physics.detector.charge_gain import ChargeGain, excess_noise_factor
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import CountedPhotons, PhotonWeights
 from core.physics.detector.spectral_photons import QuantumEfficiency, efficiency_of_responsivity
-from core.physics.noise.noise_equivalent import detector_area_cm2
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.spectrum_tables import read_wavelengths
@@ -466,6 +465,3 @@ class FocalPlanePanel(SeededModule):
             reference_K=self.dark_reference_K,
             doubling_K=self.dark_doubling_K,
         )
-
-    def area_cm2(self, context: Context) -> float:
-        return detector_area_cm2(**pixel_of(context))

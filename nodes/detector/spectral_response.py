@@ -121,12 +121,15 @@ class SpectralResponse(
             stack = AttenuatedBands.of(image.bands, gain=gain, node=node)
             made = stack.picture(stack.whole)
             return ImageOutput(image.with_recipe(made, bands=stack, responses=passed))
+        source = self.source_K
+        if source is None and band[0] < SHORTEST_THERMAL_UM:
+            source = SUNLIGHT_K
         counted = here.step(
             mean_response,
             image.recipe,
             response=response,
             band_um=band,
-            source_K=self._source(band),
+            source_K=source,
         )
         dimmed = here.step(weighted, image.recipe, counted)
         return ImageOutput(image.with_recipe(dimmed, responses=passed))
@@ -156,11 +159,6 @@ class SpectralResponse(
         if response is None:
             return None
         return response_preview(response, planned.inputs["image"], work)
-
-    def _source(self, band: Band) -> float | None:
-        if self.source_K is None and band[0] < SHORTEST_THERMAL_UM:
-            return SUNLIGHT_K
-        return self.source_K
 
     @warning
     def unit(self, image: Image) -> Caution | None:

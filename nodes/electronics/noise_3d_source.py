@@ -129,7 +129,16 @@ class Noise3DSource(
             names.append(name)
             sizes.append(size)
         if self.corner_Hz:
-            fields.append(self._flicker(image, here))
+            fields.append(
+                here.step(
+                    flicker_deviates,
+                    stream=self.stream(here, "1/f", fixed=True),
+                    number=FrameNumber(),
+                    shape=image.shape,
+                    band=self._band(),
+                    frame_s=1.0 / self.frame_rate_Hz,
+                )
+            )
             names.append(_FLICKER)
             sizes.append(self._flicker_sigma())
         sigmas = tuple(sizes)
@@ -178,16 +187,6 @@ class Noise3DSource(
             return 0.0
         return flicker_sigma(
             white_sigma=self.sigma_tvh, corner_Hz=self.corner_Hz, band=self._band()
-        )
-
-    def _flicker(self, image: Image, here: NodeContext) -> Recipe:
-        return here.step(
-            flicker_deviates,
-            stream=self.stream(here, "1/f", fixed=True),
-            number=FrameNumber(),
-            shape=image.shape,
-            band=self._band(),
-            frame_s=1.0 / self.frame_rate_Hz,
         )
 
 

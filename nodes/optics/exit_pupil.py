@@ -29,6 +29,7 @@ from core.physics.optics.pupil_shapes import (
 from core.physics.optics.wavefront import known_wavefront, map_scale, wavefront_waves, wrapped_waves
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
+from nodes.optics.pupil_factor import sampled
 
 Array = NDArray[Any]
 USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
@@ -149,7 +150,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
                 raise ParameterError(
                     name, size, f"at least the aperture's diameter {extent:g}", unit="samples"
                 )
-        samples = here.step(_sampled, shape=shape, rows=self.size_y, columns=self.size_x)
+        samples = here.step(sampled, shape=shape, rows=self.size_y, columns=self.size_x)
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
@@ -255,11 +256,6 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 @ends_lineage
 def _circled(work: Work, samples: Array) -> float:
     return support_circle(samples)[2]
-
-
-@ends_lineage
-def _sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
-    return sample_pupil(shape, rows=rows, columns=columns)
 
 
 # Steps that read the amplitude and the wavefront of a pupil from files.

@@ -122,16 +122,10 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     ) -> OtfOutputs:
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
-        table = self._table(here)
-        if table is not None:
-            scales = self._scales(table, context)
-            blur, shift = self._factors(table, scales, here.node)
+        if self.path is not None:
+            table = read_mtf_table((here.folder / self.path).absolute(), field=self.field)
+            blur, shift = self._factors(table, self._scales(table, context), here.node)
         return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
-
-    def _table(self, here: NodeContext) -> MtfTable | None:
-        if self.path is None:
-            return None
-        return read_mtf_table((here.folder / self.path).absolute(), field=self.field)
 
     def _scales(self, table: MtfTable, context: Context) -> Scales:
         """What cycles/mrad across and along are multiplied by to be in the file's unit."""

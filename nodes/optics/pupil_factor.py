@@ -81,7 +81,12 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
     if pupil.shape is None or max(pupil.rows, pupil.columns) > LARGEST_REFINED:
         return pupil, scale
     samples = Step.of(
-        _finely_sampled, node=node, shape=pupil.shape, rows=pupil.rows, columns=pupil.columns
+        sampled,
+        node=node,
+        shape=pupil.shape,
+        rows=pupil.rows,
+        columns=pupil.columns,
+        oversampling=2,
     )
     finer = replace(
         pupil,
@@ -293,8 +298,8 @@ def _raw(
 
 
 @ends_lineage
-def _finely_sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
-    return sample_pupil(shape, rows=rows, columns=columns, oversampling=2)
+def sampled(work: Work, *, shape: PupilShape, **how: int) -> Array:
+    return sample_pupil(shape, **how)
 
 
 @ends_lineage

@@ -108,7 +108,9 @@ def _windows(drawing: Drawing, front: Front) -> None:
     w, h = front.window, WINDOW_HEIGHT
     # Heaters under the sills warm the wall in a soft patch, which the window then covers.
     warm = scatter(y.size * x.size, seed=front.seed + 5).reshape(y.size, x.size)
-    _glow(drawing, "grille", front, 0.45 * warm)
+    for j, sill in enumerate(y + WINDOW_HEIGHT + 0.006):
+        patch = bells(x + 0.5 * front.window, 0.007, (0.45 * warm)[j])
+        drawing.paint("grille", bell(float(sill), 0.004), patch)
     rows, columns = steps(y, y + h), steps(x, x + w)
     drawing.paint("frame", rows, columns)
     f, m = 0.0018, 0.0013
@@ -131,12 +133,6 @@ def _windows(drawing: Drawing, front: Front) -> None:
             band(x[i] + f, x[i] + w - f),
         )
     drawing.paint("coping", steps(y + h, y + h + 0.0025), steps(x - 0.0015, x + w + 0.0015))
-
-
-def _glow(drawing: Drawing, surface: str, front: Front, strength: FloatArray) -> None:
-    centres = front.columns() + 0.5 * front.window
-    for j, y in enumerate(front.rows() + WINDOW_HEIGHT + 0.006):
-        drawing.paint(surface, bell(float(y), 0.004), bells(centres, 0.007, strength[j]))
 
 
 def _pane_states(front: Front) -> dict[str, FloatArray]:
