@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.atmosphere.modtran_tables import table_path
 from nodes.files.path_table import Points, read_path_table
 from nodes.files.spectrum_tables import read_wavelengths
-from nodes.shared.module_ports import TableFigures, WeightingSource
+from nodes.shared.module_ports import PictureTable, TableFigures, WeightingSource
 from nodes.shared.shared_warnings import apart_caution, first, watts_factor
 from nodes.shared.steps import mean_of
 
@@ -45,11 +45,6 @@ _NEEDED = (
     "Radiance"
 )
 _TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables contain"}
-
-
-class PathOutputs(NamedTuple):
-    image: Image
-    table: Table
 
 
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
@@ -170,7 +165,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         if self.model == "modtran" and self.path is None:
             raise ParameterError("path", None, "a MODTRAN tape7 or JSON, or a CSV of three columns")
 
-    def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
+    def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PictureTable:
         factor = watts_factor(image.unit, temperature="a temperature", needed=_NEEDED)
         air = self.air(image, here, context)
         band = image.band_um
@@ -189,9 +184,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         over = here.step(path_over_band, *scene, **how)
         table = Table(here.step(path_table, over, *scene, **how))
         if air.is_clear:
-            return PathOutputs(image, table)
+            return PictureTable(image, table)
         made = here.step(through_air, image.recipe, over, factor=factor)
-        return PathOutputs(image.with_recipe(made, air=(*image.air, air)), table)
+        return PictureTable(image.with_recipe(made, air=(*image.air, air)), table)
 
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
         """Transmission over the band, and below it the path radiance where there is any."""
@@ -219,17 +214,17 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     def _by_bands(
         self, image: Image, bands: BandStack, air: AirPath, here: NodeContext
-    ) -> PathOutputs:
+    ) -> PictureTable:
         gain, offset = path_of_bands(air, bands.centres_um, bands.widths_um)
         light = {"weights": bands.whole, "gain": gain, "offset": offset}
         over = here.step(path_over_bands, bands.means(), **light)
         how = {"air": air, "band_um": image.band_um, "source_K": None}
         table = Table(here.step(path_table, over, **how))
         if air.is_clear:
-            return PathOutputs(image, table)
+            return PictureTable(image, table)
         stack = AttenuatedBands.of(bands, gain=gain, offset=offset, node=here.node)
         made = stack.picture(stack.whole)
-        return PathOutputs(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
+        return PictureTable(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
 
     def air(self, image: Image, here: NodeContext, context: Context | None) -> AirPath:
         of_camera = None if image.camera is None else image.camera.range_m
@@ -301,7 +296,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         return None
 
     @warning
-    def dark_air(self, image: Image, outputs: PathOutputs) -> Caution | None:
+    def dark_air(self, image: Image, outputs: PictureTable) -> Caution | None:
         """The air dims a thermal scene and emits nothing."""
         if self.model in _TABLES or self.air_K is not None or image.band_um is None:
             return None

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -24,18 +24,13 @@ from core.modules.declaration import Caution, Formula, Module, NodeContext, Para
 from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
-from nodes.shared.module_ports import CutOff, CutOn, TableFigures
+from nodes.shared.module_ports import CutOff, CutOn, PictureTable, TableFigures
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
 
 _SHARES = {"": 1.0, "1": 1.0, "-": 1.0, "reflectance": 1.0, "albedo": 1.0, "%": 0.01}
 _BRIGHTEST = 1e30  # W/m²/µm
 _MOONLIT_LUX = 0.005  # below it there is starlight alone
 _AIRGLOW_UM = 0.8  # beyond it the night sky is brighter than the stars
-
-
-class LightOutputs(NamedTuple):
-    image: Image
-    table: Table
 
 
 class ReflectedLight(Module, key="reflected_light", title="Reflected Light", group="Atmosphere"):
@@ -129,7 +124,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         Section("Band", ("cut_on_um", "cut_off_um", "bands")),
     )
 
-    def run(self, image: Image, here: NodeContext) -> LightOutputs:
+    def run(self, image: Image, here: NodeContext) -> PictureTable:
         share, light = _share(image.unit), self._light(here)
         if image.bands is not None:
             made = self._of_cube(image, image.bands, light, share, here)
@@ -137,7 +132,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             band = given_band(self.cut_on_um, self.cut_off_um, image.band_um, empty=False)
             made = self._of_picture(image, band, light, share, here)
         table = here.step(light_table, light=light, band_um=made.band_um)
-        return LightOutputs(made, Table(table))
+        return PictureTable(made, Table(table))
 
     def _of_picture(
         self, image: Image, band: Band, light: Sunlight, share: float, here: NodeContext
@@ -202,7 +197,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         )
 
     @warning
-    def starlight(self, outputs: LightOutputs) -> Caution | None:
+    def starlight(self, outputs: PictureTable) -> Caution | None:
         """It is as dark as in starlight, but the spectrum is the Sun's."""
         lux, band = self.illuminance_lux, outputs.image.band_um
         if lux is None or lux >= _MOONLIT_LUX or self.path is not None:

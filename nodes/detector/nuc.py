@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, Literal, NamedTuple
 
@@ -102,7 +102,6 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             raise ParameterError("high_K", self.high_K, f"above low_K = {self.low_K:g}", unit="K")
 
     def run(self, image: Image, here: NodeContext) -> CorrectedOutputs:
-        node = here.node
         seen = seen_by_camera(image.recipe)
         if self.method == "none" or seen is None:
             gain, offset = (here.step(even, shape=image.shape, value=value) for value in (1.0, 0.0))
@@ -116,25 +115,8 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
                 "the radiance of the references needs the picture's band: set cut_on_um and "
                 "cut_off_um on Read Image"
             )
-        low, high = (
-            MeanFrame(
-                of_uniform(
-                    image.recipe,
-                    seen,
-                    radiance=float(
-                        band_radiance(cut_on_um=band[0], cut_off_um=band[1], temperature_K=kelvin)
-                    ),
-                    node=node,
-                ),
-                first,
-                self.reference_frames,
-                node=node,
-            )
-            for kelvin, first in (
-                (self.low_K, -self.reference_frames),
-                (self.high_K, -2 * self.reference_frames),
-            )
-        )
+        low = self._reference(image.recipe, seen, band, self.low_K, 1, here)
+        high = self._reference(image.recipe, seen, band, self.high_K, 2, here)
         two = self.method == "two_point"
         gain = (
             here.step(gain_map, low, high) if two else here.step(even, shape=image.shape, value=1.0)
@@ -161,6 +143,23 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             image.with_recipe(offset),
             Table(here.step(figures, low, high, kelvin=kelvin, unit=image.unit)),
         )
+
+    def _reference(
+        self,
+        picture: Recipe,
+        seen: Recipe,
+        band: tuple[float, float],
+        kelvin: float,
+        turn: int,
+        here: NodeContext,
+    ) -> MeanFrame:
+        """What the camera gives of a uniform radiance in the place of what it has seen."""
+        ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
+        radiance = float(band_radiance(temperature_K=kelvin, **ends))
+        flat = here.step(uniform_like, seen, radiance=radiance)
+        uniform = Remaking(lambda part: flat if part.key == seen.key else None).of(picture)
+        frames = self.reference_frames
+        return MeanFrame(uniform, -turn * frames, frames, node=here.node)
 
     def _drift_share(self) -> float:
         return self.drift_K / (self.high_K - self.low_K)
@@ -325,12 +324,6 @@ def _samples(recipe: Recipe) -> Iterator[tuple[Recipe, Lineage]]:
         recipe = lineage.picture
 
 
-def of_uniform(picture: Recipe, seen: Recipe, *, radiance: float, node: str) -> Recipe:
-    """The camera's picture of a uniform radiance in the place of what it has seen."""
-    flat = Step.of(uniform_like, seen, radiance=radiance, node=node)
-    return Remaking(lambda part: flat if part.key == seen.key else None).of(picture)
-
-
 @in_blocks()
 @ends_lineage
 def uniform_like(work: Work, picture: Array, *, radiance: float) -> Array:
@@ -360,8 +353,12 @@ class MeanFrame(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        first, next_one = (at_frame(self.picture, self.start + step) for step in (0, 1))
-        return (first, *_shared(first, {recipe.key for recipe in _all(next_one)}))
+        return (at_frame(self.picture, self.start),)
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """The next frame too, which shares with the first all that stays from frame to frame."""
+        return (*self.inputs, at_frame(self.picture, self.start + 1))
 
     def compute(self, work: Work) -> Array:
         """Take the frames one after the other; none is kept."""
@@ -373,28 +370,3 @@ class MeanFrame(Recipe):
         assert total is not None
         total /= self.frames
         return total
-
-
-def _all(recipe: Recipe) -> Iterator[Recipe]:
-    seen: dict[str, Recipe] = {}
-    left = [recipe]
-    while left:
-        one = left.pop()
-        if one.key not in seen:
-            seen[one.key] = one
-            left += one.inputs
-    return iter(seen.values())
-
-
-def _shared(recipe: Recipe, keys: Set[str]) -> Iterator[Recipe]:
-    seen: set[str] = set()
-    left = list(recipe.inputs)
-    while left:
-        one = left.pop()
-        if one.key in seen:
-            continue
-        seen.add(one.key)
-        if one.key in keys:
-            yield one
-        else:
-            left += one.inputs

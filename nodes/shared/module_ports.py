@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from core.chain.engine import TransferAt
 from core.chain.results import TableData
-from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
+from core.chain.wires import Context, Image, Magnitude, Phase, Table, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Param, readout, warning
@@ -103,6 +103,11 @@ Apply = Annotated[
 
 class ImageOutput(NamedTuple):
     image: Image
+
+
+class PictureTable(NamedTuple):
+    image: Image
+    table: Table
 
 
 class NoiseOutputs(NamedTuple):
