@@ -49,10 +49,6 @@ _PREVIEW_POINTS = 65
 
 @ends_lineage
 def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> Footprints:
-    return _laid(camera, ground, strips)
-
-
-def _laid(camera: Camera, ground: Ground, strips: int) -> Footprints:
     to_samples = np.array(
         [
             [1.0 / ground.interval_x_m, 0.0, 0.5 * ground.columns],
@@ -128,7 +124,7 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
 @in_blocks()
 @ends_lineage
 def geometry_table(
-    _: Work,
+    work: Work,
     scene: Array,
     laid: Footprints,
     *,
@@ -142,7 +138,7 @@ def geometry_table(
     middle = ground_sample(camera=camera, u=0.5 * camera.columns, v=0.5 * camera.rows)
     error = 0.0
     if not laid.level:
-        finer = _laid(camera, ground, FINER * strips)
+        finer = laid_footprints(work, camera=camera, ground=ground, strips=FINER * strips)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
     where = "ground seen, measured from the scene's middle"
     samples = "scene samples in a camera sample at the middle"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -10,10 +9,10 @@ import numpy as np
 from core.chain.results import CurveData, CurveMark, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.physics.measurement.edges.slanted_edge import Target, Window
 from nodes.analysis.mtf_measuring import (
     Direction,
@@ -24,6 +23,7 @@ from nodes.analysis.mtf_measuring import (
     measured_rows,
     measured_slanted,
 )
+from nodes.shared.module_ports import TableFigures
 
 # A measured MTF, and what was expected, as curves and figures.
 
@@ -72,25 +72,35 @@ def table_of(
     def scaled(value: float | None) -> float | None:
         return None if value is None else value * factor
 
-    rows = [TableRow("direction", measured.direction, "", "direction of the measurement")]
-    rows.append(
-        TableRow("edge_angle_deg", measured.angle_deg, "deg", "direction of the edge's normal")
-    )
+    one = expected[0] if expected else None
+    unit_of_axis = UNITS[axis]
+    rows: list[tuple[Any, ...]] = [
+        ("direction", measured.direction, "", "direction of the measurement"),
+        ("edge_angle_deg", measured.angle_deg, "deg", "direction of the edge's normal"),
+    ]
     for name, figure, meaning in (
         ("mtf50", measured.mtf50, "frequency at which the MTF falls to 0.5"),
         ("mtf10", measured.mtf10, "frequency at which the MTF falls to 0.1"),
     ):
-        rows.append(TableRow(name, scaled(figure.value), UNITS[axis], meaning))
-        rows.append(TableRow(f"{name}_error", scaled(figure.error), UNITS[axis], "standard error"))
+        rows.append((name, scaled(figure.value), unit_of_axis, meaning))
+        rows.append((f"{name}_error", scaled(figure.error), unit_of_axis, "standard error"))
     rows += [
-        TableRow("nyquist", NYQUIST * factor, UNITS[axis], "half a cycle per pixel"),
-        TableRow("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
-        TableRow("at_nyquist_error", measured.nyquist.error, "", "standard error"),
-        TableRow("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
-        TableRow("noise", measured.noise, unit, "standard deviation of a sample"),
-    ]
-    rows += _expected_rows(expected[0] if expected else None, factor, UNITS[axis])
-    return TableData(tuple(rows))
+        ("nyquist", NYQUIST * factor, unit_of_axis, "half a cycle per pixel"),
+        ("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
+        ("at_nyquist_error", measured.nyquist.error, "", "standard error"),
+        ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
+        ("noise", measured.noise, unit, "standard deviation of a sample"),
+        ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
+         "where the chain's own MTF falls to 0.5"),
+        ("expected_at_nyquist", one and one.at_nyquist, "", "the chain's own MTF at Nyquist"),
+        ("largest_difference", one and one.largest_difference, "",
+         "measured minus expected, up to Nyquist"),
+        ("largest_difference_at", one and scaled(one.largest_difference_at), unit_of_axis,
+         "frequency of the largest difference"),
+        ("scene_blur", one and one.scene, "",
+         "the scene's own blur; part of the expected MTF if it is known"),
+    ]  # fmt: skip
+    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
@@ -101,48 +111,28 @@ def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
 
 
 @ends_lineage
-def figure_of(work: Work, measured: Measured, *, name: str) -> float | None:
-    if name == "edge_angle_deg":
-        return measured.angle_deg
-    if name.startswith("at_nyquist"):
-        return measured.nyquist.error if name.endswith("error") else measured.nyquist.value
-    figure = measured.mtf50 if name.startswith("mtf50") else measured.mtf10
-    value = figure.error if name.endswith("error") else figure.value
-    if name.endswith("per_pixel"):
-        return value
-    return None if value is None or measured.per_mrad is None else value * measured.per_mrad
+def figures_of(work: Work, measured: Measured, *expected: Expected) -> TableData:
+    """The read-outs, whatever the axis of the curve is."""
 
+    def per_mrad(value: float | None) -> float | None:
+        return None if value is None or measured.per_mrad is None else value * measured.per_mrad
 
-def _expected_rows(expected: Expected | None, factor: float, unit: str) -> list[TableRow]:
-    def scaled(value: float | None) -> float | None:
-        return None if value is None else value * factor
-
-    half = at_nyquist = largest = at = scene = None
-    if expected is not None:
-        half, at_nyquist = scaled(expected.mtf50), expected.at_nyquist
-        largest, at = expected.largest_difference, scaled(expected.largest_difference_at)
-        scene = expected.scene
-    return [
-        TableRow("expected_mtf50", half, unit, "where the chain's own MTF falls to 0.5"),
-        TableRow("expected_at_nyquist", at_nyquist, "", "the chain's own MTF at Nyquist"),
-        TableRow("largest_difference", largest, "", "measured minus expected, up to Nyquist"),
-        TableRow("largest_difference_at", at, unit, "frequency of the largest difference"),
-        TableRow(
-            "scene_blur", scene, "", "the scene's own blur; part of the expected MTF if it is known"
-        ),
-    ]
-
-
-@ends_lineage
-def expected_figure(
-    _work: Work, measured: Measured, expected: Expected, *, name: str
-) -> float | None:
-    if name == "expected_at_nyquist":
-        return expected.at_nyquist
-    if name == "largest_difference":
-        return expected.largest_difference
-    known = expected.mtf50 is not None and measured.per_mrad is not None
-    return expected.mtf50 * measured.per_mrad if known else None  # type: ignore[operator]
+    half, tenth = measured.mtf50, measured.mtf10
+    values: dict[str, float | None] = {
+        "mtf50": per_mrad(half.value),
+        "mtf50_error": per_mrad(half.error),
+        "mtf50_per_pixel": half.value,
+        "mtf10": per_mrad(tenth.value),
+        "mtf10_per_pixel": tenth.value,
+        "at_nyquist": measured.nyquist.value,
+        "at_nyquist_error": measured.nyquist.error,
+        "edge_angle_deg": measured.angle_deg,
+    }
+    for one in expected:
+        values["expected_mtf50"] = per_mrad(one.mtf50)
+        values["expected_at_nyquist"] = one.at_nyquist
+        values["largest_difference"] = one.largest_difference
+    return TableData(tuple(TableRow(*row) for row in values.items()))
 
 
 _PIXELS = (0, 1024)  # of sliders
@@ -152,23 +142,6 @@ class MeasuredOutputs(NamedTuple):
     curve: Curve
     spread: Curve
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
-    def method(self: Module, outputs: MeasuredOutputs) -> Recipe:
-        return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
-
-    method.__doc__ = meaning
-    return readout(unit)(method)
-
-
-def _expected_figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe | None]:
-    def method(self: Module, outputs: MeasuredOutputs) -> Recipe | None:
-        both = outputs.table.recipe.inputs
-        return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None
-
-    method.__doc__ = meaning
-    return readout(unit)(method)
 
 
 class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analysis"):
@@ -323,38 +296,21 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             ends.append(whole - start if length is None else length)
         return Region(self.region_y, self.region_x, ends[1], ends[0])
 
-    mtf50 = _figure("mtf50", "cyc/mrad", "Frequency at which the MTF falls to one half.")
-    mtf50_error = _figure(
-        "mtf50_error", "cyc/mrad", "Standard error of mtf50; only for a slanted edge."
-    )
-    mtf50_per_pixel = _figure(
-        "mtf50_per_pixel",
-        "cyc/pixel",
-        "Frequency at which the MTF falls to one half, in cycles per pixel.",
-    )
-    mtf10 = _figure("mtf10", "cyc/mrad", "Frequency at which the MTF falls to one tenth.")
-    mtf10_per_pixel = _figure(
-        "mtf10_per_pixel",
-        "cyc/pixel",
-        "Frequency at which the MTF falls to one tenth, in cycles per pixel.",
-    )
-    at_nyquist = _figure("at_nyquist", "", "MTF at half a cycle per pixel.")
-    at_nyquist_error = _figure("at_nyquist_error", "", "Standard error of at_nyquist.")
-    expected_mtf50 = _expected_figure(
-        "expected_mtf50",
-        "cyc/mrad",
-        "Frequency at which the chain's own MTF falls to one half.",
-    )
-    expected_at_nyquist = _expected_figure(
-        "expected_at_nyquist", "", "The chain's own MTF at half a cycle per pixel."
-    )
-    largest_difference = _expected_figure(
-        "largest_difference",
-        "",
-        "Largest difference between measured and expected MTF, up to Nyquist.",
-    )
-    edge_angle_deg = _figure(
-        "edge_angle_deg",
-        "deg",
-        "Direction in which the MTF is measured, normal to the edge: 0 horizontal, 90 vertical.",
-    )
+    figures = TableFigures(
+        ("mtf50", "cyc/mrad", "Frequency at which the MTF falls to one half."),
+        ("mtf50_error", "cyc/mrad", "Standard error of mtf50; only for a slanted edge."),
+        ("mtf50_per_pixel", "cyc/pixel", "Frequency at which the MTF falls to one half, in cycles "
+         "per pixel."),
+        ("mtf10", "cyc/mrad", "Frequency at which the MTF falls to one tenth."),
+        ("mtf10_per_pixel", "cyc/pixel", "Frequency at which the MTF falls to one tenth, in cycles "
+         "per pixel."),
+        ("at_nyquist", "", "MTF at half a cycle per pixel."),
+        ("at_nyquist_error", "", "Standard error of at_nyquist."),
+        ("expected_mtf50", "cyc/mrad", "Frequency at which the chain's own MTF falls to one half."),
+        ("expected_at_nyquist", "", "The chain's own MTF at half a cycle per pixel."),
+        ("largest_difference", "", "Largest difference between measured and expected MTF, up to "
+         "Nyquist."),
+        ("edge_angle_deg", "deg", "Direction in which the MTF is measured, normal to the edge: 0 "
+         "horizontal, 90 vertical."),
+        table=lambda outputs: Step.of(figures_of, *outputs.table.recipe.inputs),
+    )  # fmt: skip

@@ -21,17 +21,6 @@ from nodes.shared.context_defaults import given_band, lens, of_context, pixel_of
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _ALL = 0.0, 1e6  # µm
-_NEEDED_BY = {
-    "full_well_e": "nonlinearity_percent refers to the full well",
-    "housing_K": "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
-    "detector",
-    "detector_K": "rule_07 and dark_doubling_K need it",
-    "material_cutoff_um": "rule_07 needs it",
-    "dark_reference_K": "dark_doubling_K counts from this temperature",
-    "dark_doubling_K": "without it the dark current is known at dark_reference_K only",
-    "responsivity_um": "responsivity_A_per_W refers to this wavelength",
-    "responsivity_A_per_W": "responsivity_um is its wavelength",
-}
 
 
 class FocalPlanePanel(SeededModule):
@@ -282,24 +271,32 @@ class FocalPlanePanel(SeededModule):
         low, high = self.cut_on_um, self.cut_off_um
         if low is not None and high is not None and low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
-        for needed, why, unit in (
-            ("full_well_e", self.nonlinearity_percent > 0, "e-"),
-            ("housing_K", self.cold_shield_efficiency < 1, "K"),
-            ("detector_K", self.rule_07 or self.dark_doubling_K, "K"),
-            ("material_cutoff_um", self.rule_07, "µm"),
-            ("dark_reference_K", self.dark_doubling_K, "K"),
-            ("dark_doubling_K", self.dark_reference_K, "K"),
-            ("responsivity_um", self.responsivity_A_per_W, "µm"),
-            ("responsivity_A_per_W", self.responsivity_um, "A/W"),
-        ):
-            if why and getattr(self, needed) is None:
-                raise ParameterError(needed, None, f"a number: {_NEEDED_BY[needed]}", unit=unit)
+        for needed, unit, given, why in (
+            ("full_well_e", "e-", self.nonlinearity_percent > 0,
+             "nonlinearity_percent refers to the full well"),
+            ("housing_K", "K", self.cold_shield_efficiency < 1,
+             "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
+             "detector"),
+            ("detector_K", "K", self.rule_07 or self.dark_doubling_K,
+             "rule_07 and dark_doubling_K need it"),
+            ("material_cutoff_um", "µm", self.rule_07, "rule_07 needs it"),
+            ("dark_reference_K", "K", self.dark_doubling_K,
+             "dark_doubling_K counts from this temperature"),
+            ("dark_doubling_K", "K", self.dark_reference_K,
+             "without it the dark current is known at dark_reference_K only"),
+            ("responsivity_um", "µm", self.responsivity_A_per_W,
+             "responsivity_A_per_W refers to this wavelength"),
+            ("responsivity_A_per_W", "A/W", self.responsivity_um,
+             "responsivity_um is its wavelength"),
+        ):  # fmt: skip
+            if given and getattr(self, needed) is None:
+                raise ParameterError(needed, None, f"a number: {why}", unit=unit)
         forms = ("response", "responsivity_A_per_W", "quantum_efficiency_percent")
-        given = [name for name in forms if getattr(self, name) is not None]
-        if len(given) > 1:
-            unit = {"quantum_efficiency_percent": "%"}.get(given[1], "A/W")
-            allowed = f"empty if {given[0]} is given"
-            raise ParameterError(given[1], getattr(self, given[1]), allowed, unit=unit)
+        typed = [name for name in forms if getattr(self, name) is not None]
+        if len(typed) > 1:
+            unit = {"quantum_efficiency_percent": "%"}.get(typed[1], "A/W")
+            allowed = f"empty if {typed[0]} is given"
+            raise ParameterError(typed[1], getattr(self, typed[1]), allowed, unit=unit)
         self._efficiency()
         self._excess_factor()
         if self.dark_current_e_per_s and self.dark_current_A_per_cm2:
