@@ -273,12 +273,8 @@ class CameraSettings(Module):
             if focal_length is None and self.pitch_x_um is not None:
                 focal_length = self.pitch_x_um / step_x
             if focal_length is None:
-                raise ParameterError(
-                    "focal_length_mm",
-                    None,
-                    "give it or pitch_x_um, because pitch_y_um is given",
-                    unit="mm",
-                )
+                allowed = "give it or pitch_x_um, because pitch_y_um is given"
+                raise ParameterError("focal_length_mm", None, allowed, unit="mm")
             step_y = self.pitch_y_um / focal_length
         return Camera(
             kind=self.kind,
@@ -306,14 +302,12 @@ class CameraSettings(Module):
             return of_pitch
         step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
         if of_pitch is not None and abs(step / of_pitch - 1.0) > 1e-3:
-            raise ParameterError(
-                "fov_x_deg",
-                self.fov_x_deg,
+            allowed = (
                 f"pixel pitch and focal length give samples of {of_pitch:.4g} mrad, but this "
                 f"field gives {step:.4g} mrad: leave pitch_x_um, focal_length_mm or the field "
-                "empty",
-                unit="deg",
+                "empty"
             )
+            raise ParameterError("fov_x_deg", self.fov_x_deg, allowed, unit="deg")
         return step
 
     def _line_spacing_m(self, step_y_mrad: float) -> float:
@@ -335,12 +329,8 @@ class CameraSettings(Module):
         if y is None and image.interval_y_mrad is not None:
             y = image.interval_y_mrad / 1000.0 * self.altitude_m
         if x is None or y is None:
-            raise ParameterError(
-                "ground_interval_m",
-                None,
-                "the scene has no angular interval: give its sampling interval on the ground",
-                unit="m",
-            )
+            allowed = "the scene has no angular interval: give its sampling interval on the ground"
+            raise ParameterError("ground_interval_m", None, allowed, unit="m")
         for name, interval, samples in (
             ("ground_interval_m", x, image.columns),
             ("ground_interval_y_m", y, image.rows),

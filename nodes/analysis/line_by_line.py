@@ -323,13 +323,11 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             angles = view_angles_rad(columns=columns, interval_mrad=interval, look_angle_rad=middle)
         except ParameterError as error:
             field = math.degrees(columns * interval * 1e-3)
-            raise ParameterError(
-                name,
-                value,
+            allowed = (
                 f"the scan reaches the horizon with a field of view of {field:g}°; use a narrower "
-                "field, or look closer to nadir",
-                unit=unit,
-            ) from error
+                "field, or look closer to nadir"
+            )
+            raise ParameterError(name, value, allowed, unit=unit) from error
         return tuple(angles.tolist())
 
     def _intervals(
@@ -353,11 +351,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def _line_spacing_m(self, context: Context) -> float:
         if self.spacing == "typed":
             if self.line_spacing_m is None:
-                raise ParameterError(
-                    "line_spacing_m",
-                    None,
-                    "give the line spacing, or set spacing to frame or flight",
-                )
+                allowed = "give the line spacing, or set spacing to frame or flight"
+                raise ParameterError("line_spacing_m", None, allowed)
             return self.line_spacing_m
         velocity = abs(context.velocity_m_per_s)
         turns_per_s = context.scan_velocity_mrad_per_s / (2000.0 * math.pi)

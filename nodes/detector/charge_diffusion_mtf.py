@@ -106,13 +106,11 @@ class ChargeDiffusionMTF(
         low, high = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         for name, end in (("cut_on_um", low), ("cut_off_um", high)):
             if not _SILICON_UM[0] <= end <= _SILICON_UM[1]:
-                raise ParameterError(
-                    name,
-                    end,
+                allowed = (
                     f"{_SILICON_UM[0]:g} to {_SILICON_UM[1]:g}, where silicon absorbs, or give "
-                    "absorption_per_um",
-                    unit="µm",
+                    "absorption_per_um"
                 )
+                raise ParameterError(name, end, allowed, unit="µm")
         if low == high:
             return tuple(silicon_absorption_per_um(wavelength_um=[low]).tolist()), (1.0,)
         wavelength, width = band_nodes(low, high, ())

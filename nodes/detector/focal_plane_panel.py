@@ -304,12 +304,8 @@ class FocalPlanePanel(SeededModule):
             current = self.dark_current_A_per_cm2
             raise ParameterError("dark_current_A_per_cm2", current, allowed, unit="A/cm²")
         if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
-            raise ParameterError(
-                "gain_e_per_dn",
-                None,
-                "a number if bits is above 0, or give full_well_e",
-                unit="e-/DN",
-            )
+            allowed = "a number if bits is above 0, or give full_well_e"
+            raise ParameterError("gain_e_per_dn", None, allowed, unit="e-/DN")
 
     @property
     def pixels(self) -> int:

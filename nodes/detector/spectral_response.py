@@ -109,10 +109,9 @@ class SpectralResponse(
             return ImageOutput(image)
         if not response.integral(*band) > 0.0:
             low, high = response.ends_um
+            allowed = f"a response that overlaps the picture's band, {band[0]:g} to {band[1]:g} µm"
             raise ParameterError(
-                "path" if self.shape == "file" else "centre_um",
-                f"{low:g} to {high:g} µm",
-                f"a response that overlaps the picture's band, {band[0]:g} to {band[1]:g} µm",
+                "path" if self.shape == "file" else "centre_um", f"{low:g} to {high:g} µm", allowed
             )
         passed = (*image.responses, response)
         if image.bands is not None:
@@ -325,12 +324,8 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     )
     if not any(weights):
         low, high = bands.band_um
-        raise ParameterError(
-            "cut_on_um",
-            efficiency.cut_on_um,
-            f"a filter that passes some of the picture's bands, {low:g} to {high:g} µm",
-            unit="µm",
-        )
+        allowed = f"a filter that passes some of the picture's bands, {low:g} to {high:g} µm"
+        raise ParameterError("cut_on_um", efficiency.cut_on_um, allowed, unit="µm")
     return weights
 
 

@@ -486,13 +486,11 @@ class ElectronicsNoise(
             return self.bandwidth_Hz
         tau = self._tau(context)
         if tau is None:
-            raise ParameterError(
-                "bandwidth_Hz",
-                None,
+            allowed = (
                 "give it, or time_constant_s, or scan_mirror_rate_Hz, or the scan velocity on "
-                "Init & Trans",
-                unit="Hz",
+                "Init & Trans"
             )
+            raise ParameterError("bandwidth_Hz", None, allowed, unit="Hz")
         return noise_bandwidth_hz(time_constant_s=tau)
 
     def _detector(self, context: Context) -> Detector:
@@ -515,11 +513,8 @@ class ElectronicsNoise(
             return ()
         tau, velocity = self._tau(context), self.scan_velocity(context)
         if tau is None or velocity == 0:
-            raise ParameterError(
-                "use_mtf",
-                True,
-                "the pre-amplifier's MTF needs scan_mirror_rate_Hz or a scan velocity",
-            )
+            allowed = "the pre-amplifier's MTF needs scan_mirror_rate_Hz or a scan velocity"
+            raise ParameterError("use_mtf", True, allowed)
         law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": tau}
         return (
             *separable(lowpass_mtf, x=law, label="Pre-amplifier"),
@@ -531,12 +526,8 @@ class ElectronicsNoise(
             return ()
         velocity = self.scan_velocity(context)
         if self.post_corner_Hz is None or velocity == 0:
-            raise ParameterError(
-                "post_corner_Hz",
-                self.post_corner_Hz,
-                "a post filter needs a corner frequency, and a scan rate or scan velocity",
-                unit="Hz",
-            )
+            allowed = "a post filter needs a corner frequency, and a scan rate or scan velocity"
+            raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed, unit="Hz")
         law = {
             "kind": self.post_filter,
             "corner_cyc_per_mrad": corner_in_cyc_per_mrad(

@@ -107,11 +107,8 @@ class Noise3DSource(
         if not self.corner_Hz:
             return
         if not self.sigma_tvh:
-            raise ParameterError(
-                "sigma_tvh",
-                0.0,
-                "above 0 if corner_Hz is above 0: at the corner, 1/f noise equals sigma_tvh",
-            )
+            allowed = "above 0 if corner_Hz is above 0: at the corner, 1/f noise equals sigma_tvh"
+            raise ParameterError("sigma_tvh", 0.0, allowed)
         self._band()
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:

@@ -153,12 +153,11 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
         half_angle_deg=cold_shield_half_angle_deg(f_number=detector.lens.f_number),
     )
     if d_star <= 0:
-        raise ParameterError(
-            "material",
-            detector.material,
+        allowed = (
             f"the material does not respond between {detector.cut_on_um:g} and "
-            f"{detector.cut_off_um:g} µm; choose another material, or set another band",
+            f"{detector.cut_off_um:g} µm; choose another material, or set another band"
         )
+        raise ParameterError("material", detector.material, allowed)
     return float(d_star)
 
 
@@ -179,13 +178,11 @@ def value_range(
     highest = float(picture.max()) if high is None else high
     if lowest > highest:
         name, value = ("range_low", low) if high is None else ("range_high", high)
-        raise ParameterError(
-            name,
-            value,
+        allowed = (
             f"inside the picture's range, {picture.min():.6g} to {picture.max():.6g}, or give both "
-            "levels",
-            unit="W/m²/sr",
+            "levels"
         )
+        raise ParameterError(name, value, allowed, unit="W/m²/sr")
     return lowest, highest
 
 

@@ -60,21 +60,16 @@ def source_temperature(
         return SUNLIGHT_K
     image = magnitude.image
     if image is None:
-        raise ParameterError(
-            "source_K", None, "a temperature, because no picture is connected whose mean "
-                              "could give it",
-            unit="K",
-        )  # fmt: skip
+        allowed = "a temperature, because no picture is connected whose mean could give it"
+        raise ParameterError("source_K", None, allowed, unit="K")
     if image.unit.strip() in _KELVIN:
         return Step.of(mean_kelvin, image.recipe, node=node)
     if not is_radiance(image.unit):
-        raise ParameterError(
-            "source_K",
-            None,
+        allowed = (
             f"a temperature, because the picture, in {image.unit or 'no unit'!r:.40}, is not in "
-            "W/m²/sr, or weighting uniform",
-            unit="K",
+            "W/m²/sr, or weighting uniform"
         )
+        raise ParameterError("source_K", None, allowed, unit="K")
     # Of the picture's own band, whose radiance it holds.
     low, high = image.band_um or band
     return Step.of(mean_brightness, image.recipe, node=node, cut_on_um=low, cut_off_um=high)

@@ -207,12 +207,8 @@ class DiffractionMTF(
         """The aperture here, else of Camera, else by F-number and focal length."""
         diameter = self.aperture_mm or _of_context(context)
         if diameter is None:
-            raise ParameterError(
-                "aperture_mm",
-                None,
-                "give it here or on Camera, or F-number and focal length on Init & Trans",
-                unit="mm",
-            )
+            allowed = "give it here or on Camera, or F-number and focal length on Init & Trans"
+            raise ParameterError("aperture_mm", None, allowed, unit="mm")
         inner = self.obscuration_ratio
         return Aperture(
             diameter,

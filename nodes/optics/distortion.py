@@ -98,12 +98,11 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         if not np.isfinite(survey(rays).step):
             names = ("k1", "k2", "k3", "k4", "p1", "p2", "centre_x_mrad", "centre_y_mrad")
             bent = next((name for name in names if getattr(self, name)), "k1")
-            raise ParameterError(
-                bent,
-                getattr(self, bent),
+            allowed = (
                 "the picture would fold back within its frame; make the field smaller, or check "
-                "the signs of the coefficients",
+                "the signs of the coefficients"
             )
+            raise ParameterError(bent, getattr(self, bent), allowed)
         rows, columns = rays.new
         step = here.step(distorted, image.recipe, rays=rays)
         return ImageOutput(stepped(image, step, rows=rows, columns=columns, edges=None))

@@ -159,11 +159,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     def _from_file(self, here: NodeContext) -> Pupil:
         if self.path is None and self.wavefront_path is None:
-            raise ParameterError(
-                "path",
-                None,
-                "the shape `file` needs the picture of a pupil in path, or wavefront_path",
-            )
+            allowed = "the shape `file` needs the picture of a pupil in path, or wavefront_path"
+            raise ParameterError("path", None, allowed)
         given = {
             name: lens_source(path, here)
             for name, path in (("path", self.path), ("wavefront_path", self.wavefront_path))

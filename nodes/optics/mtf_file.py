@@ -131,18 +131,14 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         """What cycles/mrad across and along are multiplied by to be in the file's unit."""
         unit = table.unit if self.frequency_unit == "file" else self.frequency_unit
         if table.unit not in (None, unit):
-            raise ParameterError(
-                "frequency_unit",
-                self.frequency_unit,
-                f"file or {table.unit}, the unit named in {table.file.name}",
-            )
+            allowed = f"file or {table.unit}, the unit named in {table.file.name}"
+            raise ParameterError("frequency_unit", self.frequency_unit, allowed)
         if unit is None:
-            raise ParameterError(
-                "frequency_unit",
-                "file",
+            allowed = (
                 f"cyc/mm, cyc/mrad or cyc/pixel, because {table.file.name} does not name it, "
-                "for example by a header 'frequency (cyc/mm)'",
+                "for example by a header 'frequency (cyc/mm)'"
             )
+            raise ParameterError("frequency_unit", "file", allowed)
         if unit == "cyc/mrad":
             return 1.0, 1.0
         focal_length = given("focal_length_mm", self.focal_length_mm, context)

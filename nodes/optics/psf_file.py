@@ -101,12 +101,11 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         if self.path is not None:
             source = lens_source(self.path, here, band=self.band or 0)
             if self.band is None and source.samples.bands > 1:
-                raise ParameterError(
-                    "band",
-                    None,
+                allowed = (
                     f"{source.file.name} has {source.samples.bands} bands: 0 to "
-                    f"{source.samples.bands - 1}",
+                    f"{source.samples.bands - 1}"
                 )
+                raise ParameterError("band", None, allowed)
             blur, shift = self._factors(source, context, here)
         return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
@@ -146,12 +145,11 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         if across is None:
             across, unit = source.samples.spacing_um, "um"
         if across is None:
-            raise ParameterError(
-                "sample_pitch",
-                None,
+            allowed = (
                 f"{source.file.name} does not state its sampling interval: give it in µm at "
-                "the focal plane or in mrad",
+                "the focal plane or in mrad"
             )
+            raise ParameterError("sample_pitch", None, allowed)
         along = across if self.sample_pitch_y is None else self.sample_pitch_y
         if unit == "mrad":
             return across, along

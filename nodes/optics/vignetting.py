@@ -99,12 +99,11 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
         light = _profile(grid, law)
         if not 0.0 <= light.min() <= light.max() <= _BRIGHTEST:
             worst = float(light.min() if light.min() < 0.0 else light.max())
-            raise ParameterError(
-                "coefficients",
-                self.coefficients,
+            allowed = (
                 f"the relative illumination must stay from 0 to {_BRIGHTEST:g}, but it reaches "
-                f"{worst:.3g} in the picture",
+                f"{worst:.3g} in the picture"
             )
+            raise ParameterError("coefficients", self.coefficients, allowed)
         step = here.step(lit, image.recipe, grid=grid, law=law)
         mean = _means(grid, law)[0]
         made = stepped(image, step, gain=mean, vignetting=image.vignetting * mean)

@@ -170,11 +170,8 @@ def _four_bar(drawing: Drawing, width: int, height: int, frequency: float) -> No
     as wide, so that four bars and three gaps fill a square. Pairs fill the frame in rows.
     """
     if not frequency >= BAR_MINIMUM:
-        raise ParameterError(
-            "frequency",
-            frequency,
-            f"at least {BAR_MINIMUM:g}, so that the coarsest pair of bars fits",
-        )
+        allowed = f"at least {BAR_MINIMUM:g}, so that the coarsest pair of bars fits"
+        raise ParameterError("frequency", frequency, allowed)
     short = min(width, height)
     unit_x, unit_y = short / width, short / height
     for left, top, bar in _bar_layout(frequency, 1.0 / unit_x, 1.0 / unit_y):

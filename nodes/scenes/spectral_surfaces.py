@@ -254,12 +254,8 @@ def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
     temperatures = temperature_K + offsets * delta_K
     if not float(temperatures.min()) > 0.0:
         low, high = -temperature_K / offsets.max(), -temperature_K / offsets.min()
-        raise ParameterError(
-            "delta_K",
-            delta_K,
-            f"this scene allows more than {low:g} and less than {high:g}",
-            unit="K",
-        )
+        allowed = f"this scene allows more than {low:g} and less than {high:g}"
+        raise ParameterError("delta_K", delta_K, allowed, unit="K")
     return np.asarray(temperatures)
 
 

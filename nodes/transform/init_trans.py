@@ -182,12 +182,8 @@ class InitTrans(
         if fov_deg is not None:
             return interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
         if of_image is None:
-            raise ParameterError(
-                name,
-                None,
-                f"no field of view is known: give {name} here or on Read Image",
-                unit="deg",
-            )
+            allowed = f"no field of view is known: give {name} here or on Read Image"
+            raise ParameterError(name, None, allowed, unit="deg")
         return of_image
 
     @warning

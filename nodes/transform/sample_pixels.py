@@ -100,12 +100,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
             return own
         known = pitch_in_samples(axis, image)
         if known is None:
-            raise ParameterError(
-                f"factor_{axis}",
-                None,
-                "give it here, or pitch and focal length on Camera or Init & Trans",
-                unit="samples",
-            )
+            allowed = "give it here, or pitch and focal length on Camera or Init & Trans"
+            raise ParameterError(f"factor_{axis}", None, allowed, unit="samples")
         if not _LEAST <= known <= 65536:
             raise ParameterError(
                 f"factor_{axis}", known, f"from {_LEAST:g} to 65536, from the pitch", unit="samples"
