@@ -281,17 +281,9 @@ def merit_table(
                 curve = thresholds.horizontal if axis == "x" else thresholds.vertical
                 values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
             rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
-    rows += [
-        row(
-            f"{task}_range_km",
-            "km",
-            f"range at which the probability of {task} is one half (Johnson)",
-        )
-        for task in TASKS
-    ]
-    rows.append(
-        row("ttp_range_km", "km", "range at which the probability of the task is one half (TTP)")
-    )
+    half = "range at which the probability of"
+    rows += [row(f"{t}_range_km", "km", f"{half} {t} is one half (Johnson)") for t in TASKS]
+    rows.append(row("ttp_range_km", "km", f"{half} the task is one half (TTP)"))
     return TableData(tuple(rows))
 
 

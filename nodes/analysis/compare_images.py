@@ -113,16 +113,13 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
     peak = float(reference.max()) - float(reference.min())
     psnr_dB = 20.0 * math.log10(peak / rmse) if rmse > 0.0 and peak > 0.0 else None
     mean = math.fsum(sums) / image.size
-    return TableData(
-        (
-            TableRow("rmse", rmse, unit, "root mean square difference"),
-            TableRow("max_error", largest, unit, "largest difference"),
-            TableRow(
-                "psnr_dB", psnr_dB, "dB", "range of the reference divided by the rms difference"
-            ),
-            TableRow("mean_difference", mean, unit, "mean of image minus reference"),
-        )
+    rows = (
+        ("rmse", rmse, unit, "root mean square difference"),
+        ("max_error", largest, unit, "largest difference"),
+        ("psnr_dB", psnr_dB, "dB", "range of the reference divided by the rms difference"),
+        ("mean_difference", mean, unit, "mean of image minus reference"),
     )
+    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 # The MTF between two pictures, from the ratio of their spectra.

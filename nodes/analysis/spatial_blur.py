@@ -165,22 +165,15 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
     lines = [kernel for kernel in kernels.passes if min(kernel.taps.shape) == 1]
     across = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] == 1)
     along = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] > 1)
-    return TableData(
-        (
-            TableRow("taps", kernels.taps, "", "multiplications per sample"),
-            TableRow("taps_x", across, "", "for the pass along x"),
-            TableRow("taps_y", along, "", "for the pass along y"),
-            TableRow(
-                "taps_plane", sum(k.taps.size for k in planes), "", "for the two-dimensional kernel"
-            ),
-            TableRow(
-                "error_bound",
-                kernels.error_bound,
-                "",
-                "largest error, as a fraction of the scene's largest departure from its mean",
-            ),
-        )
-    )
+    rows = (
+        ("taps", kernels.taps, "", "multiplications per sample"),
+        ("taps_x", across, "", "for the pass along x"),
+        ("taps_y", along, "", "for the pass along y"),
+        ("taps_plane", sum(k.taps.size for k in planes), "", "for the two-dimensional kernel"),
+        ("error_bound", kernels.error_bound, "",
+         "largest error, as a fraction of the scene's largest departure from its mean"),
+    )  # fmt: skip
+    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 # Convolution of a frame in space, tap by tap, on blocks that stay in the processor's cache.

@@ -444,17 +444,12 @@ def path_table(
     band_um: Band | None,
     source_K: float | None,
 ) -> TableData:
-    depth = over.optical_depth
+    depth = over.optical_depth if math.isfinite(over.optical_depth) else None
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows = [
         TableRow("transmission", over.transmission, "", "mean over the band"),
         TableRow("path_radiance", over.path_radiance, "W/m²/sr", "added by the air, in the band"),
-        TableRow(
-            "optical_depth",
-            depth if math.isfinite(depth) else None,
-            "",
-            "−ln of the transmission; left out if nothing passes",
-        ),
+        TableRow("optical_depth", depth, "", "−ln of the transmission; left out if nothing passes"),
         TableRow("range_m", air.range_m, "m", "range for which the transmission holds"),
         TableRow("weighted_by_K", weighted_by, "K", "black body that weights the transmission"),
     ]

@@ -353,22 +353,12 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
 @ends_lineage
 def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) -> TableData:
     total = light.over_band(*band_um)
+    lux = light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux
     rows = (
-        TableRow("irradiance", total, "W/m²", "irradiance of sun and sky on a horizontal surface"),
-        TableRow(
-            "white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"
-        ),
-        TableRow(
-            "illuminance",
-            light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux,
-            "lx",
-            "illuminance of a horizontal surface",
-        ),
-        TableRow(
-            "air_mass",
-            relative_air_mass(elevation_deg=light.elevation_deg),
-            "",
-            "the sun's path through the air, relative to a vertical path",
-        ),
-    )
-    return TableData(rows)
+        ("irradiance", total, "W/m²", "irradiance of sun and sky on a horizontal surface"),
+        ("white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"),
+        ("illuminance", lux, "lx", "illuminance of a horizontal surface"),
+        ("air_mass", relative_air_mass(elevation_deg=light.elevation_deg), "",
+         "the sun's path through the air, relative to a vertical path"),
+    )  # fmt: skip
+    return TableData(tuple(TableRow(*row) for row in rows))
