@@ -79,24 +79,17 @@ def covered(work: Work, laid: Footprints) -> Array:
 @in_blocks()
 @ends_lineage
 def sampled(
-    work: Work,
-    scene: Array,
-    laid: Footprints,
-    coverage: Array | None = None,
-    *,
-    between_samples: Between,
-    fill: float = 0.0,
+    work: Work, scene: Array, laid: Footprints, coverage: Array | None = None, **how: Any
 ) -> Array:
     """Mean of the scene over each footprint, and of the fill outside."""
     return footprint_means(
         scene=scene,
         laid=laid,
-        between_samples=between_samples,
-        dtype=work.policy.dtype,
         coverage=coverage,
-        fill=fill,
+        dtype=work.policy.dtype,
         for_each=work.for_each,
         empty=work.empty,
+        **how,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -38,20 +38,11 @@ def mixed(
     edges: Edges,
     scan: Scan,
     intervals_mrad: tuple[float, ...],
-    method: Method,
-    nodes: int | None,
-    tolerance: float,
+    **how: Any,
 ) -> Filtered:
     """The frame, each column at its own interval in flight."""
-    return filter_mixed(
-        work,
-        image,
-        chain=ScanChain(Product(factors), grid, edges, scan),
-        intervals_mrad=np.array(intervals_mrad),
-        method=method,
-        nodes=nodes,
-        tolerance=tolerance,
-    )
+    chain = ScanChain(Product(factors), grid, edges, scan)
+    return filter_mixed(work, image, chain=chain, intervals_mrad=np.array(intervals_mrad), **how)
 
 
 @ends_lineage

@@ -221,12 +221,8 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
 
 
 @ends_lineage
-def bent_level(
-    work: Work, levels: ElectronLevels, *, full_well_e: float, nonlinearity_percent: float
-) -> LevelChange:
-    slope = bent_slope(
-        electrons=levels.total_e, full_well_e=full_well_e, nonlinearity_percent=nonlinearity_percent
-    )
+def bent_level(work: Work, levels: ElectronLevels, **response: float) -> LevelChange:
+    slope = bent_slope(electrons=levels.total_e, **response)
     return LevelChange(slope, levels.total_e, levels.signal_e * slope)
 
 

@@ -195,21 +195,9 @@ def multiplied(
     looks_at=("levels",),
 )
 @pointwise
-def bent(
-    work: Work,
-    picture: Array,
-    levels: ElectronLevels,
-    *,
-    full_well_e: float,
-    nonlinearity_percent: float,
-) -> Array:
+def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) -> Array:
     def block(rows: slice, made: Array) -> None:
-        bent_response(
-            electrons=picture[rows],
-            full_well_e=full_well_e,
-            nonlinearity_percent=nonlinearity_percent,
-            out=made,
-        )
+        bent_response(electrons=picture[rows], out=made, **response)
 
     return _by_rows(work, picture, block)
 

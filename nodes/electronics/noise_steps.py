@@ -292,21 +292,12 @@ def read_out(
     bias_pattern: Array,
     figures: DetectorFigures,
     *deviates: Array,
-    gain_percent: float,
-    bias_percent: float,
-    model: Any,
     variability_percent: float,
+    **errors: Any,
 ) -> Array:
     """The picture with each detector's errors of gain and bias, and its noise."""
-    read = apply_gain_bias(
-        picture,
-        gain_pattern=gain_pattern,
-        bias_pattern=bias_pattern,
-        gain_percent=gain_percent,
-        bias_percent=bias_percent,
-        mean_radiance=seen.mean,
-        model=model,
-    )
+    how = {**errors, "mean_radiance": seen.mean}
+    read = apply_gain_bias(picture, gain_pattern=gain_pattern, bias_pattern=bias_pattern, **how)
     read += detector_noise(work, figures, *deviates, variability_percent=variability_percent)
     return read
 
