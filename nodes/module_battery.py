@@ -30,7 +30,7 @@ from core.errors import ImagechainError, NetworkError, ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.region import Region
-from core.modules.declaration import Declaration, Library, Module, declaration
+from core.modules.declaration import Declaration, Module, declaration
 from core.modules.parameters import Parameter, plain
 from core.network.network import Link, Network, Node
 from core.transfer.product import Product
@@ -417,11 +417,6 @@ SOURCES = {
 }
 
 
-def library_with(module: type[Module]) -> Library:
-    """The standard library and this module, which takes the place of one of its key."""
-    return {**standard_library(), module.key: module}
-
-
 def network_of(
     module: type[Module], params: Mapping[str, Any], scene: Mapping[str, Any]
 ) -> Network:
@@ -458,7 +453,7 @@ def planned(
     ImagechainError
         The first fault of a node.
     """
-    engine = Engine(library_with(module))
+    engine = Engine({**standard_library(), module.key: module})
     plan = engine.plan(network_of(module, params, scene), folder=folder)
     for node in plan.nodes.values():
         if node.error is not None:

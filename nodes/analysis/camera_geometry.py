@@ -164,11 +164,6 @@ class Ground:
     interval_x_m: float
     interval_y_m: float
 
-    @property
-    def reach_m(self) -> tuple[float, float]:
-        """From its middle to its borders, across and along."""
-        return 0.5 * self.columns * self.interval_x_m, 0.5 * self.rows * self.interval_y_m
-
 
 class CameraSettings(Module):
     kind: Annotated[
@@ -473,7 +468,9 @@ class CameraGeometry(
     def _check_inside(self, camera: Camera, ground: Ground) -> None:
         if self.outside == "fill":
             return
-        bounds, (half_x, half_y) = ground_bounds(camera=camera), ground.reach_m
+        bounds = ground_bounds(camera=camera)
+        half_x = 0.5 * ground.columns * ground.interval_x_m
+        half_y = 0.5 * ground.rows * ground.interval_y_m
         beyond = {
             "left": -half_x - bounds.left,
             "right": bounds.right - half_x,

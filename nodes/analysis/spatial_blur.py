@@ -134,7 +134,14 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: 
             f"{kernels.taps:,} taps on {image.size:,} samples would take too long (at most "
             f"{MOST_MULTIPLICATIONS:g} multiplications): lower half_width_px, or raise error"
         )
-    return convolved(work, image, kernels, edges=edges)
+    # Its mean is taken off before, and put back after.
+    mean = float(np.mean(image, dtype=np.float64))
+    values: Array = np.subtract(image, mean, out=work.empty(image.shape), dtype=work.policy.dtype)
+    for kernel in kernels.passes:
+        values = _one_pass(work, values, kernel, edges)
+    require_finite(values)
+    values += values.dtype.type(mean * kernels.at_zero)
+    return values
 
 
 @ends_lineage
@@ -179,17 +186,6 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
 # Convolution of a frame in space, tap by tap, on blocks that stay in the processor's cache.
 
 BLOCK_SAMPLES = 1 << 14
-
-
-def convolved(work: Work, image: Array, kernels: Kernels, *, edges: Edges) -> Array:
-    """The frame through every kernel in turn, its mean taken off before and put back after."""
-    mean = float(np.mean(image, dtype=np.float64))
-    values: Array = np.subtract(image, mean, out=work.empty(image.shape), dtype=work.policy.dtype)
-    for kernel in kernels.passes:
-        values = _one_pass(work, values, kernel, edges)
-    require_finite(values)
-    values += values.dtype.type(mean * kernels.at_zero)
-    return values
 
 
 def _one_pass(work: Work, image: Array, kernel: Kernel, edges: Edges) -> Array:

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.band_stack import BandStack, Row
 from core.chain.engine import PlannedNode
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ImagechainError, ParameterError, UnconnectedError
@@ -564,8 +563,14 @@ class ElectronicsNoise(
 # A picture in bands where its sum is wanted: of all bands, or of those within a filter.
 
 
-def weights_within(bands: BandStack, low_um: float | None, high_um: float | None) -> Row:
-    """Weights of the bands between two wavelengths; one at an end counts by its part within."""
+def summed_within(image: Image, low_um: float | None, high_um: float | None) -> Image:
+    """A picture in bands as the radiance within a filter; one without bands as it is.
+
+    A band at an end of the filter counts by its part within.
+    """
+    bands = image.bands
+    if bands is None:
+        return image
     first, last = bands.band_um
     low, high = low_um or first, high_um or last
     weights = []
@@ -573,22 +578,10 @@ def weights_within(bands: BandStack, low_um: float | None, high_um: float | None
         part = min(centre + width / 2, high) - max(centre - width / 2, low)
         weights.append(weight * min(max(part / width, 0.0), 1.0))
     if not any(weights):
-        raise ParameterError(
-            "cut_on_um", low, f"a band that overlaps the picture's, {first:g} to {last:g} µm",
-            unit="µm",
-        )  # fmt: skip
-    return tuple(weights)
-
-
-def summed_within(image: Image, low_um: float | None, high_um: float | None) -> Image:
-    """A picture in bands as the radiance within a filter; one without bands as it is."""
-    bands = image.bands
-    if bands is None:
-        return image
-    first, last = bands.band_um
-    band = max(first, low_um or first), min(last, high_um or last)
-    weights = weights_within(bands, low_um, high_um)
-    return image.with_recipe(bands.picture(weights), band_um=band)
+        allowed = f"a band that overlaps the picture's, {first:g} to {last:g} µm"
+        raise ParameterError("cut_on_um", low, allowed, unit="µm")
+    band = max(first, low), min(last, high)
+    return image.with_recipe(bands.picture(tuple(weights)), band_um=band)
 
 
 def _material_curve(

@@ -105,7 +105,12 @@ def figures(
     all detectors: √(1 + v²) times as much where v is the spread of their noise.
     """
     rms_over_mean = hypot(1.0, variability_percent / 100.0)
-    sigma = amplifier_sigma(seen, snr=amplifier_snr, reference=snr_reference)
+    sigma = 0.0
+    if amplifier_snr is not None:
+        level = abs(seen.mean) if snr_reference == "mean" else seen.high - seen.low
+        sigma = float(amplifier_noise_radiance(reference_radiance=level, snr=amplifier_snr))
+        if not np.isfinite(sigma):
+            raise ParameterError("amplifier_snr", amplifier_snr, "large enough for finite noise")
     # NETD is noise over dL/dT: the detector's own gives the slope without Planck's integral.
     netd_amplifier = computed.netd_K * sigma / computed.ner
     netd_detector = computed.netd_K * rms_over_mean
@@ -127,17 +132,6 @@ def figures(
          "mean signal divided by the rms noise of detector and amplifier"),
     )  # fmt: skip
     return TableData(tuple(TableRow(*row) for row in rows))
-
-
-def amplifier_sigma(seen: PictureRange, *, snr: float | None, reference: str) -> float:
-    """Rms noise of the amplifier: the reference over its SNR; none without an SNR."""
-    if snr is None:
-        return 0.0
-    level = abs(seen.mean) if reference == "mean" else seen.high - seen.low
-    sigma = float(amplifier_noise_radiance(reference_radiance=level, snr=snr))
-    if not np.isfinite(sigma):
-        raise ParameterError("amplifier_snr", snr, "large enough for finite noise")
-    return sigma
 
 
 def _band_d_star(detector: Detector, background_K: float) -> float:

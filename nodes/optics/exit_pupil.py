@@ -154,8 +154,36 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
-        """The pupil on its array of samples, what is open in the colour of its wavefront error."""
-        return pupil_preview(planned.sound().outputs["pupil"], work)
+        """The pupil on its array of samples, what is open in the colour of its wavefront error.
+
+        Only that of a file takes samples.
+        """
+        pupil: Pupil = planned.sound().outputs["pupil"]
+        size = f"{pupil.columns} × {pupil.rows} samples"
+        if pupil.shape is None:
+            samples = work.value(pupil.samples)
+            facts = ["file", size, f"{brief(100 * float(samples.mean()))} % transmitted"]
+            wide, high = float(pupil.columns), float(pupil.rows)
+            picture = Picture(samples, 0.0, 1.0, (wide, high))
+        else:
+            shape, wavefront = pupil.shape, _wavefront_of(pupil)
+            facts = [
+                shape.shape.replace("_", " "),
+                size,
+                f"diameter {brief(2 * shape.radius, 4)}",
+                f"{100 * open_share(shape):.0f} % of the disc open",
+            ]
+            if wavefront is not None:
+                facts.append(f"rms {brief(wavefront.rms)} waves")
+            wide, high = _shown_samples(pupil, shape)
+            picture = _drawn(shape, wavefront, (wide, high))
+        chart = Plot(
+            Axis(-wide / 2, wide / 2, "samples"),
+            Axis(high / 2, -high / 2),
+            square=True,
+            picture=picture,
+        )
+        return Preview(", ".join(facts), (chart,), tuple(facts))
 
     def _from_file(self, here: NodeContext) -> Pupil:
         if self.path is None and self.wavefront_path is None:
@@ -379,35 +407,6 @@ def _scaled(shape: PupilShape, factor: float) -> PupilShape:
         slit_width=shape.slit_width * factor,
         vane_width=shape.vane_width * factor,
     )
-
-
-def pupil_preview(pupil: Pupil, work: Work) -> Preview:
-    """The pupil, and what it is; only that of a file takes samples."""
-    size = f"{pupil.columns} × {pupil.rows} samples"
-    if pupil.shape is None:
-        samples = work.value(pupil.samples)
-        facts = ["file", size, f"{brief(100 * float(samples.mean()))} % transmitted"]
-        wide, high = float(pupil.columns), float(pupil.rows)
-        picture = Picture(samples, 0.0, 1.0, (wide, high))
-    else:
-        shape, wavefront = pupil.shape, _wavefront_of(pupil)
-        facts = [
-            shape.shape.replace("_", " "),
-            size,
-            f"diameter {brief(2 * shape.radius, 4)}",
-            f"{100 * open_share(shape):.0f} % of the disc open",
-        ]
-        if wavefront is not None:
-            facts.append(f"rms {brief(wavefront.rms)} waves")
-        wide, high = _shown_samples(pupil, shape)
-        picture = _drawn(shape, wavefront, (wide, high))
-    chart = Plot(
-        Axis(-wide / 2, wide / 2, "samples"),
-        Axis(high / 2, -high / 2),
-        square=True,
-        picture=picture,
-    )
-    return Preview(", ".join(facts), (chart,), tuple(facts))
 
 
 def _shown_samples(pupil: Pupil, shape: PupilShape) -> tuple[float, float]:

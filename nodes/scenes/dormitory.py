@@ -61,18 +61,6 @@ FRONTS = (
 )
 
 
-def draw_building(drawing: Drawing) -> None:
-    """Draw everything that stands on the building's plot, back to front."""
-    _roof_line(drawing)
-    for front in FRONTS:
-        _brickwork(drawing, front)
-        _windows(drawing, front)
-    _stair_tower(drawing)
-    _lounge(drawing)
-    _balconies(drawing, FRONTS[1])
-    _entrance(drawing)
-
-
 def _brickwork(drawing: Drawing, front: Front) -> None:
     """Wall, courses in running bond, floor slabs that leak heat, coping and plinth."""
     box = (front.left, front.top, front.right, BASE)
@@ -370,12 +358,6 @@ def draw_car(drawing: Drawing, *, left: float, foot: float, body: str, running: 
         drawing.paint_ellipse("metal", at(u), up(0.16), 0.52 * radius, 0.52 * radius)
 
 
-def draw_lamp(drawing: Drawing, *, x: float, foot: float) -> None:
-    drawing.paint_box("metal", x - 0.0011, foot - 0.125, x + 0.0011, foot)
-    drawing.paint_box("metal", x, foot - 0.1255, x + 0.016, foot - 0.1235)
-    drawing.paint_ellipse("lamp", x + 0.017, foot - 0.1225, 0.005, 0.0032)
-
-
 CARS = (
     (0.055, "car_cool", False),
     (0.185, "car_warm", False),
@@ -390,7 +372,14 @@ def dormitory() -> Drawing:
     drawing = Drawing("zenith")
     draw_sky(drawing)
     draw_hills(drawing)
-    draw_building(drawing)
+    _roof_line(drawing)
+    for front in FRONTS:
+        _brickwork(drawing, front)
+        _windows(drawing, front)
+    _stair_tower(drawing)
+    _lounge(drawing)
+    _balconies(drawing, FRONTS[1])
+    _entrance(drawing)
     draw_ground(drawing)
     for x, y, radius, foot, seed in (
         (0.520, 0.690, (0.026, 0.036), 0.765, 601),
@@ -401,7 +390,10 @@ def dormitory() -> Drawing:
         draw_tree(drawing, x=x, y=y, radius=radius, foot=foot, seed=seed)
     for left, body, running in CARS:
         draw_car(drawing, left=left, foot=0.832, body=body, running=running)
+    foot = 0.872
     for x in (0.292, 0.792):
-        draw_lamp(drawing, x=x, foot=0.872)
+        drawing.paint_box("metal", x - 0.0011, foot - 0.125, x + 0.0011, foot)
+        drawing.paint_box("metal", x, foot - 0.1255, x + 0.016, foot - 0.1235)
+        drawing.paint_ellipse("lamp", x + 0.017, foot - 0.1225, 0.005, 0.0032)
     draw_tree(drawing, x=0.030, y=0.610, radius=(0.088, 0.140), foot=0.905, seed=641)
     return drawing

@@ -129,10 +129,12 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         """The pixels are sampled, but nothing averages over their area."""
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
+        # A table on the way may have been measured through the pixels.
+        tables, passed = (tabulated_mtf, radial_tabulated_mtf), passed_factors(image)
         measured = (
             "; ignore this if the table in MTF File already includes the pixel MTF, as tables "
             "from `imagechain measure` do"
-            if passes_table(image)
+            if any(law.function in tables for factor in passed for law in factor.laws)
             else ""
         )
         return Caution(
@@ -168,13 +170,6 @@ def detector_averages(image: Image) -> list[Separable]:
         if isinstance(factor, Separable)
         and any(law.function is aperture_mtf for law in factor.laws)
     ]
-
-
-def passes_table(image: Image) -> bool:
-    """Whether a table of MTF is on the way, which may have been measured through the pixels."""
-    tables = (tabulated_mtf, radial_tabulated_mtf)
-    laws = [law for factor in passed_factors(image) for law in factor.laws]
-    return any(law.function in tables for law in laws)
 
 
 def width_mrad(average: Separable, axis: str) -> float:
