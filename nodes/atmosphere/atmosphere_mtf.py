@@ -30,7 +30,7 @@ from nodes.optics.band_spectrum import photon_weights
 from nodes.shared.context_defaults import of_context
 from nodes.shared.factors import radial, separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, apart_caution, wavelength_caution
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, apart, wavelength_caution
 
 NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 
@@ -283,11 +283,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             return None
         if context.focal_length_mm is None:
             return None
-        return apart_caution(
-            "aperture_mm",
-            self.aperture_mm,
-            context.focal_length_mm / context.f_number,
-            unit="mm",
+        return apart(
+            self,
+            {"aperture_mm": context.focal_length_mm / context.f_number},
             where="from focal_length_mm and f_number on Init & Trans",
             near=F_NUMBER_NEAR,
             remedy="make them agree",

@@ -45,7 +45,7 @@ from nodes.shared.shared_warnings import (
     NEAR,
     Band,
     alike,
-    apart_caution,
+    apart,
     unit_caution,
 )
 from nodes.shared.steps import difference, picture_range
@@ -394,11 +394,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         """The integration time differs from the one on Frame Transfer Smear."""
         for factor in passed_factors(image):
             if any({"ratio", "sides"} <= dict(law.parameters).keys() for law in factor.laws):
-                return apart_caution(
-                    "integration_time_s",
-                    self.integration_time_s,
-                    image.exposure_s,
-                    unit="s",
+                return apart(
+                    self,
+                    {"integration_time_s": image.exposure_s},
                     where=f"on {factor.node}",
                     remedy="enter the time once, and link it: "
                     f"integration_time_s = {factor.node}.integration_time_s",

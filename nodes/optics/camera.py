@@ -15,7 +15,7 @@ from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
 from core.physics.sampling.orbit import EARTH_RADIUS_KM, LookDirection, OrbitView, orbit_view
 from nodes.shared.module_ports import TableFigures
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart, apart_caution, first
 
 
 class CameraOutputs(NamedTuple):
@@ -225,11 +225,9 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         """The F-number differs from focal length divided by aperture."""
         if self.focal_length_mm is None or self.aperture_mm is None:
             return None
-        return apart_caution(
-            "f_number",
-            self.f_number,
-            self.focal_length_mm / self.aperture_mm,
-            unit="",
+        return apart(
+            self,
+            {"f_number": self.focal_length_mm / self.aperture_mm},
             where=f"from {self.focal_length_mm:g} mm over {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
             remedy="leave one of the three empty; otherwise diffraction uses the aperture and "

@@ -34,7 +34,13 @@ from nodes.optics.band_spectrum import (
 from nodes.shared.context_defaults import given_band
 from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, Band, apart_caution, first, middle_caution
+from nodes.shared.shared_warnings import (
+    F_NUMBER_NEAR,
+    Band,
+    apart,
+    apart_from_context,
+    middle_caution,
+)
 from nodes.shared.steps import number
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
@@ -243,22 +249,10 @@ class DiffractionMTF(
     @warning
     def aperture(self, context: Context) -> Caution | None:
         """The aperture or obscuration differs from the one on Camera or Init & Trans."""
-        return first(
-            apart_caution(
-                "aperture_mm",
-                self.aperture_mm,
-                _of_context(context),
-                unit="mm",
-                where="from Camera, or focal length over F-number on Init & Trans",
-                near=F_NUMBER_NEAR,
-            ),
-            apart_caution(
-                "obscuration_ratio",
-                self.obscuration_ratio,
-                context.obscuration_ratio,
-                unit="",
-                where="on Camera",
-            ),
+        where = "from Camera, or focal length over F-number on Init & Trans"
+        diameter = {"aperture_mm": _of_context(context)}
+        return apart(self, diameter, where=where, near=F_NUMBER_NEAR) or apart_from_context(
+            self, context, "obscuration_ratio", where="on Camera"
         )
 
     @warning

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
+from typing import Any
 
 from core.chain.wires import Context, Phase, Transfer
 from core.errors import DataError
@@ -124,18 +126,31 @@ def apart_caution(
     )
 
 
+def apart(
+    module: Module,
+    others: Mapping[str, float | None],
+    *,
+    where: str,
+    near: float = NEAR,
+    remedy: str = "",
+) -> Caution | None:
+    """The first of these parameters that is not the value of another place."""
+    units = {p.name: p.param.unit for p in declaration(type(module)).parameters}
+    how: dict[str, Any] = {"where": where, "near": near, "remedy": remedy}
+    values = module.values()
+    return first(
+        *(
+            apart_caution(name, values[name], other, unit=units[name], **how)
+            for name, other in others.items()
+        )
+    )
+
+
 def apart_from_context(
     module: Module, context: Context, *names: str, where: str = "on Init & Trans"
 ) -> Caution | None:
     """The first of these parameters that is not the one of Init & Trans."""
-    units = {p.name: p.param.unit for p in declaration(type(module)).parameters}
-    values = module.values()
-    return first(
-        *(
-            apart_caution(name, values[name], getattr(context, name), unit=units[name], where=where)
-            for name in names
-        )
-    )
+    return apart(module, {name: getattr(context, name) for name in names}, where=where)
 
 
 ELECTRONICS = "on Init & Trans, which the electronics use"

@@ -20,7 +20,7 @@ from core.modules.parameters import Formula, Param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
 from core.transfer.factors import Edges, Grid
-from nodes.shared.shared_warnings import apart_caution, first
+from nodes.shared.shared_warnings import apart
 
 
 class InitOutputs(NamedTuple):
@@ -189,13 +189,8 @@ class InitTrans(
     @warning
     def focal_length(self, image: Image) -> Caution | None:
         """The focal length differs from the one in the picture's file."""
-        return apart_caution(
-            "focal_length_mm",
-            self.focal_length_mm,
-            image.header.focal_length_mm,
-            unit="mm",
-            where="in the picture's file",
-        )
+        in_file = {"focal_length_mm": image.header.focal_length_mm}
+        return apart(self, in_file, where="in the picture's file")
 
     @warning
     def camera(self, image: Image, given: frozenset[str]) -> Caution | None:
@@ -209,45 +204,34 @@ class InitTrans(
                     f"{name} = 1 is treated as empty here, so {of_camera:g} from Camera is used",
                     "change it on Camera",
                 )
-        return first(
-            *(
-                apart_caution(name, getattr(self, name), of_camera, unit=unit, where="on Camera")
-                for name, of_camera, unit in (
-                    ("detector_x_um", sheet.pitch_x_um, "µm"),
-                    ("detector_y_um", sheet.pitch_y_um, "µm"),
-                    ("focal_length_mm", sheet.focal_length_mm, "mm"),
-                    ("f_number", sheet.f_number, ""),
-                    ("obscuration_ratio", sheet.obscuration_ratio, ""),
-                    ("range_m", sheet.range_m, "m"),
-                    ("fill_x", sheet.fill_x if self.fill_x != 1.0 else None, ""),
-                    ("fill_y", sheet.fill_y if self.fill_y != 1.0 else None, ""),
-                )
-            ),
-            apart_caution(
-                "velocity_m_per_s", self.velocity_m_per_s,
-                orbit.velocity_m_per_s if orbit else None, unit="m/s", where="on Camera",
-                remedy="set velocity_m_per_s to 0 to use that value, unless both are intended",
-            ),
-        )  # fmt: skip
+        of_sheet = {
+            "detector_x_um": sheet.pitch_x_um,
+            "detector_y_um": sheet.pitch_y_um,
+            "focal_length_mm": sheet.focal_length_mm,
+            "f_number": sheet.f_number,
+            "obscuration_ratio": sheet.obscuration_ratio,
+            "range_m": sheet.range_m,
+            "fill_x": sheet.fill_x if self.fill_x != 1.0 else None,
+            "fill_y": sheet.fill_y if self.fill_y != 1.0 else None,
+        }
+        return apart(self, of_sheet, where="on Camera") or apart(
+            self,
+            {"velocity_m_per_s": orbit.velocity_m_per_s if orbit else None},
+            where="on Camera",
+            remedy="set velocity_m_per_s to 0 to use that value, unless both are intended",
+        )
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
         """The field of view differs from the picture's own."""
-        return first(
-            *(
-                apart_caution(
-                    name,
-                    getattr(self, name),
-                    None if interval is None else math.degrees(interval * samples / 1000.0),
-                    unit="deg",
-                    where="from the picture's own sampling",
-                )
-                for name, interval, samples in (
-                    ("fov_x_deg", image.interval_x_mrad, image.columns),
-                    ("fov_y_deg", image.interval_y_mrad, image.rows),
-                )
+        sampled = {
+            name: None if interval is None else math.degrees(interval * samples / 1000.0)
+            for name, interval, samples in (
+                ("fov_x_deg", image.interval_x_mrad, image.columns),
+                ("fov_y_deg", image.interval_y_mrad, image.rows),
             )
-        )
+        }
+        return apart(self, sampled, where="from the picture's own sampling")
 
     @readout("mrad")
     def interval_x_mrad(self, outputs: InitOutputs) -> float:

@@ -15,7 +15,7 @@ from core.transfer.factors import Separable
 from nodes.shared.context_defaults import pitch_in_samples
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import ImageOutput
-from nodes.shared.shared_warnings import apart_caution, first
+from nodes.shared.shared_warnings import apart
 
 _LEAST = 1e-3
 
@@ -111,18 +111,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     @warning
     def pitch(self, image: Image) -> Caution | None:
         """The samples per pixel disagree with the detector's pitch."""
-        return first(
-            *(
-                apart_caution(
-                    f"factor_{axis}",
-                    getattr(self, f"factor_{axis}"),
-                    pitch_in_samples(axis, image),
-                    unit="samples",
-                    where="from the detector's pitch",
-                )
-                for axis in ("x", "y")
-            )
-        )
+        of_pitch = {f"factor_{axis}": pitch_in_samples(axis, image) for axis in "xy"}
+        return apart(self, of_pitch, where="from the detector's pitch")
 
     @warning
     def no_average(self, image: Image) -> Caution | None:
