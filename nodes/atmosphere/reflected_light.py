@@ -11,8 +11,6 @@ from typing import Annotated, Literal
 import numpy as np
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
-from core.chain.linear_change import Linear
-from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image, Table
@@ -26,6 +24,7 @@ from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn, PictureTable, TableFigures
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
+from nodes.shared.steps import Scaled
 
 _SHARES = {"": 1.0, "1": 1.0, "-": 1.0, "reflectance": 1.0, "albedo": 1.0, "%": 0.01}
 _BRIGHTEST = 1e30  # W/m²/µm
@@ -259,26 +258,17 @@ _ABOVE_ONE = 1e-6  # by which a reflectance of 1 may be rounded
 
 
 @dataclass(frozen=True)
-class Lit(Linear):
-    """Every sample times the radiance of a white surface."""
+class Lit(Scaled):
+    """Every sample times a white surface's radiance; `reflectance` is that of a sample of 1."""
 
-    white: float
-    reflectance: float = 1.0
-    """Of one unit of the samples."""
-
-    @property
-    def gain(self) -> float:
-        return self.white
+    reflectance: float
 
     @property
     def of_reflectance(self) -> float:
         return self.reflectance
 
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(self.white)
 
-
-@picture_step(linear=lambda _, **how: Lit(**how))
+@picture_step(linear=lambda _, white, reflectance: Lit(white, reflectance))
 @pointwise
 def reflected(work: Work, image: Array, *, white: float, reflectance: float) -> Array:
     """Radiance of reflectances; `white` is that of a sample of 1, whose reflectance is told."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.linear_change import LevelChange, Linear
+from core.chain.linear_change import LevelChange
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream
 from core.chain.results import TableData, TableRow
@@ -33,7 +33,7 @@ from nodes.detector.focal_plane_figures import (
     radiance_level,
     scene_level,
 )
-from nodes.shared.steps import AboutMean, rounding_noises
+from nodes.shared.steps import AboutMean, Scaled, rounding_noises
 
 _LEAST_SAMPLES, _MOST_SAMPLES = 1 << 15, 1 << 18
 """What a stage works on at once, as large as leaves work for all threads: two threads wait for each
@@ -56,24 +56,6 @@ class Ended(AboutLevel):
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """As it is: beside a mean that is clipped there are samples that are not."""
         return power
-
-
-@dataclass(frozen=True)
-class Amplified(Linear):
-    """A gain, and an offset that no difference has."""
-
-    factor: float
-
-    @property
-    def gain(self) -> float:
-        return self.factor
-
-    @property
-    def by_sample(self) -> bool:
-        return True
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(self.factor)
 
 
 def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], object]) -> Array:
@@ -289,8 +271,8 @@ def _replaced(picture: Array, bad: BadPixels, levels: ElectronLevels, hot_e: flo
     return changed
 
 
-def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Amplified:
-    return Amplified(1.0 / gain_e_per_dn)
+def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Scaled:
+    return Scaled(1.0 / gain_e_per_dn)
 
 
 @picture_step(linear=_counts)
@@ -346,7 +328,7 @@ def _numbers(
     return np.asarray(np.rint(numbers, out=numbers))
 
 
-@picture_step(linear=lambda _, gain_e_per_dn, **__: Amplified(gain_e_per_dn))
+@picture_step(linear=lambda _, gain_e_per_dn, **__: Scaled(gain_e_per_dn))
 @pointwise
 def electrons_of_counts(
     work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float

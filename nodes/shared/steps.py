@@ -71,6 +71,24 @@ def picture_range(work: Work, image: Array) -> PictureRange:
 
 
 @dataclass(frozen=True)
+class Scaled(Linear):
+    """Every sample times a number; an offset is in no difference."""
+
+    factor: float
+
+    @property
+    def gain(self) -> float:
+        return self.factor
+
+    @property
+    def by_sample(self) -> bool:
+        return True
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        return power.scaled(self.factor)
+
+
+@dataclass(frozen=True)
 class AboutMean(Linear):
     """A change that is linear in small differences, with a gain that depends on the picture."""
 
