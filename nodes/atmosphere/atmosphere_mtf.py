@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from core.chain.band_stack import BandStack, over_bands
+from core.chain.band_stack import BandStack
 from core.chain.realize import transfer_plane
 from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
@@ -26,7 +25,7 @@ from core.physics.atmosphere.scattering_and_turbulence import (
 from core.physics.atmosphere.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
-from nodes.optics.band_spectrum import photon_weights
+from nodes.optics.band_spectrum import at_each_band
 from nodes.shared.context_defaults import of_context
 from nodes.shared.factors import radial, separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -356,11 +355,7 @@ def _by_bands(blur: tuple[Planar, ...], law: Law, bands: BandStack | None) -> tu
     """Each band of the picture at its own wavelength; the mean is weighted by their photons."""
     if bands is None:
         return blur
-    weights = photon_weights(bands, "photons")
-    return tuple(
-        over_bands(replace(one, by_wavelength=AtWavelength(law)), bands, weights, node=one.node)
-        for one in blur
-    )
+    return tuple(at_each_band(one, AtWavelength(law), bands, "photons") for one in blur)
 
 
 @ends_lineage

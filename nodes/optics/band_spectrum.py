@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.band_stack import BandStack, Row
+from core.chain.band_stack import BandStack, Row, over_bands
 from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
@@ -19,6 +20,7 @@ from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
+from core.transfer.factors import Planar, WavelengthLaw
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance
 
@@ -109,6 +111,15 @@ def photon_weights(bands: BandStack, weighting: str, detector: Responses = ()) -
         passed = (response.mean(c - w / 2, c + w / 2) for c, w in pairs)
         weights = tuple(weight * share for weight, share in zip(weights, passed, strict=True))
     return weights
+
+
+def at_each_band(
+    factor: Planar, law: WavelengthLaw, bands: BandStack, weighting: str, detector: Responses = ()
+) -> Planar:
+    """Each band of the picture at its own wavelength; the mean is weighted by their light."""
+    factor = replace(factor, by_wavelength=law)
+    weights = photon_weights(bands, weighting, detector)
+    return over_bands(factor, bands, weights, node=factor.node)
 
 
 def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> Caution | None:

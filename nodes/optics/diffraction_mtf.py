@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
-from core.chain.band_stack import BandStack, over_bands
+from core.chain.band_stack import BandStack
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -25,9 +25,9 @@ from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     Responses,
+    at_each_band,
     kelvin_caution,
     one_wavelength_caution,
-    photon_weights,
     source_temperature,
     weighting_responses,
 )
@@ -197,11 +197,10 @@ class DiffractionMTF(
             wavelengths=1,
             tolerance=self._finest(),
         )
-        blur = replace(blur, by_wavelength=AtWavelength(one, ("cut_on_um", "cut_off_um")))
+        law = AtWavelength(one, ("cut_on_um", "cut_off_um"))
         if self.weighting == "uniform":
-            return blur
-        weights = photon_weights(bands, self.weighting, detector)
-        return over_bands(blur, bands, weights, node=blur.node)
+            return replace(blur, by_wavelength=law)
+        return at_each_band(blur, law, bands, self.weighting, detector)
 
     def _bands(self, magnitude: Magnitude) -> BandStack | None:
         """Bands of the picture, where the wavelengths are not fixed here."""

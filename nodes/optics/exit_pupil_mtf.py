@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.band_stack import over_bands
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -18,9 +17,8 @@ from core.physics.optics.polychromatic import Spectrum, band_wavelengths
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
-    Responses,
+    at_each_band,
     one_wavelength_caution,
-    photon_weights,
     source_temperature,
     weighting_responses,
 )
@@ -138,8 +136,11 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         else:
             law = PupilLaw(pupil, scale, None, node)
         detector = weighting_responses(self.response, here.folder, None, self.weighting)
-        blur = self._by_bands(blur, law, magnitude, detector)
-        shifts = () if shift is None else (self._by_bands(shift, law, magnitude, detector),)
+        bands = None if magnitude.image is None else magnitude.image.bands
+        if bands is not None:
+            how = (law, bands, self.weighting, detector)
+            blur, shift = at_each_band(blur, *how), shift and at_each_band(shift, *how)
+        shifts = () if shift is None else (shift,)
         return otf_outputs(self.apply, magnitude, phase, blur=(blur,), shift=shifts, label=label)
 
     @warning
@@ -167,17 +168,6 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     def response_unused(self) -> Caution | None:
         """A response is entered, but it has no effect with a single wavelength."""
         return one_wavelength_caution(self.response, self.wavelengths == 1)
-
-    def _by_bands(
-        self, factor: Planar, law: PupilLaw, magnitude: Magnitude, detector: Responses
-    ) -> Planar:
-        """Each band of the picture at its own wavelength; the mean is weighted by their light."""
-        bands = None if magnitude.image is None else magnitude.image.bands
-        if bands is None:
-            return factor
-        factor = replace(factor, by_wavelength=law)
-        weights = photon_weights(bands, self.weighting, detector)
-        return over_bands(factor, bands, weights, node=factor.node)
 
     def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
         """Wavelengths over the band, which count alike."""
