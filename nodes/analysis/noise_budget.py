@@ -6,16 +6,8 @@ from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section
-from nodes.analysis.budget_shares import (
-    Kind,
-    Show,
-    blur_bars,
-    blur_shares,
-    budget_table,
-    noise_bars,
-    noise_shares,
-    unknown_before,
-)
+from nodes.analysis import budget_shares
+from nodes.analysis.budget_shares import Kind, Show
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.shared.module_ports import TableFigures
 
@@ -72,18 +64,18 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
 
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
         node, grid, passed = here.node, image.grid(), transfer_of(image)
-        noise = here.step(noise_shares, NoiseOf(image, node), kind=self.noise)
+        noise = here.step(budget_shares.noise_shares, NoiseOf(image, node), kind=self.noise)
         blur = here.step(
-            blur_shares,
+            budget_shares.blur_shares,
             stages=passed.part("mtf"),
             frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
-            before=unknown_before(passed),
+            before=budget_shares.unknown_before(passed),
         )
         noise_kind = {"kind": self.noise, "unit": image.unit}
         return BudgetOutputs(
-            Curve(here.step(noise_bars, noise, show=self.show, **noise_kind)),
-            Curve(here.step(blur_bars, blur, show=self.show)),
-            Table(here.step(budget_table, noise, blur, **noise_kind)),
+            Curve(here.step(budget_shares.noise_bars, noise, show=self.show, **noise_kind)),
+            Curve(here.step(budget_shares.blur_bars, blur, show=self.show)),
+            Table(here.step(budget_shares.budget_table, noise, blur, **noise_kind)),
         )
 
     figures_0 = TableFigures(

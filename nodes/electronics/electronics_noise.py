@@ -28,20 +28,11 @@ from core.modules.preview import (
     kelvin,
     not_connected,
 )
+from core.physics.detector import filters
 from core.physics.detector.detectivity import (
     STANDARD_HALF_ANGLE_DEG,
     cold_shield_half_angle_deg,
     d_star,
-)
-from core.physics.detector.filters import (
-    corner_in_cyc_per_mrad,
-    dwell_time_s,
-    lowpass_mtf,
-    lowpass_ptf,
-    mirror_scan_velocity_mrad_per_s,
-    noise_bandwidth_hz,
-    post_filter_mtf,
-    post_filter_ptf,
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION, Material, find_material
@@ -279,7 +270,7 @@ class ElectronicsNoise(
             variability_percent=self.noise_variability_percent,
         )
         image = with_interval(image, context)
-        filters, post = self._pre_amplifier(image, context), self._post_filter(context)
+        pre, post = self._pre_amplifier(image, context), self._post_filter(context)
 
         def filtered(picture: Recipe, factors: tuple[Separable, ...]) -> Recipe:
             plain = tuple(replace(f, label="", node=None) for f in factors)
@@ -304,15 +295,15 @@ class ElectronicsNoise(
             )
         else:
             detected = here.step(steps.with_detector_noise, image.recipe, *noise, **rms)
-        amplified = filtered(detected, filters)
+        amplified = filtered(detected, pre)
         if self.amplifier_snr is not None:
             deviates = self.deviates(here, "amplifier", image.shape)
             amplified = here.step(steps.with_amplifier_noise, amplified, table, deviates)
         shaped = filtered(amplified, post)
-        clean = filtered(filtered(image.recipe, filters), post)
+        clean = filtered(filtered(image.recipe, pre), post)
         final = self._quantized(shaped, here) if self.bits else shaped
 
-        mtf, ptf = transfers((*filters, *post), image, self.title)
+        mtf, ptf = transfers((*pre, *post), image, self.title)
         return ElectronicsOutputs(
             image=image.with_recipe(final),
             noise=image.with_recipe(here.step(difference, shaped, clean)),
@@ -467,7 +458,9 @@ class ElectronicsNoise(
     def scan_velocity(self, context: Context) -> float:
         """Velocity of the scan, mrad/s; 0 where nothing scans."""
         if self.scan_mirror_rate_Hz is not None:
-            return mirror_scan_velocity_mrad_per_s(scan_mirror_rate_Hz=self.scan_mirror_rate_Hz)
+            return filters.mirror_scan_velocity_mrad_per_s(
+                scan_mirror_rate_Hz=self.scan_mirror_rate_Hz
+            )
         return context.scan_velocity_mrad_per_s
 
     def _tau(self, context: Context) -> float | None:
@@ -476,7 +469,7 @@ class ElectronicsNoise(
         velocity = self.scan_velocity(context)
         if velocity == 0:
             return None
-        return dwell_time_s(
+        return filters.dwell_time_s(
             interval_mrad=context.grid.interval_x_mrad, scan_velocity_mrad_per_s=velocity
         )
 
@@ -490,7 +483,7 @@ class ElectronicsNoise(
                 "Init & Trans"
             )
             raise ParameterError("bandwidth_Hz", None, allowed, unit="Hz")
-        return noise_bandwidth_hz(time_constant_s=tau)
+        return filters.noise_bandwidth_hz(time_constant_s=tau)
 
     def _detector(self, context: Context) -> Detector:
         cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
@@ -516,8 +509,8 @@ class ElectronicsNoise(
             raise ParameterError("use_mtf", True, allowed)
         law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": tau}
         return (
-            *separable(lowpass_mtf, x=law, label="Pre-amplifier"),
-            *separable(lowpass_ptf, x=law, part="ptf", label="Pre-amplifier"),
+            *separable(filters.lowpass_mtf, x=law, label="Pre-amplifier"),
+            *separable(filters.lowpass_ptf, x=law, part="ptf", label="Pre-amplifier"),
         )
 
     def _post_filter(self, context: Context) -> tuple[Separable, ...]:
@@ -529,15 +522,15 @@ class ElectronicsNoise(
             raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed, unit="Hz")
         law = {
             "kind": self.post_filter,
-            "corner_cyc_per_mrad": corner_in_cyc_per_mrad(
+            "corner_cyc_per_mrad": filters.corner_in_cyc_per_mrad(
                 corner_Hz=self.post_corner_Hz, scan_velocity_mrad_per_s=velocity
             ),
             "poles": self.post_poles,
         }
         gain = {"max_gain": self.post_gain}
         return (
-            *separable(post_filter_mtf, x={**law, **gain}, label="Post filter"),
-            *separable(post_filter_ptf, x=law, part="ptf", label="Post filter"),
+            *separable(filters.post_filter_mtf, x={**law, **gain}, label="Post filter"),
+            *separable(filters.post_filter_ptf, x=law, part="ptf", label="Post filter"),
         )
 
     def _range(self) -> tuple[float | None, float | None]:
