@@ -120,11 +120,11 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
         # A table on the way may have been measured through the pixels.
-        tables, passed = (tabulated_mtf, radial_tabulated_mtf), passed_factors(image)
+        passed = {law.function for factor in passed_factors(image) for law in factor.laws}
         measured = (
             "; ignore this if the table in MTF File already includes the pixel MTF, as tables "
             "from `imagechain measure` do"
-            if any(law.function in tables for factor in passed for law in factor.laws)
+            if not passed.isdisjoint((tabulated_mtf, radial_tabulated_mtf))
             else ""
         )
         return Caution(
@@ -157,8 +157,7 @@ def detector_averages(image: Image) -> list[Separable]:
     return [
         factor
         for factor in passed_factors(image)
-        if isinstance(factor, Separable)
-        and any(law.function is aperture_mtf for law in factor.laws)
+        if isinstance(factor, Separable) and aperture_mtf in [law.function for law in factor.laws]
     ]
 
 
