@@ -1,7 +1,5 @@
 """The list of our modules, in the order the library shows them, and what packages add."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib import import_module
 

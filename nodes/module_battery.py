@@ -6,8 +6,6 @@ single and double precision agree, that a transfer function is 1 at zero, and th
 what becomes of a picture in it. Whether its physics is right is for its own tests.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import pickle

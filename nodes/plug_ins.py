@@ -9,8 +9,6 @@ An entry point is a module's class, or several of them. Their keys begin with th
 Python writes it, and a dot: ``acme_optics.flare``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Probability against range that a target is acquired, and the figures of merit as a table."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Literal

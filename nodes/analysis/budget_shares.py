@@ -1,7 +1,5 @@
 """What each noise and each stage contributes to a picture, predicted from its chain."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

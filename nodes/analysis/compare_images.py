@@ -1,7 +1,5 @@
 """Compare Images: how far a picture is from a reference, and the MTF between them."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal, NamedTuple
 

@@ -1,7 +1,5 @@
 """Figures of Merit: what a sensor resolves and detects, and how far."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple

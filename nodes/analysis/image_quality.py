@@ -1,7 +1,5 @@
 """Image Quality: the interpretability of a picture by the image quality equations."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple

@@ -1,7 +1,5 @@
 """Line by Line: a line scanner's mixed sampling, beside the whole-image way."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal, NamedTuple
 

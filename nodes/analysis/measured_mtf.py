@@ -1,7 +1,5 @@
 """Measured MTF: from an edge or a line in any picture."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Measuring the MTF in a region of a picture."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Literal

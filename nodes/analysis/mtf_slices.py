@@ -1,7 +1,5 @@
 """MTF Slices: every stage's transfer function and their product, along lines."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal, NamedTuple
 

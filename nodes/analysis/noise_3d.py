@@ -1,7 +1,5 @@
 """3-D Noise: the seven noise components of a sequence of frames."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path

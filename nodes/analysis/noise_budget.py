@@ -1,7 +1,5 @@
 """Noise Budget: which source makes how much of a picture's noise, which stage of its blur."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table

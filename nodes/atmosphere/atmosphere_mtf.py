@@ -1,7 +1,5 @@
 """Atmosphere MTF: turbulence and turbidity."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Atmospheric Path: what the air takes from a picture's radiance, and what it adds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path

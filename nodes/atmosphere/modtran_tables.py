@@ -8,8 +8,6 @@ of the path radiance within 1.3 % and 2.3 % rms.
 Source: LeMaster and Eismann 2017, pyBSM, Proc. SPIE 10204 (Apache License 2.0).
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from functools import lru_cache

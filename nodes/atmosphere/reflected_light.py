@@ -1,7 +1,5 @@
 """Reflected Light: what surfaces reflect of sun and sky."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from itertools import pairwise

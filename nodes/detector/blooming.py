@@ -1,7 +1,5 @@
 """Blooming: full pixels spill charge along their column."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Charge Diffusion MTF: carriers diffuse before they are collected."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude

@@ -1,7 +1,5 @@
 """Charge Transfer MTF: contrast lost by incomplete charge transfer."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 

@@ -1,7 +1,5 @@
 """Charge Transfer Phase: delay by incomplete charge transfer."""
 
-from __future__ import annotations
-
 from core.chain.wires import Context, Phase
 from core.modules.declaration import Formula, NodeContext
 from core.physics.detector.detector_mtf import charge_transfer_ptf

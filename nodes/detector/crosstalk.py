@@ -1,7 +1,5 @@
 """Crosstalk: a pixel's neighbours get a share of its signal."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude, Phase

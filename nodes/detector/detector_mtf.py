@@ -1,7 +1,5 @@
 """Detector MTF: the detector averages over its sensitive area."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude

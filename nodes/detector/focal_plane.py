@@ -1,7 +1,5 @@
 """Focal Plane: a camera's detector in electrons, as data sheets specify it today."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any, NamedTuple
 

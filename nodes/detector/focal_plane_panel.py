@@ -1,7 +1,5 @@
 """The panel of Focal Plane, and what its parameters come to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal

@@ -1,7 +1,5 @@
 """The stages of Focal Plane as steps: from radiance to electrons to digital numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

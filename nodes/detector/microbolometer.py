@@ -1,7 +1,5 @@
 """Microbolometer: an uncooled detector by its data sheet's NETD and thermal time constant."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 

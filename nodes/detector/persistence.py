@@ -1,7 +1,5 @@
 """Persistence: the image lag of an earlier exposure."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rolling Shutter: lines are exposed one after the other while the image moves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, Any
 

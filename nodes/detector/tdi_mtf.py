@@ -1,7 +1,5 @@
 """TDI MTF: charge that is clocked along with a moving image."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 

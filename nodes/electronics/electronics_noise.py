@@ -1,7 +1,5 @@
 """Electronics & Noise: what detectors, amplifier and quantizer do to the picture."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Literal, NamedTuple

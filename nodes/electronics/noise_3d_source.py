@@ -1,7 +1,5 @@
 """3-D Noise Source: the seven components of noise by their sizes, and 1/f noise."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import hypot
 from typing import Annotated

@@ -1,7 +1,5 @@
 """Noise File: any picture as noise."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The stages of Electronics & Noise as steps."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot
 from typing import Any

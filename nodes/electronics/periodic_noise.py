@@ -1,7 +1,5 @@
 """Periodic Noise: a sinusoid over the picture, plain or modulated."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Poisson Noise: photon noise of the scene."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 import numpy as np

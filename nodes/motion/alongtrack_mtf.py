@@ -1,7 +1,5 @@
 """Alongtrack MTF: smear by the platform's forward motion."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude

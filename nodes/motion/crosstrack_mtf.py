@@ -1,7 +1,5 @@
 """Crosstrack MTF: smear by the scan within one dwell time."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude

@@ -1,7 +1,5 @@
 """Jitter MTF: random line-of-sight motion."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Line of Sight: random motion of the sensor, within exposures and between them."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from pathlib import Path

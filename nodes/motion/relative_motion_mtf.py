@@ -1,7 +1,5 @@
 """Relative Motion MTF: smear by image and platform moving differently."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from core.chain.wires import Context, Magnitude

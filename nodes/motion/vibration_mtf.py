@@ -1,7 +1,5 @@
 """Vibration MTF: sinusoidal line-of-sight motion."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude

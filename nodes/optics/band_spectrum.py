@@ -1,7 +1,5 @@
 """By what light a band's wavelengths are weighted, where no spectrum is on the wire."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Camera: the data sheet of a camera, entered once for the whole network."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple

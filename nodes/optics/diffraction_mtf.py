@@ -1,7 +1,5 @@
 """Diffraction MTF: a circular or annular aperture by its data sheet, without a pupil array."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 

@@ -1,7 +1,5 @@
 """Exit Pupils: apertures by geometry or from a file, with a wavefront error."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Exit Pupil MTF: diffraction by the aperture."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Annotated, Literal
 

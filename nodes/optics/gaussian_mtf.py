@@ -1,7 +1,5 @@
 """Gaussian MTF: blur that no other module accounts for."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude

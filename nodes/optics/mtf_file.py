@@ -1,7 +1,5 @@
 """MTF File: a measured MTF, or one of a data sheet or a lens design, from a table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """PSF File: a point spread function, measured or of a lens design, from a picture."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any, Literal
 

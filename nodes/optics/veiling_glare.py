@@ -1,7 +1,5 @@
 """Veiling Glare: stray light that spreads over the picture and lowers its contrast."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude

@@ -1,7 +1,5 @@
 """Vignetting: the light falls off from the middle of the field to its corners."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -4,8 +4,6 @@ Roads and runway are straight and lie askew, so that a camera's distortion shows
 continuous coordinates, 0 to 1 in x and y: thought of as 2 km square, 0.01 is 20 m.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from nodes.scenes.scene_canvas import (

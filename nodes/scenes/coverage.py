@@ -5,8 +5,6 @@ edges. Every result is a mean over the sample's area, so pictures drawn with it 
 and the mean of 2 × 2 samples is the sample of twice the size.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A dormitory was the target of Tantalo 1996, figure F.2. This one is drawn from c
 coordinates, 0 to 1 in x and y, and so is the same building at every size of the picture.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ A scene is Σ_k a_k(x, y)·s_k(λ), with the shares a_k of its surfaces and text
 s_k, so that no band need be drawn by itself and no cube is ever in memory.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 from types import MappingProxyType

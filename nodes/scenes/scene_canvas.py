@@ -6,8 +6,6 @@
 Strokes give where which surface is, not how bright it is: that is given when it is rendered.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ Angles and circles are in samples, which are taken as square; the frame's centre
 the middle sample, or the corner between the four middle samples.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How bright the surfaces are in bands of wavelength: what they emit, and mirror of sky and Sun."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """A parameter of the module, else the value of Init & Trans or the image, else an error."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from core.chain.wires import Context, Image, Magnitude, Phase

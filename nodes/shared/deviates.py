@@ -1,7 +1,5 @@
 """Deviates of the noise modules: white ones, 1/f noise, and their seeds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Annotated, Literal

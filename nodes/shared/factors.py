@@ -1,7 +1,5 @@
 """Factors of transfer functions for modules: made, passed on, and put out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Outputs that several modules share, and the bases of MTF and PTF modules."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, NamedTuple
 

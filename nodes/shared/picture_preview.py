@@ -1,7 +1,5 @@
 """The preview of a module that gives a picture: the picture, small, and what it is."""
 
-from __future__ import annotations
-
 from core.chain.engine import PlannedNode
 from core.chain.wires import Image
 from core.evaluation.work import Work

@@ -1,7 +1,5 @@
 """What modules warn of: values that two places give differently, and units that do not fit."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Steps that several modules take."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Anti-alias Filter: a low-pass before samples are dropped."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Annotated, Any, Literal

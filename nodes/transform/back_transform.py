@@ -1,7 +1,5 @@
 """Back Transform: one inverse transform for the whole cascade."""
 
-from __future__ import annotations
-
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Magnitude, Phase
 from core.modules.declaration import Formula, Module, NodeContext

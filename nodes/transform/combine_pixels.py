@@ -1,7 +1,5 @@
 """Combine Pixels: aggregation of oversampled pixels."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from core.chain.back_transformed import BinMode, combine_pixels

@@ -1,7 +1,5 @@
 """Init & Trans: the sensor's geometry, and the image's magnitude and phase."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Interpolate: other numbers of samples over the same field, as a frame grabber takes them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 

@@ -1,7 +1,5 @@
 """The steps of To Radiance and To Temperature."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Sample Pixels: one sample for each detector pitch, behind the detector's own average."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from core.chain.back_transformed import sample_pixels

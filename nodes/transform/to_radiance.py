@@ -1,7 +1,5 @@
 """To Radiance: a picture of temperatures as band radiance."""
 
-from __future__ import annotations
-
 from core.chain.wires import Image
 from core.errors import DataError
 from core.modules.declaration import Formula, NodeContext

@@ -1,7 +1,5 @@
 """To Temperature: a picture of band radiance as temperatures."""
 
-from __future__ import annotations
-
 from core.chain.wires import Image
 from core.modules.declaration import Formula, NodeContext
 from nodes.shared.module_ports import ImageOutput
