@@ -1,4 +1,4 @@
-"""The Inframetrics chain built by hand in a real window, to be run on a display of its own.
+"""The Inframetrics camera built by hand in a real window, to be run on a display of its own.
 
     python inframetrics_by_hand.py build FOLDER SCREENSHOTS
     python inframetrics_by_hand.py recover FOLDER SCREENSHOTS
@@ -10,6 +10,7 @@ What is to be compared is left in FOLDER.
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ from app.editor.window.start import application
 from app.run.shipped import shipped_networks
 from core.modules.declaration import declaration
 from core.network.file import load_network
+from core.network.network import Link, Network
 from hands import Hands, centre, process_events, wait_still, wait_until
 from nodes.library import standard_library
 from screen_places import place_of_head, place_of_module, place_of_port, place_of_wire
@@ -129,10 +131,40 @@ def _default(builder, node, name):
     return declaration(builder.library[node.module]).parameter(name).default
 
 
-SHIPPED = shipped_networks()["inframetrics"]
-COLUMNS = 5
+# Of the shipped network a part that has every kind of node, wire, field and page.
+KEPT = {
+    "scene": ("cut_off_um", "cut_on_um", "delta_K", "height", "kind", "width"),
+    "init": ("detector_x_um", "detector_y_um", "f_number", "focal_length_mm", "platform"),
+    "aberration": ("sigma_x_mrad", "sigma_y_mrad"),
+    "jitter": ("sigma_mrad",),
+    "detector": (),
+    "back": (),
+    "electronics": ("bits", "material", "region", "scan_mirror_rate_Hz", "use_mtf"),
+    "frame_grabber": ("height",),
+}
+WIRES = (
+    "scene.image init.image, init.context aberration.context, init.context jitter.context, "
+    "init.magnitude aberration.magnitude, aberration.magnitude jitter.magnitude, "
+    "init.context detector.context, jitter.magnitude detector.magnitude, init.phase back.phase, "
+    "detector.magnitude back.magnitude, init.context electronics.context, "
+    "back.image electronics.image, electronics.image frame_grabber.image"
+)
+SIDE = 128
+COLUMNS = 4
 INSERTED = "jitter"  # dropped on the wire from `aberration` to `detector`
 DROPPED_WIRE = ("electronics", "image", "frame_grabber", "image")  # its target added by its menu
+
+
+def wanted_network(library):
+    """What is built: that part, on a smaller scene."""
+    shipped = load_network(shipped_networks()["inframetrics"], library=library)
+    nodes = {}
+    for name, params in KEPT.items():
+        node = shipped.nodes[name]
+        sides = {side: SIDE for side in ("width", "height") if side in params}
+        nodes[name] = replace(node, params={p: node.params[p] for p in params} | sides)
+    links = tuple(Link.between(*wire.split()) for wire in WIRES.split(", "))
+    return Network(nodes=nodes, links=links, name=shipped.name, seed=shipped.seed)
 
 
 class Builder(ValuesByHand):
@@ -142,7 +174,7 @@ class Builder(ValuesByHand):
         self.folder, self.screenshots = Path(folder), Path(screenshots)
         self.hands = Hands()
         self.library = standard_library()
-        self.wanted = load_network(SHIPPED, library=self.library)
+        self.wanted = wanted_network(self.library)
         self.app = application()
         self.figures = {}
         self.window = MainWindow(

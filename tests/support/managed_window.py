@@ -42,7 +42,7 @@ class Managed:
         """Wait until nothing is computed, and the window manager has placed the window."""
         before = None
         while before != (before := (self.window.frameGeometry().getRect(), self.share())):
-            process_events(0.5)
+            process_events(0.3)
             wait_until(lambda: self.window.evaluator.idle, "all is computed")
 
     def share(self):
