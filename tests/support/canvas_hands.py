@@ -84,7 +84,3 @@ class CanvasHands:
 
     def type(self, text):
         QTest.keyClicks(QApplication.focusWidget() or self.view, text)
-
-    def double_click_on(self, widget, pos):
-        QTest.mouseClick(widget, LEFT, PLAIN, pos)
-        QTest.mouseDClick(widget, LEFT, PLAIN, pos)

@@ -5,7 +5,6 @@ import pytest
 from app.editor.canvas.node_item import NodeItem
 from app.editor.canvas.wires import WireItem
 from app.editor.evaluation.queries import Badge
-from app.editor.theme import LIGHT
 from core.editing.document import Document
 from core.editing.operations import (
     Add,
@@ -14,8 +13,6 @@ from core.editing.operations import (
     Remove,
     Rename,
     Rewire,
-    set_node_field,
-    set_parameter,
 )
 from core.network.network import Link, Network, Node
 
@@ -91,20 +88,6 @@ def test_undo_and_redo_are_followed(opened, canvas):
     assert shown(canvas) == after
 
 
-def test_only_what_has_changed_is_drawn_anew(opened, canvas):
-    session = opened("first_steps")
-    items = dict(canvas.content.nodes)
-    wires = dict(canvas.content.wires)
-    session.do(set_parameter("blur", "sigma_x_mrad", 0.3))
-    session.do(set_node_field("blur", "disabled", True))
-    session.do(Move({"blur": (480.0, 90.0)}))
-    assert canvas.content.nodes == items
-    assert canvas.content.wires == wires
-    assert canvas.content.nodes["blur"].disabled
-    session.do(Rewire(remove=(Link.between("init.context", "blur.context"),)))
-    assert canvas.content.nodes == items
-
-
 def test_wires_end_at_their_ports_after_a_move(opened, canvas):
     session = opened("first_steps")
     session.do(Move({"blur": (520.0, 260.0)}))
@@ -112,17 +95,6 @@ def test_wires_end_at_their_ports_after_a_move(opened, canvas):
         path = wire.path()
         assert path.pointAtPercent(0) == wire.output_port.scenePos()
         assert path.pointAtPercent(1) == wire.input_port.scenePos()
-
-
-def test_wires_have_the_colour_of_what_they_carry(opened, canvas):
-    opened("first_steps")
-    wires = canvas.content.wires
-    image = wires[Link.between("scene.image", "init.image")]
-    phase = wires[Link.between("init.phase", "back.phase")]
-    assert image.colour.name() == "#e5da4f"
-    assert phase.colour.name() == "#c891b9"
-    canvas.setPalette(LIGHT.palette())
-    assert image.colour.name() == "#926d07"
 
 
 def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, canvas, library):
@@ -164,13 +136,6 @@ def test_nodes_without_a_point_stand_beside_each_other(session, canvas, library)
     assert not session.document.modified
 
 
-def test_a_node_has_its_own_name_and_its_module_where_that_says_more(opened, canvas):
-    session = opened("kodak_kir310")
-    session.do(Add((Placed(Node("jitter_mtf", "jitter_mtf"), (0.0, 900.0)),)))
-    assert canvas.content.nodes["aberration"].face.subtitle == "Gaussian MTF"
-    assert canvas.content.nodes["jitter_mtf"].face.subtitle == ""
-
-
 def test_badges_come_change_and_go(opened, canvas):
     opened("first_steps")
     nodes = canvas.content.nodes
@@ -186,29 +151,3 @@ def test_badges_come_change_and_go(opened, canvas):
     canvas.set_badges({})
     assert all(item.badge is None for item in nodes.values())
     assert all(child.toolTip() != "sigma: give a number" for child in nodes["blur"].childItems())
-
-
-def test_a_badge_outlives_its_item_being_drawn_anew(opened, canvas):
-    session = opened("first_steps")
-    canvas.set_badges({"blur": Badge("error", "no")})
-    session.do(Rename("blur", "haze"))
-    session.undo()
-    assert canvas.content.nodes["blur"].badge == Badge("error", "no")
-
-
-def test_the_tooltips_say_what_there_is(opened, canvas):
-    opened("kodak_kir310")
-    optics = canvas.content.nodes["optics"]
-    assert optics.ports["input", "phase"].toolTip() == "phase: input, phase, optional"
-    assert optics.ports["input", "pupil"].toolTip() == "pupil: input, pupil, required"
-    picture = canvas.content.nodes["picture"]
-    assert "image or magnitude" in picture.ports["input", "image"].toolTip()
-    assert "Transform the image to magnitude and phase" in canvas.content.nodes["init"].toolTip()
-
-
-def test_sizes_leave_room_on_the_grid_of_the_layouts(opened, canvas):
-    for name in ("kodak_kir310", "inframetrics", "pupils"):
-        opened(name)
-        for width, height in canvas.sizes().values():
-            assert width <= 240 - 32
-            assert height < 160

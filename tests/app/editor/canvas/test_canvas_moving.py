@@ -1,14 +1,11 @@
 """Nodes selected, moved and put into wires, with the mouse and with the keys."""
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt
-from PySide6.QtGui import QRegion
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
 
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
-from core.editing.operations import Move
 from core.network.network import Link
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier
@@ -47,50 +44,6 @@ def test_the_document_stays_as_it_is_while_the_mouse_drags(four, canvas, hand):
     assert wire.path().pointAtPercent(1) == wire.input_port.scenePos()
     hand.release(start + QPoint(0, 80))
     assert four.network is not before
-
-
-def test_a_node_is_not_left_drawn_where_it_was_when_a_part_is_painted_first(four, canvas, qtbot):
-    """As where the map opens in the corner while nodes make way for what is dropped."""
-    viewport = canvas.view.viewport()
-    qtbot.wait(100)
-    item = canvas.content.nodes["blur"]
-    before = canvas.view.mapFromScene(item.frame()).boundingRect()
-    painted = PaintedRegion()
-    viewport.installEventFilter(painted)
-    four.do(Move({"blur": (240.0, 60.0)}))
-    after = canvas.view.mapFromScene(item.frame()).boundingRect()
-    assert not after.intersects(before)
-    viewport.repaint(after)
-    whole = QRegion(before).united(QRegion(after))
-    QApplication.processEvents()
-    assert whole.subtracted(painted.region).isEmpty()
-
-
-class PaintedRegion(QObject):
-    """All that is painted of a widget."""
-
-    def __init__(self):
-        super().__init__()
-        self.region = QRegion()
-
-    def eventFilter(self, _watched, event):  # noqa: N802 - Qt's name
-        if event.type() == QEvent.Type.Paint:
-            self.region = self.region.united(event.region())
-        return False
-
-
-def test_a_move_draws_only_what_it_changes_anew(four, canvas, qtbot):
-    """Else a large network is painted whole at every step of a drag."""
-    four.do(Move({"blur": (900.0, 900.0)}))
-    far = canvas.content.wires[Link.between("scene.image", "init.image")]
-    QApplication.processEvents()
-    drawn = []
-    canvas.view.scene().changed.connect(drawn.extend)
-    four.do(Move({"blur": (930.0, 900.0)}))
-    qtbot.waitUntil(lambda: bool(drawn))
-    QApplication.processEvents()
-    assert any(area.intersects(canvas.content.nodes["blur"].frame()) for area in drawn)
-    assert not any(area.intersects(far.sceneBoundingRect()) for area in drawn)
 
 
 def test_escape_puts_a_dragged_node_back(four, canvas, hand):
@@ -139,22 +92,6 @@ def test_clicks_select_and_shift_adds_and_takes_away(four, canvas, hand):
     assert four.selection == ()
 
 
-def test_a_click_on_one_of_several_selected_leaves_that_one(four, hand):
-    four.select(["scene", "init", "blur"])
-    hand.click(hand.head("init"))
-    assert four.selection == ("init",)
-
-
-def test_the_canvas_shows_what_is_selected_elsewhere(four, canvas):
-    four.select(["back"])
-    assert canvas.content.nodes["back"].selected
-    wires = canvas.content.wires
-    assert wires[Link.between("init.phase", "back.phase")].lit
-    assert not wires[Link.between("scene.image", "init.image")].lit
-    four.select([])
-    assert not canvas.content.nodes["back"].selected
-
-
 def test_a_frame_selects_what_it_meets(four, hand):
     hand.drag(hand.at(-30, -40), hand.at(300, 60))
     assert four.selection == ("scene", "init")
@@ -180,29 +117,11 @@ def test_a_node_dropped_on_a_wire_is_put_into_it(four, canvas, hand):
     assert four.network.layout["blur"] == (240.0, 260.0)
 
 
-def test_the_wire_that_takes_the_node_is_marked(four, canvas, hand):
-    link = Link.between("init.magnitude", "back.magnitude")
-    start, end = hand.head("blur"), hand.wire(link)
-    hand.press(start)
-    hand.move(start, end)
-    assert canvas.content.wires[link].target
-    hand.move(end, start)
-    assert not canvas.content.wires[link].target
-    hand.release(start)
-    assert link in four.network.links
-
-
 def test_a_wire_of_another_type_takes_no_node(four, hand):
     link = Link.between("scene.image", "init.image")
     hand.drag(hand.head("blur"), hand.wire(link))
     assert link in four.network.links
     assert not four.network.links_into("blur")
-
-
-def test_a_double_click_tells_the_window(four, canvas, hand, qtbot):
-    with qtbot.waitSignal(canvas.surface.activated) as told:
-        hand.double_click(hand.head("init"))
-    assert told.args == ["init"]
 
 
 # --- the keys -----------------------------------------------------------------------------------
@@ -235,16 +154,3 @@ def test_arrows_with_ctrl_go_from_node_to_node(four, hand):
     hand.key(Qt.Key.Key_Up, CTRL)
     hand.key(Qt.Key.Key_Right, CTRL | SHIFT)
     assert four.selection == ("init", "back")
-
-
-def test_an_arrow_selects_where_nothing_is(four, hand):
-    hand.key(Qt.Key.Key_Right)
-    assert len(four.selection) == 1
-    assert position(four) == 0
-
-
-def test_enter_opens_the_selected_node(four, canvas, hand, qtbot):
-    four.select(["back"])
-    with qtbot.waitSignal(canvas.surface.activated) as told:
-        hand.key(Qt.Key.Key_Return)
-    assert told.args == ["back"]

@@ -3,9 +3,8 @@
 import itertools
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 
-from core.editing.clipboard import duplicated
 from core.network.network import Link
 
 
@@ -61,16 +60,6 @@ def test_nodes_added_at_one_point_stand_beside_each_other(session, canvas, hand)
     assert overlapping(canvas) == []
 
 
-def test_duplicates_stand_on_free_ground(kodak, canvas):
-    session = kodak
-    for name in ("detector", "electronics", "init"):
-        _, operation = duplicated(
-            session.network, [name], library=session.library, sizes=canvas.sizes()
-        )
-        session.do(operation)
-    assert overlapping(canvas) == []
-
-
 def test_with_a_node_selected_tab_wires_the_new_one_on(kodak, canvas, hand):
     session = kodak
     hand.click(hand.head("detector"))
@@ -91,26 +80,3 @@ def test_with_a_node_selected_tab_wires_the_new_one_on(kodak, canvas, hand):
     session.undo()
     session.undo()
     assert "detector.magnitude → charge.magnitude" in links_of(session)
-
-
-def test_a_chain_grows_from_nothing_by_typing(session, canvas, hand):
-    hand.click(hand.at(0, 0))
-    for typed in ("test scene", "init", "gaussian", "back"):
-        add_by_tab(canvas, hand, typed)
-    assert {
-        "test_scene.image → init_trans.image",
-        "init_trans.magnitude → gaussian_mtf.magnitude",
-        "gaussian_mtf.magnitude → back_transform.magnitude",
-        "init_trans.phase → back_transform.phase",
-    } <= links_of(session)
-    assert overlapping(canvas) == []
-
-
-def test_a_double_click_on_free_ground_adds_unwired(kodak, canvas, hand):
-    session = kodak
-    hand.click(hand.head("detector"))
-    canvas.view.pan(canvas.view.rect().center() * 0.0 + QPoint(0, -500))
-    hand.double_click(QPoint(300, 500))
-    hand.type("jitter")
-    hand.key(Qt.Key.Key_Return)
-    assert not [link for link in links_of(session) if "jitter_mtf" in link]

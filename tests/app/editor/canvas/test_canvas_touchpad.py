@@ -6,7 +6,7 @@ from PySide6.QtGui import QInputDevice, QNativeGestureEvent, QPointingDevice, QW
 from PySide6.QtWidgets import QApplication
 
 NONE = Qt.MouseButton.NoButton
-PLAIN, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier
+PLAIN = Qt.KeyboardModifier.NoModifier
 
 
 @pytest.fixture
@@ -33,21 +33,6 @@ def test_two_fingers_pan_by_what_they_move(opened, canvas):
     assert moved.x() * zoom == pytest.approx(-30)
     assert moved.y() * zoom == pytest.approx(12)
     assert canvas.view.zoom == zoom
-
-
-def test_a_touchpad_without_phases_or_pixels_pans_too(opened, canvas, touchpad):
-    opened("kodak_kir310")
-    centre, zoom = canvas.view.visible_rect().center(), canvas.view.zoom
-    scroll(canvas, QPoint(), QPoint(0, 40), phase=Qt.ScrollPhase.NoScrollPhase, device=touchpad)
-    assert canvas.view.zoom == zoom
-    assert canvas.view.visible_rect().center().y() < centre.y()
-
-
-def test_with_ctrl_they_zoom_as_a_wheel_does(opened, canvas):
-    opened("kodak_kir310")
-    zoom = canvas.view.zoom
-    scroll(canvas, QPoint(0, 30), QPoint(0, 120), keys=CTRL)
-    assert canvas.view.zoom > zoom
 
 
 @pytest.mark.parametrize(("value", "larger"), [(0.25, True), (-0.2, False)])

@@ -1,7 +1,7 @@
 """Wires drawn, moved, refused and taken away with the mouse."""
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 
 from core.editing.document import Document
@@ -129,29 +129,6 @@ def test_a_picked_up_wire_can_be_put_into_another_input(pair, hand):
     assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
 
 
-def test_a_wire_put_back_changes_nothing(pair, canvas, hand):
-    before = wired(pair, hand)
-    start = hand.port("one", "magnitude", "input")
-    away = start + QPoint(-60, 90)
-    hand.press(start)
-    hand.move(start, away)
-    wire = canvas.content.wires[link("init.magnitude", "one.magnitude")]
-    assert not wire.isVisible()
-    hand.move(away, start)
-    hand.release(start)
-    assert pair.network is before
-    assert wire.isVisible()
-    assert not canvas.popup.is_open
-
-
-def test_a_wire_taken_to_a_wrong_input_goes_back(pair, canvas, hand, told):
-    before = wired(pair, hand)
-    hand.drag(hand.port("one", "magnitude", "input"), hand.port("init", "image", "input"))
-    assert pair.network is before
-    assert told
-    assert canvas.content.wires[link("init.magnitude", "one.magnitude")].isVisible()
-
-
 def test_a_picked_up_wire_that_is_let_go_is_disconnected(pair, canvas, hand):
     wired(pair, hand)
     hand.drag(hand.port("one", "magnitude", "input"), hand.at(300, 330))
@@ -198,16 +175,6 @@ def test_a_wire_on_empty_ground_lists_what_fits_and_wires_the_chosen(pair, canva
     assert (port.centre() - canvas.view.mapToScene(hand.at(300, 330))).manhattanLength() < 3
 
 
-def test_a_wire_from_an_input_lists_what_gives_it(pair, canvas, hand):
-    hand.drag(hand.port("init", "image", "input"), hand.at(100, 330))
-    titles = [canvas.popup.list.item(row).text() for row in range(canvas.popup.list.count())]
-    assert "Read Image" in titles
-    assert "Write Image" not in titles
-    hand.key(Qt.Key.Key_Escape)
-    assert not pair.network.links
-    assert history(pair) == 0
-
-
 def test_escape_gives_a_wire_up(pair, canvas, hand):
     start, end = hand.port("scene", "image", "output"), hand.port("init", "image", "input")
     hand.press(start)
@@ -216,23 +183,6 @@ def test_escape_gives_a_wire_up(pair, canvas, hand):
     hand.release(end)
     assert not pair.network.links
     assert not canvas.popup.is_open
-
-
-def test_a_wire_is_selected_by_a_click_and_forgotten_by_another(pair, canvas, hand):
-    wired(pair, hand)
-    pair.select(["one"])
-    hand.click(hand.wire(link("init.magnitude", "one.magnitude")))
-    assert canvas.marks.link == link("init.magnitude", "one.magnitude")
-    assert pair.selection == ()
-    hand.click(hand.at(300, 350))
-    assert canvas.marks.link is None
-
-
-def test_a_selected_wire_that_goes_is_no_longer_selected(pair, canvas, hand):
-    wired(pair, hand)
-    hand.click(hand.wire(link("init.magnitude", "one.magnitude")))
-    pair.undo()
-    assert canvas.marks.link is None
 
 
 def test_a_cut_takes_every_wire_it_crosses_in_one_step(pair, hand):
@@ -245,9 +195,3 @@ def test_a_cut_takes_every_wire_it_crosses_in_one_step(pair, hand):
     assert history(pair) == steps + 1
     pair.undo()
     assert len(pair.network.links) == 2
-
-
-def test_a_cut_beside_the_wires_takes_none(pair, hand):
-    before = wired(pair, hand)
-    hand.drag(hand.at(444, 220), hand.at(444, 330), keys=ALT_SHIFT)
-    assert pair.network is before

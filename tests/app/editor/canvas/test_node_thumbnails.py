@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
-from PySide6.QtTest import QTest
 
 from app.editor.canvas.node_thumbnails import SmallCurve, SmallPicture
-from core.editing.operations import Move, Remove, set_node_field, set_parameter
+from core.editing.operations import Move, Remove, set_parameter
 from core.evaluation.policy import Policy
 
 
@@ -27,16 +25,6 @@ def full(window, port):
     """The samples that the viewer gets."""
     plan, runner = window.evaluator.plan, window.evaluator._runner
     return np.asarray(runner._engine.value(plan, port, runner._engine.work(Policy())))
-
-
-def test_a_picture_dropped_on_the_scenes_thumbnail_replaces_the_scene(kodak, tmp_path):
-    np.save(tmp_path / "own.npy", np.arange(48.0).reshape(6, 8))
-    before = kodak.session.network
-    middle = thumbnails(kodak)["scene"].frame().center()
-    kodak.canvas.surface.files_dropped.emit([str(tmp_path / "own.npy")], middle)
-    after = kodak.session.network
-    assert set(after.nodes) == set(before.nodes)
-    assert after.nodes["scene"].module == "read_image"
 
 
 def test_pictures_and_curves_stand_below_what_gives_them(kodak):
@@ -94,36 +82,3 @@ def test_they_follow_edits_moves_and_removals(kodak, idle, qtbot):
     assert "photons" not in thumbnails(kodak)
     kodak.session.undo()
     qtbot.waitUntil(lambda: "photons" in thumbnails(kodak))
-
-
-def test_a_disabled_node_has_none(kodak, idle, qtbot):
-    kodak.session.do(set_node_field("aberration", "disabled", True))
-    qtbot.waitUntil(lambda: "aberration" not in thumbnails(kodak))
-
-
-def test_t_turns_them_off_and_on(kodak, idle, qtbot):
-    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_T)
-    assert thumbnails(kodak) == {}
-    assert not kodak.actions_by_name["thumbnails"].isChecked()
-    idle(kodak)
-    assert thumbnails(kodak) == {}
-    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_T)
-    qtbot.waitUntil(lambda: "scene" in thumbnails(kodak))
-
-
-def test_laying_out_leaves_them_room(kodak, qtbot):
-    kodak.session.select([])
-    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_L)
-    frames = {name: item.frame() for name, item in kodak.canvas.content.nodes.items()}
-    for name, item in thumbnails(kodak).items():
-        for other, frame in frames.items():
-            assert not item.frame().adjusted(1, 1, -1, -1).intersects(frame), (name, other)
-    seen = kodak.canvas.view.visible_rect()
-    assert all(seen.contains(item.frame()) for item in thumbnails(kodak).values())
-
-
-def test_another_network_has_its_own(kodak, idle, qtbot):
-    kodak.files.open_now("first_steps")
-    idle(kodak)
-    names = set(kodak.session.network.nodes)
-    qtbot.waitUntil(lambda: thumbnails(kodak) and set(thumbnails(kodak)) <= names)
