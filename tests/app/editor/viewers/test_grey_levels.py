@@ -19,13 +19,9 @@ PICTURES = {
     "noise": (DRAW.normal(size=(37, 53)) * 3 + 20).astype(np.float32),
     "on a high level": (1e6 + DRAW.random((40, 31)) * 8).astype(np.float32),
     "huge": (DRAW.random((20, 21)) * 6e38 - 3e38).astype(np.float32),
-    "tiny": (DRAW.random((20, 21)) * 1e-42).astype(np.float32),
-    "double": DRAW.normal(size=(64, 3)),
     "huge doubles": (2 * DRAW.random((9, 9)) - 1) * 1.7e308,
-    "bytes": DRAW.integers(0, 256, (17, 19)).astype(np.uint8),
     "signed": DRAW.integers(-3000, 3000, (17, 20)).astype(np.int16),
     "turned": (DRAW.normal(size=(53, 37))).astype(np.float32).T,
-    "one row": DRAW.random((1, 7)).astype(np.float32),
     "two values": (DRAW.random((30, 30)) > 0.3).astype(np.float32),
 }
 
@@ -54,11 +50,6 @@ def test_levels_of_a_constant_picture_are_mid_grey():
     assert (grey_levels(np.full((3, 4), 5.0, np.float32), 5.0, 5.0) == 128).all()
 
 
-def test_levels_far_inside_the_samples_only_clip():
-    samples = np.array([[-3e38, 0.0, 1e-3, 3e38]], np.float32)
-    assert grey_levels(samples, 0.0, 1e-3).tolist() == [[0, 0, 255, 255]]
-
-
 @pytest.mark.parametrize("name", PICTURES)
 def test_spread_counts_every_sample_in_its_bin(name):
     samples = PICTURES[name]
@@ -73,17 +64,6 @@ def test_spread_counts_every_sample_in_its_bin(name):
     assert np.abs(found.counts - wanted).sum() <= 2 * np.count_nonzero(near)
 
 
-def test_spread_of_a_constant_picture_is_one_bin():
-    found = spread_of(np.full((5, 7), -2.5, np.float32))
-    assert (found.low, found.high, found.counts[0], found.counts.sum()) == (-2.5, -2.5, 35, 35)
-
-
-def test_centres_of_bins():
-    found = spread_of(np.array([[0.0, 256.0]], np.float32))
-    assert found.centres[[0, 1, 255]].tolist() == [0.5, 1.5, 255.5]
-    assert found.counts[[0, 255]].tolist() == [1, 1]
-
-
 @pytest.mark.parametrize("name", PICTURES)
 def test_quantiles_are_those_of_the_sorted_samples(name):
     samples = PICTURES[name]
@@ -95,15 +75,6 @@ def test_quantiles_are_those_of_the_sorted_samples(name):
         lower, part = math.floor(rank), rank - math.floor(rank)
         upper = min(lower + 1, samples.size - 1)
         assert value == ordered[lower] * (1 - part) + ordered[upper] * part
-
-
-def test_quantiles_beside_an_outlier():
-    samples = np.arange(10000, dtype=np.float32).reshape(100, 100)
-    samples[3, 3] = 1e30
-    low, high = quantiles(samples, spread_of(samples), (0.25, 0.75))
-    ordered = np.sort(samples.ravel().astype(float))
-    assert low == pytest.approx(ordered[2499] * 0.25 + ordered[2500] * 0.75, rel=1e-15)
-    assert high == pytest.approx(ordered[7499] * 0.75 + ordered[7500] * 0.25, rel=1e-15)
 
 
 def test_threads_change_nothing():

@@ -2,26 +2,17 @@
 
 import csv
 import math
-from dataclasses import replace
 
 import numpy as np
-import pyqtgraph as pg
 import pytest
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QImage
-from PySide6.QtSvg import QSvgRenderer
 
 from app.editor.evaluation.queries import Passing
-from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.viewers.plot.plotted_lines import CurvesQuery
-from core.chain.results import CurveData
-from core.editing.operations import Add, Placed, Remove, Rename, set_parameter
-from core.errors import ImagechainError
-from core.network.network import Link, Node
-from viewer_bench import ViewerBench, is_freed
+from core.editing.operations import set_parameter
 
 NETWORK = "inframetrics"
+
 SIGMA = 0.02  # jitter of the Inframetrics network, mrad
 
 
@@ -39,15 +30,6 @@ def named(found):
     return {curve.name: curve for curve in found.curves}
 
 
-def test_an_empty_network_has_nothing_to_plot(session, qtbot):
-    bench = ViewerBench(qtbot, session)
-    viewer = bench.show(PlotViewer(session, bench.evaluator))
-    title = viewer.status.title
-    assert "no transfer function" in title.text()
-    assert title.palette().color(title.foregroundRole()).name() == DARK.text  # no error
-    bench.close()
-
-
 def test_an_edit_draws_only_what_it_changes(bench, viewer):
     plot, drawn = viewer.canvas._plots[0], viewer.canvas._curves[0]
     before = {name: id(item.xData) for name, item in drawn.items()}
@@ -60,28 +42,6 @@ def test_an_edit_draws_only_what_it_changes(bench, viewer):
     x, y = drawn["jitter"].getData()
     assert y == pytest.approx(np.exp(-2 * math.pi**2 * (2 * SIGMA) ** 2 * x**2), abs=1e-12)
     assert axes == [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
-
-
-def test_a_mark_moves_without_the_plot_being_made_anew(bench, viewer):
-    plot = viewer.canvas._plots[0]
-    (mark,) = curves(bench).marks[:1]
-    assert mark.x in marks_of(plot)
-    drawing = viewer.canvas.drawing
-    moved = replace(drawing, marks=(replace(mark, x=mark.x / 2),))
-    viewer.canvas.show_drawing(moved, viewer.canvas.shown)
-    assert viewer.canvas._plots[0] is plot
-    assert marks_of(plot) == {mark.x / 2: f"{mark.text} {mark.x / 2:.4g}"}
-    viewer.canvas.show_drawing(replace(drawing, marks=()), viewer.canvas.shown)
-    assert marks_of(plot) == {}
-    viewer.canvas.show_drawing(drawing, viewer.canvas.shown)
-    assert viewer.canvas._plots[0] is plot
-    assert marks_of(plot)[mark.x] == f"{mark.text} {mark.x:.4g}"
-
-
-def marks_of(plot):
-    """Abscissae and names of the marks that are to be seen."""
-    lines = [item for item in plot.items if isinstance(item, pg.InfiniteLine) and item.isVisible()]
-    return {line.value(): child.toPlainText() for line in lines for child in line.childItems()}
 
 
 def test_draws_every_stage_and_the_totals(bench, viewer):
@@ -134,12 +94,6 @@ def test_the_legend_switches_curves(bench, viewer):
     assert not curve.isVisible()
 
 
-def test_stages_that_do_nothing_are_not_shown_at_first(bench, viewer):
-    bench.do(set_parameter("jitter", "sigma_mrad", 0.0))
-    drawing = viewer.canvas.drawing
-    assert not next(entry.shown for entry in drawing.entries if entry.name == "jitter")
-
-
 def test_the_cursor_reads_the_nearest_curve(bench, viewer):
     canvas, box = viewer.canvas, viewer.canvas._plots[0].getViewBox()
     found = curves(bench)
@@ -155,15 +109,6 @@ def test_the_cursor_reads_the_nearest_curve(bench, viewer):
     assert value == pytest.approx(y, abs=1e-2)
     canvas.scene().sigMouseMoved.emit(QPointF(-9, -9))
     assert viewer.status.more.text() == ""
-
-
-def test_keys_read_along_curves(bench, viewer, qtbot):
-    qtbot.keyClick(viewer.canvas, Qt.Key.Key_Right)
-    first = viewer.status.more.text()
-    assert "optics" in first
-    qtbot.keyClick(viewer.canvas, Qt.Key.Key_Down)
-    assert "aberration" in viewer.status.more.text()
-    assert viewer.status.more.text().split()[0] == first.split()[0]
 
 
 def test_a_curve_of_a_node(bench, viewer):
@@ -191,18 +136,6 @@ def test_a_table_of_a_node(bench, viewer):
         assert cells[2:] == [figure.unit, figure.meaning]
 
 
-def test_follows_renamed_and_removed_nodes(bench, viewer):
-    viewer.look_at("picture.curve")
-    bench.do(Rename("picture", "look"))
-    assert viewer.port == "look.curve"
-    bench.do(Remove(("look",)))
-    assert viewer.port is None
-    bench.session.undo()
-    bench.settle()
-    assert viewer.port == "look.curve"
-    assert isinstance(viewer.data, CurveData)
-
-
 def test_numbers_are_written_in_full(bench, viewer, tmp_path):
     viewer.export(tmp_path / "curves.csv")
     with (tmp_path / "curves.csv").open(newline="") as file:
@@ -213,71 +146,3 @@ def test_numbers_are_written_in_full(bench, viewer, tmp_path):
     for curve in found.curves:
         assert [float(cell) for cell in columns[f"{curve.name}.mtf"]] == curve.mtf.tolist()
         assert [float(cell) for cell in columns[f"{curve.name}.ptf_rad"]] == curve.ptf.tolist()
-
-
-def test_tables_are_written(bench, viewer, tmp_path):
-    viewer.look_at("electronics.table")
-    bench.settle()
-    viewer.export(tmp_path / "table.csv")
-    with (tmp_path / "table.csv").open(newline="") as file:
-        rows = list(csv.reader(file))[1:]
-    truth = bench.value("electronics.table")
-    assert [float(row[1]) for row in rows] == [figure.value for figure in truth.rows]
-
-
-def test_pictures_of_the_plot_are_written(viewer, tmp_path):
-    viewer.export(tmp_path / "plot.png")
-    viewer.export(tmp_path / "plot.svg")
-    raster = QImage(str(tmp_path / "plot.png"))
-    assert raster.width() >= 1200  # twice the window's dots
-    drawing = QSvgRenderer(str(tmp_path / "plot.svg"))
-    assert drawing.isValid()
-    text = (tmp_path / "plot.svg").read_text()
-    for word in ("MTF", "cyc/mrad", "jitter"):
-        assert word in text
-    colour = DARK.curves[1]
-    assert colour in text
-
-
-def test_what_cannot_be_written_is_told(viewer, tmp_path, session):
-    with pytest.raises(ImagechainError, match=r"\.pdf.*\.png"):
-        viewer.export(tmp_path / "x.pdf")
-    with pytest.raises(ImagechainError, match="cannot write"):
-        viewer.export(tmp_path / "nowhere" / "x.csv")
-    with pytest.raises(ImagechainError, match="no curves"):
-        PlotViewer(session, None, viewer).export(tmp_path / "x.csv")
-
-
-def test_themes(viewer):
-    viewer.setPalette(LIGHT.palette())
-    assert viewer.canvas.pens["jitter"].color().name() in LIGHT.curves
-    assert viewer.canvas.pens["total"].color().name() == LIGHT.text
-    assert viewer.grab().toImage().pixelColor(3, 60).lightness() > 200
-
-
-def test_what_stands_beside_is_named_so_and_not_shown_at_first(bench, viewer):
-    node = Node("aside", "jitter_mtf", {"sigma_mrad": 0.3})
-    links = (
-        Link("init", "context", "aside", "context"),
-        Link("init", "magnitude", "aside", "magnitude"),
-    )
-    bench.do(Add((Placed(node),), links))
-    (entry,) = [entry for entry in viewer.canvas.drawing.entries if entry.name == "aside"]
-    assert not entry.shown
-    assert entry.title == "aside (beside)"
-    titles = [entry.title for entry in viewer.canvas.drawing.entries]
-    assert "jitter" in titles
-    assert not viewer.canvas._curves[0]["aside"].isVisible()
-
-
-def test_nothing_is_left_of_a_closed_viewer(bench):
-    def used():
-        viewer = PlotViewer(bench.session, bench.evaluator)
-        viewer.show()
-        viewer.set_parts("both")
-        bench.settle()
-        viewer.look_at("electronics.table")
-        bench.settle()
-        return viewer
-
-    assert is_freed(used)

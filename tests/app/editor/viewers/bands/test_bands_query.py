@@ -5,14 +5,12 @@ import pytest
 
 from app.editor.evaluation.queries import Passing
 from app.editor.viewers.picture.plots_below import MeanSpectrumQuery, SampleSpectrumQuery
-from app.editor.viewers.pixels.picture_facts import ALL, BandChoice, Choices, evenly_spaced
+from app.editor.viewers.pixels.picture_facts import BandChoice, Choices, evenly_spaced
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.chain.engine import Engine
-from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.network.file import load_network
-from core.physics.radiometry.planck import band_radiance
 from cube_files import band_by_band
 from cube_network import BANDS, SIZE, write_cube_network
 from nodes.library import standard_library
@@ -75,15 +73,6 @@ def test_one_band_behind_optics_is_blurred_at_its_own_wavelength(bench):
     assert np.abs(picture.samples - expected).max() <= 1e-9 * np.ptp(expected)
 
 
-def test_the_probe_gives_the_temperature_within_the_band(bench):
-    picture = bench.answer(PictureQuery("read.image", bands=ONE))
-    text = sample_text(picture, (3, 5), Choices("read.image"))
-    kelvin = float(text.split()[-2])
-    low, high = picture.facts.band_um
-    radiance = band_radiance(temperature_K=kelvin, cut_on_um=low, cut_off_um=high)
-    assert radiance == pytest.approx(picture.samples[3, 5] * bench.width, rel=1e-3)
-
-
 def test_colours_each_between_levels_of_its_own(bench):
     picture = bench.answer(PictureQuery("read.image", levels="percentiles", bands=COLOURS))
     places = (10, 6, 2)  # of twelve, the middles of three equal parts
@@ -104,59 +93,12 @@ def test_colours_each_between_levels_of_its_own(bench):
     assert f"R {red:.5g}  G {green:.5g}  B {blue:.5g} W/m²/sr/µm" in text
 
 
-def test_levels_of_colours_are_shares_of_their_own(bench):
-    picture = bench.answer(PictureQuery("read.image", levels=(0.25, 0.75), bands=COLOURS))
-    band = bench.cube[10]
-    low, high = np.quantile(band, (0.005, 0.995))
-    wanted = np.clip(((band - low) / (high - low) - 0.25) / 0.5 * 255, 0, 255)
-    assert np.abs(picture.grey[..., 0] - wanted).max() <= 0.51
-
-
-def test_all_bands_are_the_sum_as_ever(bench):
-    picture = bench.answer(PictureQuery("read.image"))
-    assert np.allclose(picture.samples, bench.cube.sum(axis=0) * bench.width, rtol=1e-12)
-    assert picture.channels == ()
-
-
 def test_a_picture_without_bands_is_shown_whatever_is_chosen(bench):
     plain = bench.answer(PictureQuery("fpa.image"))
     for choice in (ONE, COLOURS):
         picture = bench.answer(PictureQuery("fpa.image", bands=choice))
         assert picture.samples is plain.samples
         assert picture.facts == plain.facts
-
-
-def test_samples_without_a_share_have_no_unit_per_um(tmp_path):
-    """Reflectance: the bands' mean, and one band is as it stands in the file."""
-    bench = CubeBench(tmp_path, unit="reflectance")
-    picture = bench.answer(PictureQuery("read.image", bands=ONE))
-    whole = bench.answer(PictureQuery("read.image"))
-    assert picture.facts.unit == whole.facts.unit
-    assert np.allclose(whole.samples, bench.cube.mean(axis=0), rtol=1e-12)
-
-
-def test_a_difference_of_one_band(bench):
-    query = PictureQuery("read.image", "back.image", "difference", bands=ONE)
-    one, other = (
-        bench.answer(PictureQuery(port, bands=ONE)).samples for port in ("read.image", "back.image")
-    )
-    assert np.allclose(bench.answer(query).samples, one - other, atol=1e-12)
-
-
-def test_colours_less_a_picture_without_bands_are_refused(bench):
-    query = PictureQuery("read.image", "fpa.electrons", "difference", bands=COLOURS)
-    with pytest.raises(DataError, match=r"read\.image is shown in colour from three bands"):
-        bench.answer(query)
-
-
-def test_two_pictures_in_colours_have_the_levels_of_the_first(bench):
-    query = PictureQuery("read.image", "back.image", "wipe", levels="percentiles", bands=COLOURS)
-    left = bench.answer(query)
-    for number, place in enumerate((10, 6, 2)):
-        low, high = np.quantile(bench.cube[place], (0.005, 0.995))
-        right = left.other.channels[number].samples
-        wanted = np.clip((right - low) / (high - low) * 255, 0, 255)
-        assert np.abs(left.other.grey[..., number] - wanted).max() <= 0.51
 
 
 @pytest.mark.parametrize("choice", [ONE, COLOURS])
@@ -175,17 +117,6 @@ def test_a_kept_picture_is_compared_band_by_band(bench, choice):
     assert np.abs(drawn - wanted).max() <= 0.51
 
 
-def test_bands_at_other_wavelengths_are_not_compared(bench):
-    query = PictureQuery("read.image", bands=BandChoice("one", 3.0), kept=bench.kept())
-    network = bench.plan.network.with_parameter("read", "cut_on_um", 4.0)
-    after = bench.engine.plan(
-        network.with_parameter("read", "cut_off_um", 5.0), folder=bench.plan.folder
-    )
-    now = bench.answer(query, after)
-    assert now.other is None
-    assert now.refused == "not compared: A is at 3.0833 µm, B at 4.0833 µm"
-
-
 def test_spectra(bench):
     means = bench.answer(MeanSpectrumQuery("back.image"))
     assert means == pytest.approx(bench.cube.mean(axis=(1, 2)), rel=1e-12)
@@ -194,15 +125,3 @@ def test_spectra(bench):
     assert bench.answer(SampleSpectrumQuery("read.image", SIZE[0], 0)) is None
     assert bench.answer(SampleSpectrumQuery("back.image", 7, 11)) is None
     assert bench.answer(MeanSpectrumQuery("fpa.image")) is None
-
-
-def test_manual_levels_hold_from_band_to_band_and_not_from_bands_to_their_sum():
-    choices = Choices("read.image", levels=(1.0, 2.0), bands=ONE)
-    assert choices.with_(bands=BandChoice("one", 3.5)).levels == (1.0, 2.0)
-    assert choices.with_(bands=ALL).levels == "percentiles"
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 7, 60, 224])
-def test_three_of_few_bands(count):
-    red, green, blue = evenly_spaced(count)
-    assert 0 <= blue <= green <= red < count

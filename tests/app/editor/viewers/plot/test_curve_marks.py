@@ -1,38 +1,8 @@
 """The Nyquist frequency is marked where a measured MTF is plotted."""
 
-import numpy as np
 import pytest
 
-from core.chain.results import CurveData, CurveMark, Series
 from core.editing.operations import set_parameter
-
-FREQUENCY = np.linspace(0.0, 2.0, 201)
-
-
-def dashed_columns(viewer):
-    """Columns of the chart of which more than a quarter is grey and light, as a mark is."""
-    image = viewer.canvas.grab().toImage()
-
-    def light(x, y):
-        colour = image.pixelColor(x, y)
-        return colour.lightness() > 80 and colour.hsvSaturation() < 60
-
-    counts = [sum(light(x, y) for y in range(image.height())) for x in range(image.width())]
-    return [x for x, count in enumerate(counts) if count > image.height() / 4]
-
-
-def test_a_mark_is_painted_at_its_place(shown):
-    series = (Series("a", FREQUENCY, np.cos(FREQUENCY)),)
-    viewer = shown(CurveData("", "x", "MTF", series))
-    assert dashed_columns(viewer) == []
-    viewer = shown(CurveData("", "x", "MTF", series, marks=(CurveMark("Nyquist", 0.5),)))
-    columns = dashed_columns(viewer)
-    box = viewer.canvas._plots[0].getViewBox()
-    place = box.sceneBoundingRect()
-    low, high = box.viewRange()[0]
-    expected = place.left() + (0.5 - low) / (high - low) * place.width()
-    assert columns
-    assert all(abs(column - expected) <= 1.5 for column in columns)
 
 
 def test_a_mark_in_a_low_plot_has_its_number_alone(shown):

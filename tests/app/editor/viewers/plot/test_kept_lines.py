@@ -1,11 +1,8 @@
 """Curves of a kept state beside the present ones: which are drawn, how, and when not."""
 
 import numpy as np
-import pytest
 from PySide6.QtCore import Qt
 
-from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.plot_looks import entry_pens
 from app.editor.viewers.plot.plotted_lines import curve_drawing, with_kept
 from core.chain.results import CurveData, Series
 
@@ -35,26 +32,6 @@ def test_only_curves_that_differ_are_drawn_again():
     assert line.name == drawing.entries[-1].name
     assert (line.y == 1 - X**2).all()  # found by its title, not by its place
     assert drawing.note == ""
-
-
-@pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
-def test_a_is_dashed_in_the_colour_of_b(theme):
-    kept = curve_drawing(data(optics=1 - X**2))
-    entries = with_kept(curve_drawing(NOW), kept, "Snapshot 1").entries
-    now, *_, before = entry_pens(entries, theme).values()
-    assert before.color() == now.color()
-    assert now.style() is Qt.PenStyle.SolidLine
-    assert before.style() is Qt.PenStyle.CustomDashLine
-
-
-def test_other_axes_are_not_drawn_over_one_another():
-    other = CurveData("PSD", "frequency (cyc/m)", "MTF", NOW.series)
-    drawing = with_kept(curve_drawing(NOW), curve_drawing(other), "Snapshot 1")
-    assert len(drawing.entries) == 3
-    assert drawing.note == "A Snapshot 1 is not drawn: it is over frequency (cyc/m)"
-    other = CurveData("NEI", "frequency (cyc/mrad)", "NEI (W)", NOW.series)
-    drawing = with_kept(curve_drawing(NOW), curve_drawing(other), "Snapshot 1")
-    assert drawing.note == "A Snapshot 1 is not drawn: it is NEI (W)"
 
 
 def test_the_viewer_draws_both_and_ticks_them_together(shown):
