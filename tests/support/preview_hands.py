@@ -1,8 +1,6 @@
-"""Small networks for previews, their questions answered, and their pixels."""
+"""Small networks for previews, and their questions answered."""
 
-import numpy as np
 from PySide6.QtCore import QEvent, QObject
-from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.evaluator import Evaluator
@@ -57,14 +55,6 @@ def passing(network, folder=None):
 def previewed(network, node="node", folder=None):
     """The preview that a node's module makes."""
     return PreviewQuery(node).answer(passing(network, folder))
-
-
-def grey_pixels(widget):
-    """What a widget shows, as lightness from 0 to 255, shape (rows, columns)."""
-    image = widget.grab().toImage().convertToFormat(QImage.Format.Format_Grayscale8)
-    flat = np.frombuffer(image.constBits(), np.uint8)
-    rows = flat.reshape(image.height(), image.bytesPerLine())
-    return rows[:, : image.width()].astype(float)
 
 
 class PreviewBench:

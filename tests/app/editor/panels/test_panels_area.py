@@ -7,10 +7,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.queries import Badge
-from core.editing.document import Document
-from core.editing.operations import Remove, Rename, set_node_field, set_parameter
-from core.network.network import Network, Node
-from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in, undo_to
+from core.editing.operations import Remove, set_node_field, set_parameter
+from panel_hands import LEFT, drop, field_of, panel_area, type_in, undo_to
 
 
 def test_panels_follow_the_document_without_editing_it(qtbot, session):
@@ -50,22 +48,6 @@ def test_esc_restores_and_leaving_takes_what_was_typed(qtbot, session):
     type_in(y.edit, "5", key=None)
     session.select([])
     assert session.network.nodes["node"].params["sigma_y_mrad"] == 5.0
-
-
-def test_undo_keys_go_to_the_document_where_nothing_is_typed(qtbot, session):
-    area = panel_area(qtbot, session)
-    undo = area.addAction("Undo", "Ctrl+Z")
-    undo.triggered.connect(session.undo)
-    drop(session, "gaussian_mtf")
-    field = field_of(area, session, "sigma_x_mrad")
-    type_in(field.edit, "3")
-    QTest.keyClicks(field.edit, "9")
-    QTest.keyClick(area.windowHandle(), Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert session.network.nodes["node"].params["sigma_x_mrad"] == 3.0  # undid the typing
-    QTest.keyClick(field.edit, Qt.Key.Key_Escape)
-    QTest.keyClick(area.windowHandle(), Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert "sigma_x_mrad" not in session.network.nodes["node"].params
-    assert field.edit.text() == "0"
 
 
 # What the offscreen platform says of menus.
@@ -197,31 +179,6 @@ def order(area):
     return sorted(area.panels, key=lambda name: area.panels[name].y())
 
 
-def test_a_renamed_pinned_panel_stays_folded(qtbot, session):
-    area = panel_area(qtbot, session)
-    drop(session, "jitter_mtf")
-    session.do(set_node_field("node", "pinned", True))
-    session.select([])
-    area.panels["node"].folded = True
-    session.do(Rename("node", "new"))
-    assert list(area.panels) == ["new"]
-    assert area.panels["new"].folded
-
-
-def test_another_document_takes_all_panels_along(qtbot, session):
-    area = panel_area(qtbot, session)
-    drop(session, "jitter_mtf")
-    old = session.document
-    type_in(field_of(area, session, "sigma_mrad").edit, "3", key=None)
-    fresh = Network(nodes={"node": Node("node", "jitter_mtf")}, name="fresh", seed=7)
-    session.open(Document(fresh, library=LIBRARY))
-    assert area.panels == {}
-    assert area.network_panel.name.text() == "fresh"
-    assert area.network_panel.seed.text() == "7"
-    assert session.network.nodes["node"].params == {}
-    assert old.network.nodes["node"].params == {}
-
-
 def test_what_is_wrong_with_a_node_stands_on_its_panel(qtbot, session):
     area = panel_area(qtbot, session)
     drop(session, "jitter_mtf")
@@ -238,30 +195,6 @@ def test_what_is_wrong_with_a_node_stands_on_its_panel(qtbot, session):
     assert not area.panels["node"].head.problem.isVisible()
 
 
-def test_pages_are_turned_by_keys(qtbot, session):
-    area = panel_area(qtbot, session)
-    drop(session, "electronics_noise")
-    sections = area.panels["node"].body.sections
-    buttons = sections.tabs.buttons
-    assert len(buttons) > 1
-    seen = []
-    buttons[0].setFocus()
-    for _ in buttons:
-        QApplication.processEvents()
-        shown = {field.parameter.name for field in sections.fields if field.isVisible()}
-        there = {
-            name
-            for section in sections.sections
-            if section.page in ("", sections.tabs.page)
-            for name in section.parameters
-        }
-        assert shown <= there
-        seen.append((sections.tabs.page, frozenset(shown)))
-        QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Right)
-    assert len(set(seen)) == len(buttons)
-    assert all(names for _, names in seen)
-
-
 def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
     area = panel_area(qtbot, session)
     drop(session, "exit_pupil")
@@ -275,22 +208,3 @@ def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
             QApplication.processEvents()
             for inside in section.parameters:
                 assert sections.field(inside).isVisible() == (choice in values)
-
-
-@pytest.mark.parametrize(
-    ("key", "folded"),
-    [("jitter_mtf", True), ("charge_eff_phase", False), ("focal_plane", False)],
-)
-def test_at_first_a_curve_that_stands_among_the_curves_is_folded_away(qtbot, session, key, folded):
-    area = panel_area(qtbot, session)
-    drop(session, key, "first")
-    head = area.panels["first"].head
-    assert head.fold_picture.isChecked() is folded
-    session.do(set_node_field("first", "pinned", True))
-    QTest.mouseClick(head.fold_picture, Qt.MouseButton.LeftButton)
-    drop(session, key, "second")
-    for name in ("first", "second"):
-        assert area.panels[name].head.fold_picture.isChecked() is not folded
-    QTest.mouseClick(area.panels["second"].head.fold_picture, Qt.MouseButton.LeftButton)
-    assert head.fold_picture.isChecked() is folded
-    assert area.illustrations == frozenset()

@@ -183,23 +183,3 @@ def test_a_drag_of_the_slider_is_one_step(qtbot, session, key):
         assert float(field.edit.text()) == stored(session, name) == seen[-1], name
         session.undo()
         assert session.document.text() == before, name
-
-
-@variations
-@pytest.mark.parametrize("key", NUMBERED)
-def test_arrow_keys_step_up_and_down(qtbot, session, key):
-    area = panel_area(qtbot, session)
-    drop(session, key)
-    for name in NUMBERED[key]:
-        field = field_of(area, session, name)
-        before, position = session.document.text(), session.document.history.position
-        for widget in (field.slider, field.edit):
-            widget.setFocus()
-            start = field.value or 0
-            at_end = field.slider.value() == field.slider.maximum()
-            QTest.keyClick(widget, Qt.Key.Key_Down if at_end else Qt.Key.Key_Up)
-            now = stored(session, name)
-            assert (now < start) if at_end else (now > start), name
-            assert session.document.history.position == position + 1, name
-            session.undo()
-            assert session.document.text() == before, name

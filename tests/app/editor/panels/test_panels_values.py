@@ -6,17 +6,15 @@ import math
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QFontMetricsF, QKeySequence, QPalette
+from PySide6.QtGui import QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
-from app.editor.evaluation.evaluator import OLD_AFTER_MS
-from app.editor.panels.module_body import ReadoutsQuery
 from app.editor.theme import DARK
 from app.run.write_rules import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.operations import ABSENT, Rewire, set_node_field, set_parameter
+from core.editing.operations import Rewire, set_parameter
 from core.evaluation.policy import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link
@@ -122,27 +120,6 @@ def test_read_outs_appear_where_the_inputs_are_there(qtbot, session, evaluator, 
         assert label.isVisible()
 
 
-def test_a_read_out_can_be_copied_and_stays_where_it_is(qtbot, session):
-    area = panel_area(qtbot, session)
-    drop(session, "jitter_mtf")
-    value = area.panels["node"].body.readouts.values["half_contrast"]
-    value.show_text("0.12345")
-    QApplication.processEvents()
-    size, where = value.size(), value.geometry()
-    value.show_text("0.11111")  # narrower
-    QApplication.processEvents()
-    assert (value.size(), value.geometry()) == (size, where)
-    assert value.isReadOnly()
-    QTest.mouseClick(value, LEFT)
-    QTest.keySequence(value, QKeySequence.StandardKey.SelectAll)
-    QTest.keySequence(value, QKeySequence.StandardKey.Copy)
-    assert QApplication.clipboard().text() == "0.11111"
-    value.show_text("0.111111111111111")
-    QApplication.processEvents()
-    room = value.width() - QFontMetricsF(value.font()).horizontalAdvance(value.text())
-    assert room >= 2
-
-
 def test_read_outs_follow_edits_and_go_where_they_cannot_be(qtbot, session, evaluator, tmp_path):
     area = panel_area(qtbot, session, evaluator)
     open_chain(session, "jitter_mtf", tmp_path)
@@ -157,73 +134,6 @@ def test_read_outs_follow_edits_and_go_where_they_cannot_be(qtbot, session, eval
     qtbot.waitUntil(lambda: set(texts(area).values()) == {"—"})
     session.undo()
     qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
-
-
-def test_a_figure_of_a_picture_has_the_pictures_unit(qtbot, session, evaluator, tmp_path):
-    area = panel_area(qtbot, session, evaluator)
-    open_chain(session, "examine_image", tmp_path)
-    units = area.panels["node"].body.readouts.units
-    qtbot.waitUntil(lambda: texts(area)["mean"] != "—")
-    assert units["mean"].text() == "W/m²/sr"
-    assert "W/m²/sr" in area.panels["node"].body.readouts.values["mean"].accessibleName()
-
-
-def read_outs_answered(evaluator):
-    """A list that grows by each answer; the pictures on panels ask questions of their own."""
-    answers = []
-
-    def note(answer):
-        if isinstance(answer.query, ReadoutsQuery):
-            answers.append(answer)
-
-    evaluator.answered.connect(note)
-    return answers
-
-
-def test_nothing_is_asked_for_a_panel_out_of_sight(qtbot, session, evaluator, tmp_path):
-    area = panel_area(qtbot, session, evaluator)
-    open_chain(session, "jitter_mtf", tmp_path)
-    qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
-    area.panels["node"].folded = True
-    answers = read_outs_answered(evaluator)
-    with qtbot.waitSignal(evaluator.pass_done):
-        session.do(set_parameter("node", "sigma_mrad", 0.25))
-    qtbot.waitUntil(lambda: evaluator.idle)
-    assert answers == []
-    area.panels["node"].folded = False
-    qtbot.waitUntil(lambda: len(answers) == 1)
-    session.select([])
-    with qtbot.waitSignal(evaluator.pass_done):
-        session.do(set_parameter("node", "sigma_mrad", 0.5))
-    qtbot.waitUntil(lambda: evaluator.idle)
-    assert len(answers) == 1
-
-
-def test_what_does_not_concern_a_node_does_not_have_its_read_outs_made_again(
-    qtbot, session, evaluator, tmp_path
-):
-    area = panel_area(qtbot, session, evaluator)
-    open_chain(session, "jitter_mtf", tmp_path)
-    qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
-    query = area.panels["node"].body.readouts.query
-    engine = Engine(LIBRARY)
-
-    def key():
-        return query.key(engine.plan(session.network, folder=tmp_path))
-
-    before = key()
-    assert hash(before) == hash(key())
-    session.do(set_parameter("pupil", "radius", 50.0))
-    assert key() == before
-    session.do(set_parameter("node", "sigma_mrad", 0.5))
-    assert key() != before
-    session.do(set_parameter("node", "sigma_mrad", ABSENT))
-    assert key() == before
-    session.do(set_parameter("init", "focal_length_mm", 60.0))
-    assert key() != before
-    session.undo()
-    session.do(set_node_field("node", "disabled", True))
-    assert key() != before
 
 
 def test_ports_show_what_is_linked_and_are_viewed(qtbot, session, tmp_path):
@@ -285,28 +195,6 @@ def test_a_file_is_chosen_and_named_from_the_networks_folder(qtbot, session, tmp
     assert session.network.nodes["node"].params["path"] == outside.as_posix()
 
 
-def test_a_network_without_a_folder_names_files_in_full(qtbot, session, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    np.save(tmp_path / "a.npy", np.ones((4, 4)))
-    area = panel_area(qtbot, session)
-    drop(session, "read_image")
-    field = field_of(area, session, "path")
-    choose(qtbot, field, tmp_path / "a.npy")
-    assert session.network.nodes["node"].params["path"] == (tmp_path / "a.npy").as_posix()
-
-
-def test_a_file_to_write_need_not_be_there_and_is_not_asked_about(qtbot, session, tmp_path):
-    (tmp_path / "there.png").write_bytes(b"not touched")
-    area = panel_area(qtbot, session)
-    session.open(Document(linked_network({}), library=LIBRARY, path=tmp_path / "n.json"))
-    drop(session, "write_image")
-    field = field_of(area, session, "path")
-    for name in ("new.png", "there.png"):
-        choose(qtbot, field, tmp_path / name)
-        assert session.network.nodes["node"].params["path"] == name
-    assert (tmp_path / "there.png").read_bytes() == b"not touched"
-
-
 def test_a_file_chosen_to_be_written_is_allowed_to_later_runs(
     qtbot, session, tmp_path, monkeypatch
 ):
@@ -332,17 +220,6 @@ def test_a_file_chosen_to_be_written_is_allowed_to_later_runs(
     session.open(Document(linked_network({}), library=LIBRARY))
     assert session.save(tmp_path / "nets" / "new.json")
     assert read_record(tmp_path / "nets" / "new.json").chosen == frozenset()
-
-
-def test_a_file_chosen_to_be_read_is_not_one_to_be_written(qtbot, session, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    np.save(tmp_path / "a.npy", np.ones((4, 4)))
-    area = panel_area(qtbot, session)
-    session.open(Document(linked_network({}), library=LIBRARY, path=tmp_path / "n.json"))
-    drop(session, "read_image")
-    choose(qtbot, field_of(area, session, "path"), tmp_path / "a.npy")
-    assert read_record(tmp_path / "n.json").chosen == frozenset()
-    assert not (tmp_path / "state").exists()
 
 
 def title_of(area):
@@ -372,36 +249,3 @@ def test_what_is_older_than_the_last_edit_is_marked(qtbot, session, evaluator, t
     assert texts(area) != before
     assert title_of(area) == "Read-outs"
     assert value.palette().color(QPalette.ColorRole.Text).name() == DARK.text
-
-
-def test_an_edit_that_changes_no_read_out_leaves_no_mark(qtbot, session, evaluator, tmp_path):
-    area = panel_area(qtbot, session, evaluator)
-    open_chain(session, "gaussian_mtf", tmp_path)
-    readouts = area.panels["node"].body.readouts
-    qtbot.waitUntil(lambda: "—" not in texts(area).values())
-    session.do(set_parameter("scene", "kind", "uniform"))
-    qtbot.waitUntil(lambda: evaluator.idle)
-    qtbot.wait(OLD_AFTER_MS + 100)
-    assert not readouts.is_old
-
-
-def test_read_outs_of_a_node_held_back_are_marked(qtbot, session, evaluator, tmp_path):
-    area = panel_area(qtbot, session, evaluator)
-    evaluator.badges_changed.connect(area.set_badges)
-    open_chain(session, "gaussian_mtf", tmp_path)
-    qtbot.waitUntil(lambda: "—" not in texts(area).values())
-    before = texts(area)
-    session.do(set_node_field("node", "auto", False))
-    session.do(set_parameter("node", "sigma_x_mrad", 0.25))
-    qtbot.waitUntil(lambda: title_of(area) == "Read-outs: as last generated")
-    assert texts(area) == before
-    gate = Gate()
-    evaluator.ask("viewer", [Asking(gate, urgency=-1)])
-    evaluator.generate()
-    qtbot.waitUntil(gate.entered.is_set)
-    qtbot.wait(20)  # for what the worker has sent by now
-    assert title_of(area) == "Read-outs: as last generated"
-    assert texts(area) == before
-    gate.opened.set()
-    qtbot.waitUntil(lambda: title_of(area) == "Read-outs")
-    assert texts(area) != before

@@ -3,7 +3,7 @@
 import pytest
 from PySide6.QtCore import Qt
 
-from core.editing.operations import ABSENT, Add, Placed, set_parameter
+from core.editing.operations import Add, Placed
 from core.network.network import Node
 from panel_hands import panel_area, type_in
 
@@ -36,13 +36,6 @@ def test_what_is_typed_is_for_all_of_them_and_one_step(area, session):
     assert sigmas(session) == SIGMAS
 
 
-def test_a_reset_is_for_all_of_them(area, session):
-    session.select(["one", "two"])
-    session.do(set_parameter("one", "sigma_x_mrad", ABSENT))
-    field(area, "two")._reset()
-    assert sigmas(session) == {"one": None, "two": None, "three": 0.3}
-
-
 def test_a_drag_is_one_step_and_esc_gives_each_its_own_value_back(area, session):
     session.select(["one", "two", "three"])
     steps = session.document.history.position
@@ -59,10 +52,3 @@ def test_a_drag_is_one_step_and_esc_gives_each_its_own_value_back(area, session)
     assert session.document.history.position == steps + 1
     session.undo()
     assert sigmas(session) == SIGMAS
-
-
-def test_other_modules_among_them_or_a_panel_of_another_node_change_one(area, session):
-    session.select(["one", "other"])
-    session.select(["one", "other", "two"])
-    type_in(field(area, "two").edit, "0.9", key=Qt.Key.Key_Return)
-    assert sigmas(session) == {**SIGMAS, "two": 0.9}
