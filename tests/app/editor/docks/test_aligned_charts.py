@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from PySide6.QtGui import QColor
 
 from app.editor.docks.tradeoff_plots import Graph, Span, TradeOffPlots
-from app.editor.theme import DARK
 
 X = np.linspace(0.0, 1.0, 11)
 GRAPHS = [  # numbers of one digit, of many, and powers
@@ -25,32 +23,6 @@ def plots(request, qtbot):
     made.show()
     qtbot.waitExposed(made)
     return made
-
-
-def left_edges(plots, across):
-    """The leftmost dot of each chart's curve, over the left end of its column, as painted."""
-    image = plots.grab().toImage()
-    down = -(-len(GRAPHS) // across)
-    wide, high = image.width() // across, image.height() // down
-    edges = []
-    for index in range(len(GRAPHS)):
-        colour = QColor(DARK.curves[index])
-        left, top = index % across * wide, index // across * high
-        columns = [
-            x
-            for x in range(left, left + wide)
-            for y in range(top, top + high)
-            if abs(image.pixelColor(x, y).hue() - colour.hue()) <= 3
-            and image.pixelColor(x, y).saturation() > colour.saturation() // 2
-        ]
-        edges.append(min(columns) - left)
-    return edges
-
-
-def test_their_left_edges_are_in_line(plots):
-    across = 1 if plots.width() < 400 else 2
-    edges = left_edges(plots, across)
-    assert max(edges) - min(edges) <= 1, edges
 
 
 def test_their_scales_are_in_line(plots):

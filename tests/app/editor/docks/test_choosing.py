@@ -10,8 +10,6 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMenu
 
 from app.editor.docks.tradeoff_plots import Span
-from app.editor.theme import LIGHT
-from tradeoff_network import mtf
 from window_hands import give_focus
 
 KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
@@ -48,27 +46,6 @@ def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
     QTest.keyClick(view.bar.parameter, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
     assert not view.isVisible()
     assert not action.isChecked()
-
-
-def test_a_parameter_is_chosen_by_the_keyboard(opened_window, idle):
-    window = opened_window
-    window.actions_by_name["trade_off"].trigger()
-    view = window.viewers.tradeoff
-    combo = view.bar.parameter
-    give_focus(combo)
-    assert combo.currentText() == "Choose a parameter"
-    for _ in range(combo.findText(LISTED)):
-        if combo.currentText() != LISTED:
-            QTest.keyClick(combo, KEY.Key_Down)
-    assert combo.currentText() == LISTED
-    assert combo.toolTip() == SIGMA
-    idle(window)
-    span = view.span
-    assert (span.low, span.high) == (0.0, 1.0)  # around the present 0.5
-    drawn = next(each for each in view.plots.graphs if each.name == MTF)
-    x, y = drawn.x, drawn.y
-    assert len(x) == span.count
-    assert y == pytest.approx([mtf(value) for value in x], rel=1e-12)
 
 
 def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
@@ -122,23 +99,6 @@ def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
     assert len(view.points) == view.span.count
 
 
-def test_a_long_name_is_shown_from_its_beginning(dock):
-    """Integration time of focal_plane (s) is wider than the field."""
-    field = dock.bar.parameter.lineEdit()
-    assert field.text() == LISTED
-    assert field.cursorPosition() == 0
-
-
-def test_choices_have_no_such_menu(opened_window, idle):
-    opened_window.session.select(["electronics"])
-    idle(opened_window)
-    field = opened_window.panels.panels["electronics"].body.sections.field("gain_model")
-    field.open_menu(QPoint(10, 10))
-    menu = field.findChild(QMenu, "field.menu")
-    assert "trade_off" not in [each.objectName() for each in menu.actions()]
-    menu.close()
-
-
 def test_a_drag_of_the_mark_is_one_step_to_undo(opened_window, dock, idle, qtbot):
     plots, before = dock.plots, opened_window.session.network
     start, end = (plots.place(0, value).toPoint() for value in (0.5, 0.9))
@@ -184,21 +144,6 @@ def test_another_range_and_number_of_points(opened_window, dock, idle, graph):
     assert graph(MTF).x == pytest.approx([0.1, 1.0, 10.0])
 
 
-@pytest.mark.parametrize(
-    ("text", "told"), [("x", "'x' is not a number"), ("7", "below the second")]
-)
-def test_a_range_that_is_none_is_refused(opened_window, dock, text, told):
-    give_focus(dock.bar.low)
-    dock.bar.low.selectAll()
-    QTest.keyClicks(dock.bar.low, text)
-    QTest.keyClick(dock.bar.low, KEY.Key_Return)
-    assert told in dock.status.title.text()
-    assert dock.bar.low.marked
-    assert dock.span.low == 0.0
-    QTest.keyClick(dock.bar.low, KEY.Key_Escape)
-    assert dock.bar.low.text() == "0"
-
-
 def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
     rows = open_figures(dock)
     assert rows["NETD system of electronics (K)"].checkState() == Qt.CheckState.Checked
@@ -216,38 +161,6 @@ def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
     assert not dock.list.isVisible()
 
 
-def test_the_list_is_searched_and_has_the_names_in_full(dock, qtbot):
-    rows = open_figures(dock)
-    search = dock.bar.choice.search
-    qtbot.waitUntil(search.hasFocus)
-    QTest.keyClicks(search, "mtf pixels")
-    shown = {text for text, item in rows.items() if not item.isHidden()}
-    assert shown == {text for text in rows if "MTF" in text and "pixels" in text}
-    assert 1 < len(shown) < len(rows)
-    QTest.keyClick(search, KEY.Key_Tab)
-    assert dock.list.hasFocus()
-    search.clear()
-    assert not any(item.isHidden() for item in rows.values())
-    room = dock.list.viewport().width()
-    assert dock.list.sizeHintForColumn(0) <= room
-    dock.bar.figures.menu().close()
-
-
-def test_the_charts_have_the_width_of_the_dock_and_each_its_height(dock, idle, opened_window):
-    assert dock.plots.width() >= dock.width() - 30
-    for name in list(open_figures(dock))[:9]:
-        open_figures(dock)[name].setCheckState(Qt.CheckState.Checked)
-        idle(opened_window)
-    dock.bar.figures.menu().close()
-    dock.resize(dock.width(), 260)
-    idle(opened_window)
-    dock.plots.grab()
-    line = dock.plots.fontMetrics().height()
-    heights = [frame.height() for frame in dock.plots._frames]
-    assert len(heights) >= 9
-    assert min(heights) > 2.2 * line
-
-
 def test_numbers_and_pictures_are_written(opened_window, dock, tmp_path, graph):
     give_focus(dock.plots)
     opened_window.actions_by_name["export"].trigger()
@@ -260,34 +173,3 @@ def test_numbers_and_pictures_are_written(opened_window, dock, tmp_path, graph):
     assert [float(row[MTF]) for row in rows] == list(graph(MTF).y)
     dock.export(tmp_path / "a.png")
     assert QImage(str(tmp_path / "a.png")).width() == 2 * dock.plots.width()
-
-
-def test_the_status_line_reads_under_the_mouse(dock):
-    QTest.mouseMove(dock.plots, dock.plots.place(0, 0.5).toPoint())
-    told = dock.status.more.text()
-    assert "NETD system" in told
-    assert "MTF ξ, samples' Nyquist" in told
-    QTest.mouseMove(dock.plots, QPoint(1, 1))
-    assert dock.status.more.text() == ""
-
-
-def test_every_control_is_reached_and_named(dock):
-    bar = dock.bar
-    for widget in (
-        bar.parameter,
-        bar.low,
-        bar.high,
-        bar.log,
-        bar.count,
-        bar.figures,
-        dock.plots,
-        dock.list,
-    ):
-        assert widget.focusPolicy() & Qt.FocusPolicy.TabFocus, widget.objectName()
-        assert widget.accessibleName(), widget.objectName()
-
-
-def test_the_light_look_is_light(dock):
-    dock.setPalette(LIGHT.palette())
-    picture = dock.plots.grab().toImage()
-    assert picture.pixelColor(picture.width() - 2, 2).lightness() > 200

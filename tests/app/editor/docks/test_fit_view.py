@@ -15,7 +15,6 @@ from app.editor.declared_text import FreeNumber
 from app.editor.docks.background_work import picture_of
 from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge
-from window_hands import WindowHands
 
 INTERVAL_MRAD = 0.1
 SIGMA = 0.8  # samples
@@ -46,11 +45,6 @@ def fitting(window, files):
     assert window.fitting.isVisible()
     window.session.select(["blur"])
     return window
-
-
-@pytest.fixture
-def two_hands(window):
-    return WindowHands(window)
 
 
 def right_click(window, name, action):
@@ -110,46 +104,6 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert view.table.rowCount() == 0
 
 
-def test_a_file_with_bands_says_how_to_fit_to_one(fitting, files, qtbot):
-    view, session = fitting.fitting, fitting.session
-    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
-    cube = np.stack([np.load(files / "edge.npy")] * 2, axis=-1).astype(np.float32)
-    path = files / "two.img"
-    path.write_bytes(cube.tobytes())
-    rows, columns = cube.shape[:2]
-    path.with_name("two.img.hdr").write_text(
-        f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = 2\ndata type = 4\n"
-        "interleave = bip\nbyte order = 0\nwavelength units = Micrometers\n"
-        "wavelength = {3.5, 4.5}\n"
-    )
-    view.choose_pictures((path,))
-    view.begin()
-    qtbot.waitUntil(lambda: "two.img has 2 bands" in view.status.title.text())
-    text = view.status.title.text()
-    assert text.endswith("show one of them in a viewer and fit to that")
-    assert "--" not in text
-    fitting.fit_dock.hide()
-    fitting.fit_dock.show()
-    assert view.status.title.text() == text  # until something of it changes
-    view.choose_pictures((files / "edge.npy",))
-    assert view.status.title.text() == "1 free"
-
-
-def test_what_is_hardly_determined_counts_as_not_determined(fitting, files, qtbot):
-    view, session = fitting.fitting, fitting.session
-    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
-    view.choose_pictures((files / "edge.npy",))
-    view.begin()
-    qtbot.waitUntil(lambda: view.outcome is not None)
-    assert "1 of 1 determined" in view.status.title.text()
-    assert view.taking.isEnabled()
-    (number,) = view.outcome.numbers
-    weak = number._replace(sigma=0.6 * abs(number.value))
-    view._done(view.outcome._replace(numbers=(weak,)))  # as from a picture with more noise
-    assert "0 of 1 determined" in view.status.title.text()
-    assert not view.taking.isEnabled()
-
-
 def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, files, qtbot):
     window, view = fitting, fitting.fitting
     session = window.session
@@ -190,92 +144,6 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()
         assert button.accessibleName()
-
-
-def test_a_picture_of_another_band_is_warned_of_above_the_figures(fitting, files, qtbot):
-    """The chain works from 8 to 12 µm."""
-    view, free = fitting.fitting, fitting.session.free
-    np.load(files / "edge.npy").astype("<f8").tofile(files / "mwir.img")
-    (files / "mwir.hdr").write_text(
-        "ENVI\nsamples = 64\nlines = 64\nbands = 1\ndata type = 5\ninterleave = bsq\n"
-        "byte order = 0\nwavelength units = micrometers\nwavelength = { 4.0 }\nfwhm = { 2.0 }\n"
-    )
-    free.put(FreeNumber("blur", "sigma_x_mrad"))
-    view.choose_pictures((files / "mwir.img",))
-    view.begin()
-    qtbot.waitUntil(lambda: view.outcome is not None)
-    warned = [text for severity, text in view.notices.left if severity == "warning"]
-    assert any(text.startswith("The picture mwir.img was taken from 3 to 5 µm") for text in warned)
-    assert view.notices.isVisible()
-    assert view.notices.geometry().bottom() < view.table.mapTo(view, QPoint()).y()
-    assert "µm" not in view.words.toPlainText()
-
-
-def test_what_is_free_comes_back_with_its_node(fitting):
-    window, session = fitting, fitting.session
-    session.free.put(FreeNumber("blur", "sigma_x_mrad", 0.01, 0.2))
-    session.select(["blur"])
-    window.actions_by_name["delete"].trigger()
-    assert session.free.all == ()
-    session.undo()
-    assert session.free.all == (FreeNumber("blur", "sigma_x_mrad", 0.01, 0.2),)
-    session.redo()
-    session.free.put(FreeNumber("init", "range_m"))
-    session.undo()
-    assert {one.node for one in session.free.all} == {"blur", "init"}
-
-
-def test_a_result_is_said_to_be_of_what_was_fitted(fitting, files, qtbot):
-    view, free = fitting.fitting, fitting.session.free
-    free.put(FreeNumber("blur", "sigma_x_mrad"))
-    free.put(FreeNumber("init", "range_m"))
-    both = (files / "edge.npy", files / "edge_too.npy")
-    view.choose_pictures(both)
-    assert view.name.text() == "edge.npy and 1 more"
-    view.begin()
-    qtbot.waitUntil(lambda: view.outcome is not None)
-    assert "2 edges fitted" in view.words.toPlainText()
-    result = view.status.title.text()
-    assert "χ²" in result
-    view.choose_pictures((files / "flat.npy",))
-    assert view.status.title.text() == "Fitted to edge.npy and 1 more: fit again"
-    view.choose_pictures(both)
-    assert view.status.title.text() == result
-    free.fix("blur", "sigma_x_mrad")
-    assert view.status.title.text() == "Fitted while other parameters were free: fit again"
-    assert not view.taking.isEnabled()  # what is fixed now is not written
-
-
-def test_the_key_of_the_dock_brings_it_before_another(window, qtbot):
-    window.open_first("first_steps")
-    fit = window.actions_by_name["fit"]
-    fit.trigger()
-    window.viewers.docks[1].raise_()
-    qtbot.waitUntil(lambda: not fit.isChecked())
-    fit.trigger()
-    qtbot.waitUntil(fit.isChecked)
-    assert not window.fit_dock.isHidden()
-    fit.trigger()
-    assert window.fit_dock.isHidden()
-
-
-def test_pictures_are_dropped_on_the_docks(fitting, files, two_hands, qtbot):
-    window, view = fitting, fitting.fitting
-    steps = window.session.document.history.position
-    assert two_hands.drop_files(view.chart, QPoint(9, 9), [files / "edge.npy"])
-    assert view.pictures == (files / "edge.npy",)
-    measuring = window.measuring
-    window.measure_dock.show()
-    window.measure_dock.raise_()
-    assert two_hands.drop_files(
-        measuring.canvas, QPoint(9, 9), [files / "edge.npy", files / "edge_too.npy"]
-    )
-    qtbot.waitUntil(lambda: measuring.measured is not None)
-    assert len(measuring.measured.previews) == 2
-    assert window.session.document.history.position == steps
-    before = window.session.document
-    assert two_hands.drop_files(measuring.canvas, QPoint(9, 9), [files / "net.json"])
-    qtbot.waitUntil(lambda: window.session.document is not before)  # networks are opened anywhere
 
 
 def test_a_known_scene_is_fitted_as_a_whole(fitting, files, qtbot):

@@ -14,8 +14,7 @@ from scipy.special import erf
 
 from app.editor.docks.edges import edge_look
 from app.editor.docks.measure_view import MeasureView
-from app.editor.theme import LIGHT
-from app.measure.measurement_text import REFUSED, REMOVED, USED
+from app.measure.measurement_text import REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field
 
@@ -91,15 +90,6 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert view.current == -1
 
 
-def test_the_looks_differ_to_every_sight_and_by_their_lines(measured):
-    refused = [edge for edge in measured.measured.edges if edge.curve is None]
-    looks = [edge_look(edge) for edge in (*refused[:1], measured.measured.edges[0])]
-    assert len({style for _, style, _ in looks}) == len(looks)
-    assert len({USED, REFUSED, REMOVED}) == 3
-    measured.setPalette(LIGHT.palette())
-    assert not measured.grab().isNull()
-
-
 def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, two_edges):
     view = measured
     with qtbot.waitSignal(view._session.message) as said:
@@ -170,58 +160,3 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     assert view.source is None
     assert view.table.topLevelItemCount() == 0
     assert view.status.title.text() == ""
-
-
-def test_the_key_brings_files_that_were_measured_to_the_front(window, qtbot, two_edges):
-    """Else edges that were removed by you were lost by it."""
-    window.open_first("first_steps")
-    viewer = window.viewers.images[1]
-    qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
-    view, measure = window.measuring, window.actions_by_name["measure"]
-    window.measure_dock.show()
-    window.measure_dock.raise_()
-    view.measure_files((two_edges,))
-    qtbot.waitUntil(lambda: view.measured is not None)
-    view.switch()
-    kept = view.measured
-    window.measure_dock.close()
-    measure.trigger()
-    assert view.isVisible()
-    assert not view.worker.busy
-    assert view.measured is kept
-    measure.trigger()
-    qtbot.waitUntil(lambda: view.measured is not kept)
-    assert view.measured.files[0].name.startswith("viewer 1: ")
-
-
-def test_a_band_of_a_file_is_chosen(view, qtbot, two_edges, tmp_path):
-    picture = np.load(two_edges)
-    cube = np.stack([picture, picture[::-1]], axis=-1).astype("<f4")
-    cube.tofile(tmp_path / "cube.img")
-    (tmp_path / "cube.img.hdr").write_text(
-        "ENVI\nsamples = 240\nlines = 160\nbands = 2\ndata type = 4\ninterleave = bip\n"
-        "byte order = 0\nwavelength = {8.0, 9.0}\nwavelength units = Micrometers\n"
-    )
-    assert not view.band.isEnabled()
-    view.measure_files((tmp_path / "cube.img",))
-    qtbot.waitUntil(lambda: not view.worker.busy)
-    assert view.status.title.text().endswith("choose the band to measure, 0 to 1")
-    view.band.setValue(1)
-    qtbot.waitUntil(lambda: view.measured is not None)
-    assert view.measured.x.edges == 2
-    assert np.array_equal(view.measured.previews[0].samples, cube[..., 1])
-    assert view.status.title.text().startswith("cube.img, band 1: ")
-    view.measure_files((two_edges,))
-    assert view.band.value() == -1
-    qtbot.waitUntil(lambda: not view.worker.busy)
-    assert view.source == (two_edges,)
-
-
-def test_no_option_of_the_command_is_named(view, qtbot, two_edges):
-    view.measure_files((two_edges,))
-    qtbot.waitUntil(lambda: view.measured is not None)
-    texts = [text for _, text in view.notices.left]
-    assert any(
-        "frames of flat fields at several levels, and frames without light" in t for t in texts
-    )
-    assert not any("--" in text for text in texts)

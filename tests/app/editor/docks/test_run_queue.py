@@ -6,8 +6,6 @@ from PySide6.QtCore import QObject
 from app.editor.docks.run_queue import RunQueue, job_of, proposed_folder
 from core.editing.document import Document
 from core.editing.operations import set_parameter
-from core.errors import ImagechainError
-from core.network.network import Network
 
 
 @pytest.fixture
@@ -55,19 +53,6 @@ def test_runs_go_one_after_the_other_and_reports_at_once(queue, qtbot, small, tm
     assert queue.entry(first).seconds > 0
 
 
-def test_a_job_is_the_network_as_it_was(queue, qtbot, small, tmp_path):
-    first = queue.add("before", job_of(small, "run", tmp_path / "before"))
-    second = queue.add("the same", job_of(small, "run", tmp_path / "same"))
-    small.do(set_parameter("blur", "sigma_x_mrad", 3.0))
-    third = queue.add("after", job_of(small, "run", tmp_path / "after"))
-    for number in (first, second, third):
-        waits(queue, qtbot, number, "done")
-    before, same, after = (
-        (tmp_path / name / "mtf.csv").read_text() for name in ("before", "same", "after")
-    )
-    assert before == same != after
-
-
 def test_cancelled_while_it_waits_it_never_begins(queue, qtbot, small, tmp_path):
     first = queue.add("first", job_of(small, "run", tmp_path / "first"))
     waiting = queue.add("waiting", job_of(small, "run", tmp_path / "waiting"))
@@ -81,13 +66,6 @@ def test_cancelled_while_it_waits_it_never_begins(queue, qtbot, small, tmp_path)
     assert queue.entries == ()
 
 
-def test_a_failure_is_the_commands_line(queue, qtbot, small, tmp_path):
-    (tmp_path / "file").write_text("")
-    number = queue.add("bad", job_of(small, "run", tmp_path / "file"))
-    entry = waits(queue, qtbot, number, "failed")
-    assert entry.text == f"cannot write to {tmp_path / 'file'}: it is not a folder"
-
-
 def test_folders_are_proposed_that_are_free(small, tmp_path):
     small.save(tmp_path / "mine.json")
     first = proposed_folder(small, "sweep", set())
@@ -95,9 +73,3 @@ def test_folders_are_proposed_that_are_free(small, tmp_path):
     first.mkdir()
     taken = {tmp_path / "mine-sweep-2"}
     assert proposed_folder(small, "sweep", taken) == tmp_path / "mine-sweep-3"
-
-
-def test_an_empty_network_is_no_job(session, library, tmp_path):
-    session.open(Document(Network(), library=library))
-    with pytest.raises(ImagechainError, match="no nodes"):
-        job_of(session, "run", tmp_path / "out")

@@ -6,10 +6,8 @@ import weakref
 
 import pytest
 
-from app.editor.evaluation import evaluator as evaluator_module
-from app.editor.evaluation.evaluator import Collector, Evaluator
+from app.editor.evaluation.evaluator import Collector
 from child_process import PATIENCE_S
-from editor_queries import Asking
 
 
 class Ring:
@@ -51,15 +49,6 @@ def test_python_does_not_collect_by_itself_meanwhile(collector):
     assert gc.isenabled()
 
 
-def test_where_collecting_is_off_it_stays_so(qtbot):
-    gc.disable()
-    made = Collector(lambda: True)
-    made.start()
-    made.stop()
-    assert not gc.isenabled()
-    made.deleteLater()
-
-
 @pytest.mark.parametrize("first_to_stop", [0, 1])
 def test_of_several_the_last_switches_it_on(qtbot, first_to_stop):
     both = [Collector(lambda: True), Collector(lambda: True)]
@@ -70,35 +59,6 @@ def test_of_several_the_last_switches_it_on(qtbot, first_to_stop):
     (last,) = both
     last.stop()
     assert gc.isenabled()
-
-
-def test_it_is_off_from_the_first_line_of_an_evaluation_to_its_last(session, qtbot, monkeypatch):
-    monkeypatch.setattr(evaluator_module, "JOIN_S", 0.0)
-    entered, leave, seen = threading.Event(), threading.Event(), []
-
-    def long_computation(_passing):
-        entered.set()
-        leave.wait(PATIENCE_S)
-
-    def note(_frame, _event, _about):
-        if threading.current_thread().name == "imagechain evaluation":
-            seen.append(gc.isenabled())
-
-    threading.setprofile(note)
-    try:
-        evaluator = Evaluator(session)
-        evaluator.ask("viewer", [Asking(long_computation)])
-        qtbot.waitUntil(entered.is_set)
-    finally:
-        threading.setprofile(None)
-    assert set(seen) == {False}
-    (thread,) = (each for each in threading.enumerate() if each.name == "imagechain evaluation")
-    evaluator.close()
-    assert thread.is_alive()
-    assert not gc.isenabled()
-    leave.set()
-    thread.join(PATIENCE_S)
-    evaluator.deleteLater()
 
 
 def test_what_another_thread_leaves_is_freed_in_this_one(collector, qtbot):
@@ -115,24 +75,3 @@ def test_what_another_thread_leaves_is_freed_in_this_one(collector, qtbot):
     assert not freed
     qtbot.waitUntil(lambda: len(freed) == count)
     assert set(freed) == {threading.current_thread()}
-
-
-def test_all_is_looked_through_only_in_quiet_moments(collector, quiet, qtbot):
-    gone_through = []
-
-    def note(phase, about):
-        if phase == "stop":
-            gone_through.append(about["generation"])
-
-    quiet[0] = False
-    gc.collect()
-    for _ in range(gc.get_threshold()[2] + 1):
-        gc.collect(1)  # Python would look through all at the next occasion
-    gc.callbacks.append(note)
-    try:
-        qtbot.wait(500)
-        assert 2 not in gone_through
-        quiet[0] = True
-        qtbot.waitUntil(lambda: 2 in gone_through)
-    finally:
-        gc.callbacks.remove(note)

@@ -3,22 +3,17 @@
 import gc
 import sys
 import threading
-import time
 from itertools import count
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from app.editor.evaluation import evaluator as evaluator_module
-from app.editor.evaluation import runner as pace_module
-from app.editor.evaluation import runner as runner_module
-from app.editor.evaluation.evaluator import Evaluator, OwnedQueries
-from app.editor.evaluation.queries import Answer
+from app.editor.evaluation.evaluator import Evaluator
 from child_process import PATIENCE_S
 from core.chain.engine import Engine, PlannedNode
 from core.editing.document import Document
-from core.editing.operations import Move, set_parameter
+from core.editing.operations import set_parameter
 from core.evaluation.policy import Policy
 from core.network.network import Network
 from editor_queries import Asking, Gate, Readouts, Samples
@@ -81,43 +76,6 @@ def test_what_an_edit_does_not_change_is_not_answered_again(evaluator, answers, 
     assert [answer.query for answer in answers] == [FINAL]
 
 
-def test_moving_nodes_makes_no_pass(evaluator, small, settled):
-    evaluator.ask("viewer", [FINAL])
-    settled()
-    done = []
-    evaluator.pass_done.connect(done.append)
-    plan = evaluator.plan
-    small.do(Move({"scene": (7.0, 9.0)}))
-    settled()
-    assert not done
-    assert evaluator.plan is plan
-
-
-def test_a_want_dropped_and_asked_again_is_answered_again(evaluator, answers, small, settled):
-    for queries in ([FINAL], [Samples("back.image")], [FINAL]):
-        evaluator.ask("viewer", queries)
-        settled()
-    assert [answer.query for answer in answers] == [FINAL, Samples("back.image"), FINAL]
-
-
-def test_a_want_that_stays_is_not_answered_again(evaluator, answers, small, settled):
-    for queries in ([FINAL], [FINAL, Samples("back.image")], [FINAL]):
-        evaluator.ask("viewer", queries)
-        settled()
-    assert [answer.query for answer in answers] == [FINAL, Samples("back.image")]
-
-
-def test_the_forgotten_hear_nothing_more(evaluator, answers, small, settled):
-    evaluator.ask("viewer", [FINAL])
-    evaluator.ask("panel", [Readouts("electronics")])
-    settled()
-    answers.clear()
-    evaluator.forget("viewer")
-    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
-    settled()
-    assert {answer.owner for answer in answers} == {"panel"}
-
-
 def test_a_burst_of_edits_shows_pictures_meanwhile(evaluator, answers, small, settled, qtbot):
     evaluator.ask("viewer", [FINAL])
     settled()
@@ -136,39 +94,6 @@ def test_a_burst_of_edits_shows_pictures_meanwhile(evaluator, answers, small, se
     assert small.network.nodes["aberration"].params["sigma_x_mrad"] == 0.1
 
 
-def test_between_edits_only_pictures_are_answered(
-    evaluator, answers, small, settled, qtbot, monkeypatch
-):
-    """Each edit comes with the picture of the one before, sooner than edits have paused."""
-    monkeypatch.setattr(pace_module, "REST_S", 60.0)
-    monkeypatch.setattr(runner_module, "PAUSE_S", 3.0)
-    figures = Readouts("electronics")
-    evaluator.ask("viewer", [FINAL])
-    evaluator.ask("panel", [figures])
-    settled()
-    answers.clear()
-    for step in range(6):
-        small.do(set_parameter("electronics", "amplifier_snr", 50.0 + step))
-        qtbot.waitUntil(lambda step=step: len(answers) == step + 1)
-    assert {answer.owner for answer in answers} == {"viewer"}
-    qtbot.waitUntil(lambda: evaluator.idle)
-    assert [answer.owner for answer in answers] == ["viewer"] * 6 + ["panel"]
-    assert answers[-1].generation == evaluator.generation
-
-
-def test_an_edit_with_a_pause_before_it_begins_another_gesture(evaluator, small, monkeypatch):
-    """By a clock set by hand: a pause is 0.15 s, and a drag is faster."""
-    clock = SimpleNamespace(now=1000.0)
-    clock.perf_counter = lambda: clock.now
-    monkeypatch.setattr(evaluator_module, "time", clock)
-    counts = []
-    for step, wait in enumerate((9.0, 0.01, 0.14, 0.16, 0.02, 5.0)):
-        clock.now += wait
-        assert small.do(set_parameter("scene", "delta_K", 20.0 + step))
-        counts.append(evaluator._inbox.newest.gestures)
-    assert [count - counts[0] for count in counts] == [0, 0, 0, 1, 1, 2]
-
-
 def test_edits_that_come_while_a_pass_runs_make_one_more(evaluator, answers, small, settled, qtbot):
     gate, done, told = Gate(), [], []
     evaluator.pass_done.connect(done.append)
@@ -183,29 +108,6 @@ def test_edits_that_come_while_a_pass_runs_make_one_more(evaluator, answers, sma
     # One pass for all ten edits; the one that ran is given up where it has taken long already.
     assert [each["amplifier_snr"] for each in params] in ([100.0, 59.0], [59.0])
     assert len(done) <= 2
-
-
-def test_an_answer_older_than_the_newest_is_dropped(evaluator, answers, small, settled):
-    evaluator.ask("viewer", [FINAL])
-    settled()
-    newest = answers[-1].generation
-    outbox = evaluator._outbox
-    outbox.answer(Answer(newest - 1, "viewer", FINAL, "late"))
-    evaluator._take_news()
-    outbox.answer(Answer(newest, "viewer", FINAL, "in time"))
-    evaluator._take_news()
-    assert [answer.value for answer in answers[1:]] == ["in time"]
-
-
-def test_an_answer_of_another_document_is_dropped(evaluator, answers, small, settled):
-    settled()
-    first = small.network
-    evaluator.ask("viewer", [Asking(lambda passing: passing.plan.network)])
-    evaluator._post()
-    time.sleep(0.2)  # its answer lies ready now, and no event has been handled
-    small.open(Document(first.with_seed(7), library=small.library))
-    settled()
-    assert [answer.value.seed for answer in answers] == [7]
 
 
 def test_an_open_document_is_not_waited_for_by_the_next(evaluator, answers, small, settled, qtbot):
@@ -237,28 +139,6 @@ def test_cancelling_stops_the_pass_until_the_next_edit(evaluator, answers, small
     settled()
     assert [answer.owner for answer in answers[2:]] == ["viewer", "panel"]
     assert not done[-1].cancelled
-
-
-def test_what_was_stopped_is_said_to_be_behind_until_it_is_computed(
-    evaluator, small, settled, qtbot
-):
-    gate, changes = Gate(), []
-    evaluator.behind_changed.connect(changes.append)
-    evaluator.ask("viewer", [FINAL])
-    settled()
-    assert changes == []
-    evaluator.ask("panel", [Asking(gate)])
-    qtbot.waitUntil(gate.entered.is_set)
-    evaluator.cancel()
-    settled()
-    assert changes == [True]
-    evaluator.ask("other", [Samples("back.image")])
-    settled()
-    assert changes == [True], "what was stopped is still behind"
-    gate.opened.set()
-    evaluator.generate()
-    settled()
-    assert changes == [True, False]
 
 
 def test_closing_joins_the_thread_and_gives_python_its_old_pace_back(
@@ -326,40 +206,3 @@ def test_no_two_wants_hinder_each_other(evaluator, answers, small, settled):
     assert str(by_query[queries[1]].error) == "our own failure: KeyError: 'nothing'"
     assert by_query[queries[2]].value == -np.inf
     assert by_query[FINAL].error is None
-
-
-def test_a_want_whose_key_fails_is_answered_by_that_error(evaluator, answers, small, settled):
-    evaluator.ask("viewer", [Samples("nowhere.image"), FINAL])
-    settled()
-    errors = {answer.query.port: answer.error for answer in answers}
-    assert "no node 'nowhere'" in str(errors["nowhere.image"])
-    assert errors[FINAL.port] is None
-    answers.clear()
-    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
-    settled()
-    assert [answer.query for answer in answers] == [FINAL]  # the same error is not told again
-
-
-def answer_of(owner, generation):
-    return Answer(generation, owner, "picture", None, None, 1)
-
-
-def test_answers_of_use():
-    queries = OwnedQueries()
-    assert not queries.accept(answer_of("viewer", 7))
-    queries.post("viewer", ["picture"], 3)
-    assert [queries.accept(answer_of("viewer", number)) for number in (2, 3, 5, 5, 4, 6)] == [
-        *(False, True, True, True, False, True)
-    ]
-    queries.drop("viewer")
-    assert not queries.accept(answer_of("viewer", 9))
-
-
-def test_an_owner_that_comes_again_begins_anew():
-    queries = OwnedQueries()
-    queries.post("viewer", ["picture"], 3)
-    assert queries.accept(answer_of("viewer", 8))
-    queries.drop("viewer")
-    queries.post("viewer", ["picture"], 6)
-    assert not queries.accept(answer_of("viewer", 5))
-    assert queries.accept(answer_of("viewer", 6))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.editor.evaluation.badges import IDENTITY, STALE
+from app.editor.evaluation.badges import STALE
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.session import Session
@@ -131,14 +131,6 @@ def test_inputs_that_are_not_connected_are_named(evaluator, open_network):
     }
 
 
-def test_what_changes_nothing_is_skipped(evaluator, open_network, qtbot):
-    session = open_network(chain(sigma_mrad=0.0), Samples("back.image"))
-    assert evaluator.badges["jitter"] == Badge("skipped", IDENTITY)
-    session.do(set_parameter("jitter", "sigma_mrad", 1.0))
-    settle(qtbot, evaluator)
-    assert "jitter" not in evaluator.badges
-
-
 def test_what_changes_too_little_is_skipped_with_its_bound(evaluator, open_network, qtbot):
     session = open_network(chain(sigma_mrad=1e-6), Samples("back.image"))
     badge = evaluator.badges["jitter"]
@@ -153,20 +145,6 @@ def test_what_changes_too_little_is_skipped_with_its_bound(evaluator, open_netwo
     session.do(set_parameter("jitter", "sigma_mrad", 1.0))
     settle(qtbot, evaluator)
     assert "jitter" not in evaluator.badges
-
-
-def test_badges_are_told_only_when_they_change(evaluator, open_network, qtbot):
-    told = []
-    evaluator.badges_changed.connect(told.append)
-    session = open_network(chain(sigma_mrad=0.0), Samples("back.image"))
-    assert [set(each) for each in told] == [{"jitter"}]
-    for temperature in (290.0, 291.0, 292.0):
-        session.do(set_parameter("scene", "temperature_K", temperature))
-        settle(qtbot, evaluator)
-    assert len(told) == 1
-    session.do(set_parameter("jitter", "sigma_mrad", 1.0))
-    settle(qtbot, evaluator)
-    assert told[1:] == [{}]
 
 
 def test_a_node_held_back_keeps_its_picture_until_all_is_generated(evaluator, open_network, qtbot):
@@ -190,39 +168,6 @@ def test_a_node_held_back_keeps_its_picture_until_all_is_generated(evaluator, op
     settle(qtbot, evaluator)
     assert evaluator.badges == {}
     assert len(answers) == 2
-
-
-def test_what_is_held_back_is_stale_if_something_before_it_changes(evaluator, open_network, qtbot):
-    session = open_network(chain(sigma_mrad=1.0), Samples("back.image"))
-    session.do(set_node_field("back", "auto", False))
-    session.do(set_parameter("jitter", "sigma_mrad", 3.0))
-    settle(qtbot, evaluator)
-    assert evaluator.badges == {"back": Badge("stale", STALE)}
-    session.do(set_node_field("back", "auto", True))
-    settle(qtbot, evaluator)
-    assert evaluator.badges == {}
-
-
-def test_opening_generates_what_is_held_back(evaluator, open_network, qtbot):
-    answers = []
-    evaluator.answered.connect(answers.append)
-    held = chain(sigma_mrad=1.0)
-    nodes = {**held.nodes, "jitter": Node("jitter", "jitter_mtf", {"sigma_mrad": 2.0}, auto=False)}
-    open_network(Network(nodes=nodes, links=held.links), Samples("back.image"))
-    assert answers[-1].error is None
-    assert evaluator.badges == {}
-
-
-def test_a_cycle_is_told_to_everyone(evaluator, open_network):
-    answers = []
-    evaluator.answered.connect(answers.append)
-    sound = chain(sigma_mrad=1.0)
-    links = [link for link in sound.links if link.input != "image"]
-    cycle = Network(nodes=sound.nodes, links=(*links, Link("back", "image", "init", "image")))
-    open_network(cycle, Samples("back.image"), Samples("scene.image"))
-    assert ["the links form a cycle" in str(answer.error) for answer in answers] == [True, True]
-    open_network(sound, Samples("back.image"))
-    assert answers[-1].error is None
 
 
 def test_a_long_pass_says_where_it_is(evaluator, open_network, qtbot):

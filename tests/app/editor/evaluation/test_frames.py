@@ -20,11 +20,6 @@ def frames(qtbot, taken):
     parent.deleteLater()
 
 
-def test_the_first_are_passed_on_at_once(frames, taken):
-    frames.notify()
-    assert len(taken) == 1
-
-
 def test_those_that_come_soon_after_are_passed_on_together(frames, taken, qtbot):
     for _ in range(5):
         frames.notify()
@@ -35,11 +30,3 @@ def test_those_that_come_soon_after_are_passed_on_together(frames, taken, qtbot)
     assert len(taken) == 2
     frames.notify()
     assert len(taken) == 3
-
-
-def test_after_the_end_nothing_is_passed_on(frames, taken, qtbot):
-    frames.notify()
-    frames.notify()
-    frames.stop()
-    qtbot.wait(4 * FRAME_MS)
-    assert len(taken) == 1

@@ -3,7 +3,6 @@
 import pytest
 
 from app.editor.evaluation.evaluator import Evaluator
-from core.editing.document import Document
 from core.editing.operations import set_parameter
 from editor_queries import Readouts, Samples
 
@@ -47,34 +46,4 @@ def test_what_is_looked_at_in_addition_follows_no_change(evaluator, session, tol
     session.do(set_parameter("blur", "sigma_x_mrad", 0.5))
     assert told() == [True]
     evaluator.ask("third viewer", [Samples("init.magnitude")])
-    assert told() == [False]
-
-
-def test_to_generate_all_and_to_open_are_changes(evaluator, session, library, told):
-    evaluator.ask("viewer", FINAL)
-    told()
-    evaluator.generate()
-    assert told() == [True]
-    session.open(Document(session.network, library=library))
-    assert told() == [True]
-
-
-def test_what_is_wanted_once_a_document_is_planned_is_in_its_first_pass(
-    evaluator, session, library, told
-):
-    """Nothing is computed before the window could choose by the plan, and pictures come first."""
-    evaluator.ask("panel", [Readouts("blur")])
-    told()
-    answered = []
-    evaluator.answered.connect(lambda answer: answered.append(answer.owner))
-    seen = []
-    evaluator.planned.connect(lambda plan: seen.append((list(plan.nodes), list(answered))))
-    evaluator.planned.connect(lambda _: evaluator.ask("viewer", FINAL))
-    evaluator.pass_done.connect(lambda _: answered.append("done"))
-    session.open(Document(session.network, library=library))
-    assert told() == [True]
-    assert seen == [(list(evaluator.plan.nodes), [])]
-    assert sorted(answered) == ["done", "panel", "viewer"]
-    assert answered[-1] == "done"
-    evaluator.ask("other viewer", [Samples("scene.image")])
     assert told() == [False]

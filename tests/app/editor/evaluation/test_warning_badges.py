@@ -3,17 +3,13 @@
 import numpy as np
 import pytest
 
-from app.editor.canvas.node_item import BadgeItem
 from app.editor.evaluation.badges import STALE, badges
 from app.editor.evaluation.queries import Badge
-from app.editor.panels.head import PanelHead
-from app.editor.theme import DARK, LIGHT
 from core.chain.engine import Engine
-from core.editing.operations import Add, Placed, set_node_field, set_parameter
+from core.editing.operations import Add, Placed, set_parameter
 from core.errors import DataError
 from core.network.network import Node
 from editor_queries import Samples
-from nodes.transform.init_trans import InitTrans
 from viewer_bench import ViewerBench
 
 
@@ -59,17 +55,6 @@ def test_samples_that_look_like_kelvin_are_warned_of_once_they_are_seen(bench, t
     assert shown(bench)["read"] == badge
 
 
-def test_a_check_that_fails_is_a_badge_of_its_node(bench, monkeypatch):
-    def broken(self, image):
-        raise ZeroDivisionError("division by zero")
-
-    monkeypatch.setattr(InitTrans, "field_of_view", broken)
-    bench.do(set_parameter("init", "range_m", 1234.0))
-    badge = shown(bench)["init"]
-    assert badge.kind == "warning"
-    assert "field_of_view failed (ZeroDivisionError" in badge.text
-
-
 def planned(session, library):
     return Engine(library).plan(session.network)
 
@@ -83,36 +68,3 @@ def test_what_else_there_is_to_say_stands_beside_it(opened, library):
     assert badges(plan, library, stale=["optics"])["optics"] == Badge("stale", f"{STALE}\n{warned}")
     met = DataError("no such number", node="optics")
     assert badges(plan, library, met=[met])["optics"] == Badge("error", "no such number")
-
-
-def test_a_disabled_node_warns_of_nothing(opened, library):
-    session = opened("inframetrics")
-    session.do(set_node_field("optics", "disabled", True))
-    assert badges(planned(session, library), library)["optics"].kind == "disabled"
-
-
-@pytest.mark.parametrize("theme", [DARK, LIGHT])
-def test_the_panel_says_it_in_the_warnings_colour(qtbot, theme):
-    head = PanelHead("Exit Pupil MTF", "Optics", "")
-    head.setPalette(theme.palette())
-    qtbot.addWidget(head)
-    head.resize(300, 200)
-    head.show()
-    head.set_badge(Badge("warning", "the bands do not overlap"))
-    assert head.problem.text() == "the bands do not overlap"
-    assert not head.problem.isHidden()
-    ink = head.problem.palette().color(head.problem.foregroundRole())
-    assert ink.name() == theme.badges["warning"]
-
-
-def test_its_form_is_not_that_of_an_error(canvas, opened):
-    opened("first_steps")
-    item = canvas.content.nodes["back"]
-    canvas.frame_all()
-    pictures = []
-    for kind in ("error", "warning", "stale"):
-        item.set_badge(Badge(kind, "text"))
-        assert any(isinstance(child, BadgeItem) for child in item.childItems())
-        pictures.append(canvas.grab().toImage())
-    assert pictures[0] != pictures[1]
-    assert pictures[1] != pictures[2]
