@@ -13,7 +13,6 @@ ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my
     [
         (ERROR, False, "σ y of my blur = -1.0 mrad is not allowed: at least 0"),
         (ERROR, True, "σ y = -1.0 mrad is not allowed: at least 0"),
-        (ParameterError("seed", -1, "0 or more"), False, "Seed = -1 is not allowed: 0 or more"),
         (
             ParameterError("detector_x_um", None, "give it here", unit="um", node="init"),
             False,
@@ -21,7 +20,6 @@ ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my
         ),
         (DataError("no samples", node="scene"), False, "scene: no samples"),
         (DataError("no samples", node="scene"), True, "no samples"),
-        (DataError("no samples"), False, "no samples"),
     ],
 )
 def test_the_panels_label_and_the_nodes_name(error, on_node, text):

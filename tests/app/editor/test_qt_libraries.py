@@ -29,14 +29,8 @@ TOLD = (
 )
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["edit", "first_steps"],
-        ["edit", "first_steps", "--screenshot", "w.png"],
-    ],
-)
-def test_all_that_is_missing_is_told_in_one_line(words, broken, imagechain_process, tmp_path):
+def test_all_that_is_missing_is_told_in_one_line(broken, imagechain_process, tmp_path):
+    words = ("edit", "first_steps", "--screenshot", "w.png")
     done = imagechain_process(*words, env={**broken, **STEADY})
     assert (done.returncode, done.stderr) == (2, TOLD)
     assert not (tmp_path / "w.png").exists()

@@ -3,27 +3,21 @@
 from collections import Counter
 
 import pytest
-from PySide6.QtCore import QPoint, QRect, QSize
+from PySide6.QtCore import QPoint
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
-    QApplication,
     QLabel,
     QLineEdit,
-    QPushButton,
     QTabBar,
-    QToolTip,
     QWidget,
 )
 
-from app.editor.canvas.canvas import Canvas
 from app.editor.theme import DARK, LIGHT, THEMES
 from app.editor.widgets import ElidedLabel
 from colour_sight import contrast, mixed
-from core.editing.document import Document
 from core.editing.operations import set_node_field
-from core.network.network import Network, Node
 from window_hands import show_small
 
 LEAST = 4.5
@@ -164,90 +158,3 @@ def test_lists_tabs_and_menus_with_what_is_greyed_out(shown, qtbot):
                 assert painted_contrast(picture, rect) >= LEAST, action.text()
         menu.close()
     assert greyed > 8
-
-
-def test_tooltips(shown, qtbot):
-    QToolTip.showText(shown.mapToGlobal(QPoint(300, 300)), "Undo the last change", shown)
-
-    def tips():
-        return [
-            widget
-            for widget in QApplication.topLevelWidgets()
-            if widget.inherits("QTipLabel") and widget.isVisible()
-        ]
-
-    qtbot.waitUntil(lambda: bool(tips()))
-    (tip,) = tips()
-    theme = shown.theme
-    picture = tip.grab().toImage()
-    inside = tip.rect().adjusted(3, 3, -3, -3)
-    assert dots(picture, inside).most_common(1)[0][0] == theme.raised
-    assert painted_contrast(picture, inside) >= LEAST
-    QToolTip.hideText()
-
-
-def test_greyed_out_buttons_and_fields(shown, qtbot):
-    page = QWidget(shown)
-    page.setGeometry(100, 100, 300, 120)
-    page.setAutoFillBackground(True)
-    button, field = QPushButton("Generate", page), QLineEdit("0.125 mrad", page)
-    for number, widget in enumerate((button, field)):
-        widget.setGeometry(10, 10 + 50 * number, 200, 36)
-        widget.setEnabled(False)
-    page.show()
-    qtbot.wait(20)
-    image = page.grab().toImage()
-    for widget in (button, field):
-        rect = widget.geometry().adjusted(4, 4, -4, -4)
-        assert painted_contrast(image, rect) >= LEAST
-
-
-@LOOKS
-@pytest.mark.parametrize("disabled", [False, True])
-@pytest.mark.parametrize("zoom", [2.0, 0.55])
-def test_nodes_of_every_group(session, library, qtbot, theme, disabled, zoom):
-    """Large, so that letters have dots without the ground mixed in; and as small as they get."""
-    keys = {
-        "Input and output": "test_scene",
-        "Transform": "init_trans",
-        "Atmosphere": "atmosphere_mtf",
-        "Optics": "exit_pupil_mtf",
-        "Motion": "jitter_mtf",
-        "Detector": "detector_mtf",
-        "Electronics & Noise": "electronics_noise",
-        "Analysis": "mtf_slices",
-    }
-    assert set(keys) == set(theme.groups)
-    nodes = {key: Node(key, key, disabled=disabled) for key in keys.values()}
-    layout = {key: (240.0 * n, 0.0) for n, key in enumerate(nodes)}
-    session.open(Document(Network(nodes=nodes, layout=layout), library=library))
-    canvas = Canvas(session)
-    canvas.setPalette(theme.palette())
-    qtbot.addWidget(canvas)
-    canvas.resize(900, 500)
-    canvas.show()
-    qtbot.waitExposed(canvas)
-    view = canvas.view
-    for key, item in canvas.content.nodes.items():
-        view.frame(item.frame())
-        view.zoom_at(zoom * view.style_of_canvas.natural_zoom / view.zoom)
-        image = view.viewport().grab().toImage()
-        frame = view.mapFromScene(item.frame()).boundingRect()
-        if zoom < 1:
-            assert painted_contrast(image, frame.adjusted(4, 4, -4, -4)) >= LEAST, key
-            continue
-        lines = {"title": QRect(0, 4, 90, 17), "id": QRect(0, 22, 60, 13)}
-        for what, part in lines.items():
-            if what == "id" and not item.face.subtitle:
-                continue
-            rect = QRect(
-                frame.topLeft() + QPoint(round(9 * view.zoom), round(part.top() * view.zoom)),
-                QSize(round(part.width() * view.zoom), round(part.height() * view.zoom)),
-            )
-            assert painted_contrast(image, rect) >= LEAST, (key, what)
-        for (side, name), port in item.ports.items():
-            point, wide = view.mapFromScene(port.centre()), view.style_of_canvas.width("port", name)
-            left = 9 if side == "input" else -9 - wide
-            part = QRect(round(left * zoom), round(-5 * zoom), round(wide * zoom), round(11 * zoom))
-            rect = part.translated(point)
-            assert painted_contrast(image, rect) >= LEAST, (key, name)

@@ -2,12 +2,10 @@
 
 import pytest
 from PySide6.QtCore import QPoint
-from PySide6.QtGui import QGuiApplication
 
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from core.network.network import Link
-from screen_places import place_of_module
 from window_hands import CTRL, KEY, SHIFT
 
 
@@ -20,21 +18,7 @@ def chain(window, hand, library):
     return window.session
 
 
-def steps(window):
-    return window.session.document.history.position
-
-
 # --- adding ------------------------------------------------------------------------------------
-
-
-def test_tab_searches_and_adds_under_the_mouse(window, hand):
-    hand.click(hand.at(60, 30))
-    hand.key(KEY.Key_Tab)
-    hand.type("jitter")
-    hand.key(KEY.Key_Return)
-    assert list(window.session.network.nodes) == ["jitter_mtf"]
-    assert window.session.network.layout["jitter_mtf"] == (60.0, 30.0)
-    assert steps(window) == 1
 
 
 def test_letters_typed_into_the_search_are_no_shortcuts(window, hand):
@@ -56,16 +40,6 @@ def test_escape_closes_the_search_before_it_cancels_anything(window, hand):
     assert not cancelled
     hand.key(KEY.Key_Escape)
     assert len(cancelled) == 1
-
-
-def test_a_double_click_in_the_library_adds(window, hand):
-    tree = window.library_view.tree
-    spot = tree.viewport().mapFromGlobal(place_of_module(window.library_view, "test_scene"))
-    hand.double_click_on(tree.viewport(), spot)
-    assert list(window.session.network.nodes) == ["test_scene"]
-
-
-# --- wires -------------------------------------------------------------------------------------
 
 
 # --- deleting, copying, undoing ----------------------------------------------------------------
@@ -93,36 +67,11 @@ def test_copy_and_paste_bring_nodes_with_the_wires_among_them(hand, chain):
     assert "init_2" in chain.network.nodes
 
 
-def test_cut_and_paste_move_nodes(hand, chain):
-    hand.select("blur")
-    hand.key(KEY.Key_X, CTRL)
-    assert "blur" not in chain.network.nodes
-    hand.key(KEY.Key_V, CTRL)
-    assert chain.network.nodes["blur"].module == "jitter_mtf"
-
-
 def test_duplicate_is_fed_by_the_same_wires(hand, chain):
     hand.select("init")
     hand.key(KEY.Key_D, CTRL)
     assert Link("scene", "image", "init_2", "image") in chain.network.links
     assert chain.selection == ("init_2",)
-
-
-def test_paste_of_something_else_is_said_and_changes_nothing(window, hand, chain):
-    QGuiApplication.clipboard().setText("a shopping list")
-    hand.key(KEY.Key_V, CTRL)
-    assert "nothing was pasted" in window.status.error
-    assert chain.network == chain_and_free_blur()
-
-
-def test_undo_straight_after_opening_a_shipped_network_does_nothing(window, hand):
-    window.files.open_now("kodak_kir310")
-    hand.focus()
-    before = window.session.document.text()
-    hand.key(KEY.Key_Z, CTRL)
-    hand.key(KEY.Key_Z, CTRL | SHIFT)
-    assert window.session.document.text() == before
-    assert not window.isWindowModified()
 
 
 def test_undo_and_redo_go_across_a_rename(hand, chain):
@@ -161,19 +110,6 @@ def test_f_shows_all_and_with_a_selection_that(window, hand, chain):
     assert visible(window).contains(window.canvas.content.nodes["blur"].frame())
 
 
-def test_l_lays_out_so_that_wires_lead_right_as_one_step(window, hand, chain):
-    for number, name in enumerate(chain.network.nodes):
-        hand.drag(hand.head(name), hand.at(-80.0 * number, 200.0 - 130 * number))
-    before = steps(window)
-    hand.click(hand.at(300, 330))
-    assert not chain.selection
-    hand.key(KEY.Key_L)
-    layout = chain.network.layout
-    for link in chain.network.links:
-        assert layout[link.source][0] < layout[link.target][0]
-    assert steps(window) == before + 1
-
-
 def test_d_lets_nodes_pass_their_input_through_and_again_not(hand, chain):
     hand.select("init", "back")
     hand.key(KEY.Key_D)
@@ -197,23 +133,3 @@ def test_the_keyboard_alone_builds_a_chain(window, hand):
         hand.type(typed)
         hand.key(KEY.Key_Return)
         assert (link in window.session.network.links) == there
-
-
-def test_home_frames_all_whatever_is_selected(window, hand, chain):
-    canvas = window.canvas
-    whole = canvas.view.transform().m11()
-    chain.select([next(iter(chain.network.nodes))])
-    hand.key(KEY.Key_F)
-    assert canvas.view.transform().m11() >= whole
-    canvas.view.zoom_at(3.0, canvas.view.viewport().rect().center())
-    hand.key(KEY.Key_Home)
-    seen = canvas.view.mapToScene(canvas.view.viewport().rect()).boundingRect()
-    assert seen.contains(canvas.content.bounds())
-
-
-def test_ctrl_shift_click_shows_a_node_in_the_first_viewer(window, hand, chain):
-    name = "init"
-    item = window.canvas.content.nodes[name]
-    hand.click(hand.at(*item.sceneBoundingRect().center().toTuple()), CTRL | SHIFT)
-    assert chain.selection == (name,)
-    assert window.viewers.images[1].choices.port.startswith(f"{name}.")

@@ -15,7 +15,6 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QMessageBox,
     QPushButton,
-    QWidget,
 )
 
 from app.editor.recovery_files import Autosave
@@ -90,17 +89,6 @@ def test_ctrl_n_asks_for_unsaved_work_and_begins_anew(window, hand, qtbot):
     qtbot.waitUntil(lambda: not window.session.network.nodes)
 
 
-def test_giving_up_the_name_gives_up_the_closing(window, hand, qtbot):
-    """Close, Save, then Esc in the dialog: the window stays, and so does the work."""
-    add(window, "test_scene")
-    window.close()
-    answer(qtbot, window, _BUTTON.Save)
-    qtbot.waitUntil(lambda: window.findChild(QFileDialog, "file_dialog") is not None)
-    dialog_of(window).reject()
-    assert window.isVisible()
-    assert window.isWindowModified()
-
-
 # --- drops -------------------------------------------------------------------------------------
 
 
@@ -127,17 +115,11 @@ def test_a_picture_dropped_on_the_welcome_page_begins_a_network(window, files):
     assert window.canvas.isVisible()
 
 
-@pytest.mark.parametrize("part", ["panels", "library_view", "figures", "viewer"])
+@pytest.mark.parametrize("part", ["panels", "viewer"])
 def test_a_network_dropped_anywhere_in_the_window_is_opened(window, hand, files, part):
     where = window.viewers.images[1] if part == "viewer" else getattr(window, part)
     assert hand.drop_files(where, where.rect().center(), [files / "mine.json"])
     assert window.session.document.path == files / "mine.json"
-
-
-def test_a_file_dropped_in_a_type_in_does_not_become_its_text(window, hand, files):
-    field = window.library_view.filter
-    hand.drop_files(field, field.rect().center(), [files / "mine.json"])
-    assert field.text() == ""
 
 
 @pytest.mark.parametrize("part", ["canvas", "window"])
@@ -157,13 +139,6 @@ def test_a_file_is_not_taken_from_where_it_lies(window, hand, files, part):
     assert [node.module for node in window.session.network.nodes.values()] == ["read_image"]
 
 
-def test_what_is_no_file_is_not_taken(window, hand):
-    data = QMimeData()
-    data.setText("just words")
-    assert not hand.drop(window.welcome.viewport(), QPoint(5, 5), data)
-    assert not hand.drop(window.canvas.view.viewport(), QPoint(5, 5), data)
-
-
 # --- saving that fails -------------------------------------------------------------------------
 
 
@@ -181,26 +156,6 @@ def test_a_file_that_may_only_be_read_is_not_written_over(window, hand, files):
     assert stat.S_IMODE(path.stat().st_mode) == 0o444
     assert "not saved" in window.status.error
     assert window.isWindowModified()
-
-
-def test_a_network_whose_folder_was_removed_is_kept_in_the_window(window, hand, files):
-    folder = files / "deep"
-    folder.mkdir()
-    (files / "mine.json").rename(folder / "mine.json")
-    window.files.open_now(str(folder / "mine.json"))
-    (folder / "mine.json").unlink()
-    folder.rmdir()
-    add(window, "test_scene")
-    hand.focus()
-    hand.key(KEY.Key_S, CTRL)
-    box = window.findChild(QMessageBox, "changed_file")
-    QTest.mouseClick(box.findChild(QPushButton, "overwrite"), Qt.MouseButton.LeftButton)
-    assert "not saved" in window.status.error
-    assert window.isWindowModified()
-    hand.focus()
-    hand.key(KEY.Key_S, CTRL | SHIFT)
-    type_name(window, files / "elsewhere.json")
-    assert not window.isWindowModified()
 
 
 # --- what a crash leaves -----------------------------------------------------------------------
@@ -228,25 +183,6 @@ def test_recovered_work_is_offered_opened_and_modified(left_behind, make_window,
     assert list(again.session.network.nodes) == ["test_scene"]
     assert again.isWindowModified()
     qtbot.waitUntil(lambda: not left_behind.exists())
-
-
-def test_left_work_is_said_where_a_network_is_opened_at_the_start(left_behind, make_window, qtbot):
-    again = make_window()
-    again.resize(500, 400)
-    again.open_first("first_steps")
-    assert "unsaved work in" in again.status.warning
-    assert "never saved" in again.status.warning
-    label = again.findChild(QWidget, "status.message.text")
-    qtbot.waitUntil(lambda: label.width() < label.sizeHint().width())
-    again.resize(1600, 900)
-    qtbot.waitUntil(lambda: label.width() >= label.sizeHint().width())
-    assert left_behind.exists()
-
-
-def test_nothing_is_said_where_nothing_was_left(make_window):
-    window = make_window()
-    window.open_first("first_steps")
-    assert window.status.error == window.status.warning == ""
 
 
 # --- the layout --------------------------------------------------------------------------------

@@ -18,8 +18,6 @@ from small_networks import SHIPPED, small_network
 from thorough import some_of
 from window_hands import CTRL, KEY, WindowHands, add, give_focus
 
-NONE = Qt.KeyboardModifier.NoModifier
-
 
 @pytest.fixture
 def hand(window, idle):
@@ -45,7 +43,7 @@ def value(window, port):
 def test_a_number_shows_the_selected_node_in_that_viewer(window, hand, idle):
     hand.select("scene")
     samples = value(window, "scene.image")
-    for number in range(1, 10):
+    for number in (1, 2, 9):
         hand.focus()
         hand.key(KEY(ord(str(number))))
         idle(window)
@@ -53,18 +51,6 @@ def test_a_number_shows_the_selected_node_in_that_viewer(window, hand, idle):
         assert viewer.choices.port == "scene.image", number
         assert viewer.isVisible(), number
         np.testing.assert_array_equal(viewer.picture.samples, samples, f"{number}")
-
-
-def test_a_viewer_that_was_closed_comes_back_by_its_number(window, hand, idle):
-    window.viewers.docks[1].close()
-    idle(window)
-    assert not window.viewers.images[1].isVisible()
-    hand.focus()
-    hand.select("scene")
-    hand.key(KEY.Key_1)
-    idle(window)
-    assert window.viewers.images[1].isVisible()
-    assert window.viewers.images[1].picture is not None
 
 
 def test_of_a_node_without_outputs_what_comes_into_it_is_shown(window, hand, idle):
@@ -122,12 +108,6 @@ def test_curves_are_exported(window, hand, idle, tmp_path):
         assert path.stat().st_size > 0, suffix
 
 
-def test_an_export_that_cannot_be_written_is_said(window, hand, idle, tmp_path):
-    window.viewers.images[1].canvas.setFocus()
-    window.help._export_to(window.viewers.images[1], tmp_path / "nowhere" / "shown.png")
-    assert "not exported" in window.status.error
-
-
 # --- panels ------------------------------------------------------------------------------------
 
 
@@ -165,12 +145,12 @@ def test_pinned_panels_are_kept_in_the_file_and_there_again(window, hand, idle, 
 
 
 def test_every_panel_says_what_its_controls_are(window, idle):
-    """Of twelve shipped networks at a size of 64, on which what the panels have does not depend.
+    """Of six shipped networks at a size of 64, on which what the panels have does not depend.
 
     Nodes of one module with the same choices have the same panel, which is looked at once.
     """
     library, seen = window.session.library, {}
-    for name in some_of(sorted(shipped_networks()), 12):
+    for name in some_of(sorted(shipped_networks()), 6):
         network = small_network(name, 64, 64)
         document = Document(network, library=library, path=SHIPPED / f"{name}.json")
         window.files.show(Opened(shipped_copy(document)))

@@ -83,12 +83,3 @@ def test_opening_by_double_clicks_changes_nothing(make_window, qtbot, tmp_path, 
         assert window.canvas.isVisible()
         assert list(window.session.network.nodes) == ["scene", "init", "blur", "back", "picture"]
         assert not window.isWindowModified()
-
-
-def test_a_double_click_that_follows_is_for_what_is_there(window, qtbot):
-    window.files.open_now("first_steps")
-    qtbot.wait(QApplication.doubleClickInterval() + 100)
-    tree = window.library_view.tree
-    module = tree.model().index(0, 0, tree.model().index(0, 0))
-    double_click(window, tree.viewport().mapTo(window, tree.visualRect(module).center()))
-    assert len(window.session.network.nodes) == 6

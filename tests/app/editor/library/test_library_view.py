@@ -5,8 +5,6 @@ from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtTest import QTest
 
 from app.editor.library_view import MIME_TYPE, LibraryView, dragged_module
-from app.editor.theme import DARK, LIGHT
-from app.run.preset_files import shipped_presets
 from core.modules.declaration import declaration
 from screen_places import place_of_module
 
@@ -68,19 +66,6 @@ def test_enter_in_the_field_chooses_the_first(view, chosen):
     assert chosen == ["jitter_mtf"]
 
 
-def test_enter_in_an_empty_field_chooses_nothing(view, chosen):
-    QTest.keyClick(view.filter, Qt.Key.Key_Return)
-    assert chosen == []
-
-
-def test_the_arrows_lead_from_the_field_to_the_modules(view, chosen):
-    QTest.keyClick(view.filter, Qt.Key.Key_Down)
-    assert view.tree.hasFocus()
-    QTest.keyClick(view.tree, Qt.Key.Key_Down)
-    QTest.keyClick(view.tree, Qt.Key.Key_Return)
-    assert chosen == [list(view.tree.modules)[1]]
-
-
 def test_a_double_click_chooses_and_a_group_does_not(view, chosen):
     viewport = view.tree.viewport()
     pos = viewport.mapFromGlobal(place_of_module(view, "detector_mtf"))
@@ -101,36 +86,13 @@ def test_what_is_dragged_is_the_modules_key(view):
     assert dragged_module(QMimeData()) == ""
 
 
-def test_the_groups_wear_the_themes_colours(view):
-    def mark(group):
-        icon = view.tree.groups[group].icon(0)
-        return icon.pixmap(icon.availableSizes()[0]).toImage().pixelColor(0, 0).name()
-
-    view.setPalette(DARK.palette())
-    assert mark("Motion") == DARK.groups["Motion"]
-    view.setPalette(LIGHT.palette())
-    assert mark("Motion") == LIGHT.groups["Motion"]
-
-
 @pytest.mark.parametrize(
     ("typed", "best", "also"),
     [
         ("NETD", "figures_of_merit", {"electronics_noise"}),
-        ("mrtd", "figures_of_merit", set()),
-        ("ROI", "measured_mtf", set()),
-        ("edge", "measured_mtf", {"test_scene"}),
-        ("3D noise", "noise_3d", {"noise_3d_source"}),
-        ("1/f", "noise_3d_source", set()),
-        ("noise 3-d", "noise_3d", set()),
-        ("banding", "electronics_noise", {"periodic_noise", "noise_3d"}),
         ("fixed pattern", "focal_plane", {"electronics_noise", "noise_3d"}),
-        ("pushbroom", "camera_geometry", set()),
-        ("budget", "noise_budget", set()),
-        ("gsd", "camera", {"camera_geometry", "image_quality"}),
-        ("niirs", "image_quality", set()),
         ("blur", "spatial_blur", {"gaussian_mtf", "jitter_mtf", "diffraction_mtf"}),
         ("gsmtf", "gaussian_mtf", set()),
-        ("fplane", "focal_plane", set()),
     ],
 )
 def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):
@@ -139,35 +101,3 @@ def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):
     assert {best, *also} <= set(visible(view))
     QTest.keyClick(view.filter, Qt.Key.Key_Return)
     assert chosen == [best]
-
-
-def test_presets_are_told_apart_by_what_differs(view, library):
-    presets = shipped_presets(library)
-    view.show_presets(presets)
-    items = {p.path.stem: view.tree.modules[p.key] for p in presets}
-    lenses = {stem: item.toolTip(0) for stem, item in items.items() if stem.startswith("lens")}
-    assert "Size x 2.1618 cm · Size y 2.1618 cm" in lenses["lens_flir_tau2_19mm"]
-    assert "Size x 5.9259 cm" in lenses["lens_flir_tau2_50mm"]
-    assert not any("Radius" in text for text in lenses.values())  # all have the same
-    camera = items["camera_kodak_kir310"].toolTip(0)
-    for told in ("Focal length 200 mm", "F number 2", "Material PtSi"):
-        assert told in camera
-    assert "Focal length 25 mm" in items["camera_flir_tau2_640_25mm"].toolTip(0)
-
-
-def test_long_names_that_begin_alike_show_their_ends(view, library):
-    view.show_presets(shipped_presets(library))
-    view.resize(150, 500)
-    assert view.tree.textElideMode() == Qt.TextElideMode.ElideMiddle
-    item = view.tree.modules["preset:shipped:lens_flir_tau2_19mm"]
-    room = view.tree.visualItemRect(item).width()
-    metrics = view.tree.fontMetrics()
-    shown = metrics.elidedText(item.text(0), view.tree.textElideMode(), room - 8)
-    assert shown.endswith("F/1.25")
-    assert "…" in shown
-
-
-def test_analysis_begins_with_what_judges_a_sensor(view):
-    group = view.tree.groups["Analysis"]
-    titles = [group.child(row).text(0) for row in range(group.childCount())]
-    assert titles[:4] == ["MTF Slices", "Measured MTF", "Figures of Merit", "Noise Budget"]

@@ -17,7 +17,7 @@ from core.editing.document import Document
 from core.editing.operations import set_parameter
 from core.network.network import Network
 from core.network.parsing import parse_network
-from window_hands import CTRL, KEY, SHIFT, answer, give_focus
+from window_hands import CTRL, KEY, SHIFT, give_focus
 
 _BUTTON, LEFT = QMessageBox.StandardButton, Qt.MouseButton.LeftButton
 LONG = 100_000  # frames
@@ -127,17 +127,6 @@ def names(folder):
 # --- the queue ---------------------------------------------------------------------------------
 
 
-def test_the_keys_show_the_runs_and_hide_them(desk):
-    runs, action = desk.runs, desk.actions_by_name["runs"]
-    assert not runs.view.isVisible()
-    show_runs(desk)
-    assert runs.view.isVisible()
-    assert action.isChecked()
-    assert runs.view.add.hasFocus()
-    press(desk, KEY.Key_T, CTRL, SHIFT)
-    assert not runs.view.isVisible()
-
-
 def test_a_sweep_by_the_keyboard_alone(desk, qtbot, browser, tmp_path):
     dialog = dialog_of(desk, qtbot)
     combo = dialog.parameter
@@ -201,7 +190,6 @@ def test_a_run_is_of_the_network_as_it_stands_with_what_is_typed(desk, qtbot):
     ("name", "text", "said"),
     [
         ("values", "-1, 2", "-1 mrad is not allowed: a number of at least 0"),
-        ("folder", "mine.json", "it is not a folder"),
     ],
 )
 def test_bad_input_is_said_beside_its_field(desk, qtbot, name, text, said):
@@ -221,26 +209,6 @@ def test_bad_input_is_said_beside_its_field(desk, qtbot, name, text, said):
     assert field.accessibleDescription() == error.text()
     others = [label for label in dialog.errors.values() if label is not error]
     assert not any(label.isVisible() for label in others)
-
-
-def test_pictures_need_a_node_that_reads_them(desk, qtbot):
-    dialog = dialog_of(desk, qtbot)
-    dialog.kinds.setCurrentIndex(2)
-    give_focus(dialog.folder)
-    press(desk, KEY.Key_Return)
-    assert "add a Read Image" in dialog.errors["reader"].text()
-    assert desk.runs.queue.entries == ()
-
-
-def test_two_runs_do_not_write_in_one_folder(desk, qtbot):
-    number = add_frames(desk, qtbot)
-    folder = desk.runs.queue.entry(number).job.output
-    dialog = dialog_of(desk, qtbot)
-    press(desk, KEY.Key_Down)
-    assert dialog.folder.text() == f"{folder}-2"
-    dialog.folder.setText(str(folder))
-    press(desk, KEY.Key_Return)
-    assert "a queued run writes to this folder" in dialog.errors["folder"].text()
 
 
 def test_one_is_cancelled_by_its_key_and_the_next_goes_on(desk, qtbot, tmp_path):
@@ -328,31 +296,6 @@ def test_the_report_is_the_commands_of_the_network_as_it_stands(desk, qtbot, bro
     assert entry.job.network != (tmp_path / "mine.json").read_text()
 
 
-def test_a_report_is_cancelled_by_its_button(desk, qtbot, tmp_path):
-    before = names(tmp_path)
-    write_report(desk, tmp_path / "report.html")
-    QTest.mouseClick(desk.runs.status.stop, LEFT)
-    (entry,) = desk.runs.queue.entries
-    assert over(desk, qtbot, entry.number).state == "cancelled"
-    assert not desk.runs.status.isVisible()
-    assert "nothing was written" in desk.status.note
-    assert names(tmp_path) == before
-
-
-def test_a_report_that_fails_says_why_in_the_status_line(desk, qtbot, tmp_path):
-    write_report(desk, tmp_path / "nowhere" / "report.html")
-    (entry,) = desk.runs.queue.entries
-    assert over(desk, qtbot, entry.number).state == "failed"
-    there = tmp_path / "nowhere"
-    assert f"there is no folder {there}" in desk.status.error
-
-
-def test_a_report_is_a_page(desk, tmp_path):
-    desk.runs.report_to(tmp_path / "report.pdf")
-    assert "must end in .json or .html" in desk.status.error
-    assert desk.runs.queue.entries == ()
-
-
 # --- the end -----------------------------------------------------------------------------------
 
 
@@ -376,40 +319,7 @@ def test_quitting_while_a_run_goes_on_asks(desk, qtbot, tmp_path):
     assert not [name for name in names(tmp_path) if name.startswith((".imagechain", "mine-"))]
 
 
-def test_unsaved_work_is_asked_about_first(desk, qtbot, tmp_path):
-    add_frames(desk, qtbot)
-    desk.session.do(set_parameter("blur", "sigma_x_mrad", 0.75))
-    assert not desk.close()
-    assert not questions(desk)
-    answer(qtbot, desk, _BUTTON.Save)
-    qtbot.waitUntil(lambda: bool(questions(desk)))
-    assert "0.75" in (tmp_path / "mine.json").read_text()
-    reply(desk, qtbot, "cancel")
-    assert desk.isVisible()
-    assert not desk.close()
-    reply(desk, qtbot, "stop")
-    qtbot.waitUntil(lambda: not desk.isVisible())
-
-
 def test_runs_that_are_done_are_not_asked_about(desk, qtbot):
     number = add_frames(desk, qtbot, 2)
     assert over(desk, qtbot, number).state == "done"
     assert desk.close()
-
-
-def test_told_to_end_it_ends_the_runs_without_a_question(desk, qtbot, tmp_path):
-    before = names(tmp_path)
-    number = add_frames(desk, qtbot)
-    (pid,) = computing(desk, qtbot, number)
-    assert desk.stop() is None
-    assert not desk.isVisible()
-    assert not is_running(pid)
-    assert set(names(tmp_path)) - {"config"} == set(before) - {"config"}  # the window's settings
-
-
-def test_another_document_takes_the_dialog_away_not_the_runs(desk, qtbot):
-    number = add_frames(desk, qtbot)
-    dialog = dialog_of(desk, qtbot)
-    assert desk.files.open_now("first_steps")
-    assert not dialog.isVisible()
-    assert desk.runs.queue.entry(number).state == "running"

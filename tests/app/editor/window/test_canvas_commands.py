@@ -1,7 +1,5 @@
 """Commands of the canvas by their keys: find, map, align, backdrops with a title typed at once."""
 
-import itertools
-
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -13,7 +11,6 @@ ALT, CTRL, NONE = (
     Qt.KeyboardModifier.ControlModifier,
     Qt.KeyboardModifier.NoModifier,
 )
-SHIFT = Qt.KeyboardModifier.ShiftModifier
 
 
 def press(window, key, keys=NONE):
@@ -37,13 +34,6 @@ def test_a_node_is_found_by_its_name_or_its_module(kodak):
         assert kodak.canvas.view.hasFocus()
 
 
-def test_without_a_node_there_is_nothing_to_find(window):
-    window.files.new()
-    press(window, Qt.Key.Key_F, CTRL)
-    assert not window.canvas.popup.is_open
-    assert "no node" in window.status.note
-
-
 def test_a_new_backdrop_takes_what_is_typed_as_its_title(kodak):
     """Letters typed right after it were commands: "Tested" disabled four nodes."""
     kodak.session.select(["detector", "charge"])
@@ -61,18 +51,6 @@ def test_a_new_backdrop_takes_what_is_typed_as_its_title(kodak):
     assert kodak.session.network.nodes["detector"].disabled
 
 
-def test_esc_leaves_the_title_and_nothing_selected_puts_one_at_the_mouse(kodak):
-    kodak.session.select([])
-    count = len(backdrops_of(kodak.session.network))
-    press(kodak, Qt.Key.Key_B)
-    type_in(kodak, "x")
-    press(kodak, Qt.Key.Key_Escape)
-    made = backdrops_of(kodak.session.network)
-    assert len(made) == count + 1
-    assert made[-1].title == "Backdrop"
-    assert kodak.canvas.view.hasFocus()
-
-
 def test_alt_and_an_arrow_align(kodak):
     names = ["scene", "optics", "electronics"]
     kodak.session.select(names)
@@ -83,32 +61,6 @@ def test_alt_and_an_arrow_align(kodak):
         kodak.session.undo()
         frames = [kodak.canvas.content.nodes[name].frame() for name in names]
         assert len({frame.left() for frame in frames}) > 1, key
-
-
-def test_distributed_nodes_have_equal_gaps(kodak):
-    kodak.session.select(["scene", "optics", "electronics", "picture"])
-    press(kodak, Qt.Key.Key_H, ALT | SHIFT)
-    frames = sorted(
-        (kodak.canvas.content.nodes[name].frame() for name in kodak.session.selection),
-        key=lambda frame: frame.left(),
-    )
-    gaps = [b.left() - a.right() for a, b in itertools.pairwise(frames)]
-    assert max(gaps) - min(gaps) < 1e-6
-
-
-def test_one_node_alone_cannot_be_aligned(kodak):
-    kodak.session.select(["scene"])
-    press(kodak, Qt.Key.Key_Left, ALT)
-    assert "select two nodes" in kodak.status.note
-
-
-def test_m_turns_the_map_off_and_on(kodak):
-    kodak.canvas.zoom_by(8.0)
-    assert kodak.canvas.minimap.isVisible()
-    for on in (False, True):
-        press(kodak, Qt.Key.Key_M)
-        assert kodak.canvas.minimap.isVisible() == on
-        assert kodak.actions_by_name["minimap"].isChecked() == on
 
 
 def test_l_lays_out_to_the_shape_of_the_canvas(kodak):

@@ -6,11 +6,11 @@ import sys
 
 import pytest
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
+from PySide6.QtWidgets import QMessageBox, QPushButton
 
 from app.run.open_marks import OpenMark
 from app.run.shipped import environment, shipped_networks
-from window_hands import KEY, add, give_focus
+from window_hands import KEY, add
 
 
 @pytest.fixture
@@ -81,31 +81,6 @@ def test_overwrite_writes_asks_no_more_and_is_noticed_by_the_other(two, file, qt
     assert question(one) is not None
 
 
-def test_reload_shows_what_the_file_holds(two, file, qtbot):
-    _, other = two
-    other.files.save()
-    click(qtbot, other, "reload")
-    assert "jitter_mtf" in [node.module for node in other.session.network.nodes.values()]
-    assert other.session.document.path == file
-    assert not other.isWindowModified()
-
-
-def test_save_as_leaves_the_file_to_the_other(two, file, qtbot):
-    _, other = two
-    before = file.read_bytes()
-    other.files.save()
-    click(qtbot, other, "save_as")
-    (dialog,) = (each for each in other.findChildren(QFileDialog) if each.isVisible())
-    edit = dialog.findChild(QLineEdit, "fileNameEdit")
-    give_focus(edit)
-    edit.setText(str(file.with_name("other.json")))
-    QTest.keyClick(edit, KEY.Key_Return)
-    QApplication.processEvents()
-    assert file.read_bytes() == before
-    assert modules(file.with_name("other.json"))[-1] == "test_scene"
-    assert other.session.document.path == file.with_name("other.json")
-
-
 def test_closing_saves_only_once_that_is_answered(two, file, qtbot):
     _, other = two
     before = file.read_bytes()
@@ -119,30 +94,6 @@ def test_closing_saves_only_once_that_is_answered(two, file, qtbot):
         click(qtbot, other, reply)
     qtbot.waitUntil(lambda: not other.isVisible())
     assert modules(file)[-1] == "test_scene"
-
-
-def test_of_a_removed_file_there_is_nothing_to_reload(two, file, qtbot):
-    one, _ = two
-    file.unlink()
-    add(one, "init_trans")
-    one.files.save()
-    box = question(one)
-    assert "has removed mine.json" in box.text()
-    assert box.findChild(QPushButton, "reload") is None
-    click(qtbot, one, "overwrite")
-    assert "init_trans" in modules(file)
-    assert not one.isWindowModified()
-
-
-def test_a_file_that_broke_meanwhile_leaves_the_work_in_the_window(two, file, qtbot):
-    one, _ = two
-    add(one, "init_trans")
-    file.write_text("{")
-    one.files.save()
-    click(qtbot, one, "reload")
-    assert "not opened" in one.status.error
-    assert "init_trans" in [node.module for node in one.session.network.nodes.values()]
-    assert one.isWindowModified()
 
 
 def test_a_change_by_another_program_is_told_when_it_happens(make_window, file, qtbot):
@@ -200,14 +151,3 @@ def test_a_window_that_crashed_has_the_file_open_no_longer(make_window, file, qt
     assert len(list(mark.folder.glob("*.lock"))) == 3  # the dead one's is still there
     mark.let_go()
     qtbot.waitUntil(lambda: window.status.warning == "")
-
-
-def test_where_no_mark_can_be_made_the_file_opens_and_saves(make_window, file, monkeypatch):
-    blocked = file.with_name("blocked")
-    blocked.write_text("")
-    monkeypatch.setenv("XDG_STATE_HOME", str(blocked))
-    window = make_window()
-    assert window.files.open_now(str(file))
-    add(window, "jitter_mtf")
-    assert window.session.save()
-    assert list(blocked.parent.glob("*.lock")) == []

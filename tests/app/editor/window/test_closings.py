@@ -6,27 +6,11 @@ from closing_trials import Trial, close
 from virtual_screen import virtual_screen
 
 TRIALS = (
-    Trial("keys", "unmodified"),
     Trial("menu", "modified", modified=True, answer="Save"),
     Trial("window manager", "computing", modified=True, answer="Discard"),
     Trial("window manager", "dialog", "save as", modified=True, answer="Cancel"),
-    Trial("keys", "dialog", "shortcuts"),
-    Trial("window manager", "dialog", "replace", modified=True, answer="Discard"),
-    Trial("keys", "dialog", "replace"),
     Trial("SIGTERM", "dialog", "replace", modified=True),
-    Trial("SIGTERM", "computing", modified=True),
     Trial("SIGTERM twice", "computing", modified=True),
-)
-
-
-# In every run: each way, each answer, and a dialog open for most ways.
-THESE = (
-    "menu, modified",
-    "window manager, computing",
-    "window manager, dialog0",
-    "keys, dialog1",
-    "SIGTERM, dialog",
-    "SIGTERM twice",
 )
 
 
@@ -36,7 +20,6 @@ def screen():
         yield found
 
 
-@pytest.mark.thorough(always=THESE)
 @pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: f"{trial.way}, {trial.state}")
 def test_it_ends_or_asks_and_nothing_is_lost(trial, tmp_path, screen):
     outcome = close(trial, tmp_path, screen)

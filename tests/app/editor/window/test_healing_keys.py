@@ -14,7 +14,6 @@ def links_of(window):
     ("key", "keys"),
     [
         (Qt.Key.Key_Delete, Qt.KeyboardModifier.NoModifier),
-        (Qt.Key.Key_Backspace, Qt.KeyboardModifier.NoModifier),
         (Qt.Key.Key_X, Qt.KeyboardModifier.ControlModifier),
     ],
 )
@@ -29,10 +28,3 @@ def test_a_key_takes_a_node_out_and_heals_the_wire(kodak, key, keys):
         assert '"detector"' in QGuiApplication.clipboard().text()
     kodak.session.undo()
     assert links_of(kodak) == before
-
-
-def test_two_in_a_row_are_healed_over(kodak):
-    kodak.session.select(["aberration", "detector"])
-    kodak.canvas.setFocus()
-    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_Delete)
-    assert "optics.magnitude → charge.magnitude" in links_of(kodak)

@@ -93,19 +93,6 @@ def test_the_saved_position_is_marked(window, steps, tmp_path):
     assert window.isWindowModified()
 
 
-def test_it_follows_undo_and_another_edit(window, hand, steps):
-    hand.key(KEY.Key_Z, CTRL)
-    hand.key(KEY.Key_Z, CTRL)
-    assert window.history.currentIndex().row() == 2
-    window.session.do(set_parameter(steps, "sigma_mrad", 0.9))
-    assert rows(window)[3:] == ["Set jitter_mtf.sigma_mrad: 0.1 → 0.9"]
-
-
-def test_another_document_has_a_list_of_its_own(window, steps):
-    window.files.open_now("first_steps")
-    assert rows(window) == ["Start"], "a shipped one is a copy that no file holds"
-
-
 def test_what_is_being_typed_is_taken_before_the_click_goes_back(window, hand, steps, idle):
     window.session.select([steps])
     idle(window)
@@ -116,45 +103,3 @@ def test_what_is_being_typed_is_taken_before_the_click_goes_back(window, hand, s
     click(window, 3)
     assert rows(window)[-1] == "Set jitter_mtf.sigma_mrad: 0.3 → 0.75"
     assert sigma(window, steps) == 0.2
-
-
-def test_it_stands_with_the_curves_in_every_layout(window, steps):
-    for name in ("picture_beside", "canvas_first", "reset_layout"):
-        window.actions_by_name[name].trigger()
-        behind = window.tabifiedDockWidgets(window.viewers.plot_dock)
-        assert window.history_dock in behind, name
-        assert not window.history_dock.isHidden()
-
-
-def test_it_stands_there_in_a_window_remembered_before_there_was_one(make_window, settings):
-    """The stored state is that of a window without the dock."""
-    window = make_window()
-    window.files.open_now("first_steps")
-    window.removeDockWidget(window.history_dock)
-    window.history_dock.setParent(None)
-    window.close_for_good()
-    again = make_window()
-    again.files.open_now("first_steps")
-    assert not again.history.isVisible()
-    again.actions_by_name["history"].trigger()
-    assert again.history.isVisible()
-    assert again.history_dock in again.tabifiedDockWidgets(again.viewers.plot_dock)
-
-
-def test_thousands_of_steps_are_listed_as_they_are_seen(window, hand, steps):
-    """Lines are read when they are drawn: here some dozens of 3000, made while it was away."""
-    hand.key(KEY.Key_H, CTRL)
-    for number in range(3000):
-        window.session.document.do(set_parameter(steps, "sigma_mrad", 1e-4 * (number + 1)))
-    history = window.session.document.history
-    hand.key(KEY.Key_H, CTRL)
-    read = []
-    line = type(history).line
-    try:
-        type(history).line = lambda self, position: read.append(position) or line(self, position)
-        window.session.state_changed.emit()
-        QTest.qWait(50)
-    finally:
-        type(history).line = line
-    assert window.history.model().rowCount() == 3005
-    assert len(set(read)) < 200

@@ -8,7 +8,6 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QDockWidget
 
-from app.editor.window.recent_files import Settings
 from app.editor.window.viewer_docks import in_sight
 
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
@@ -39,23 +38,6 @@ def drag_separator(window, dx):
     QTest.mouseRelease(window, LEFT, PLAIN, start + QPoint(dx, 0))
 
 
-def test_a_click_on_the_status_bar_keeps_nothing(opened, idle):
-    """By default panels have a width in letters, within limits, and no share."""
-    wide = opened.panel_dock.width()
-    QTest.mouseClick(opened.status, LEFT, pos=QPoint(300, 8))
-    QTest.mouseClick(opened, LEFT, pos=opened.status.mapTo(opened, QPoint(300, 8)))
-    assert shares(opened) == {}
-    opened.resize(3200, 1700)
-    idle(opened)
-    clicked = opened.panel_dock.width()
-    opened.actions_by_name["reset_layout"].trigger()
-    idle(opened)
-    assert opened.panel_dock.width() == clicked
-    opened.resize(1600, 900)
-    idle(opened)
-    assert opened.panel_dock.width() == wide
-
-
 def test_a_floated_dock_leaves_its_room_to_the_others(opened, idle, qtbot):
     drag_separator(opened, -90)
     idle(opened)
@@ -75,35 +57,6 @@ def test_a_floated_dock_leaves_its_room_to_the_others(opened, idle, qtbot):
     opened.panel_dock.setFloating(False)  # its title is the window manager's now
     idle(opened)
     assert shares(opened)["dock.panels"][0] == pytest.approx(opened.panel_dock.width() / 2000)
-
-
-def test_shares_are_remembered_and_a_default_stays_one(opened, make_window, idle):
-    opened.close()
-    again = make_window()
-    again.files.open_now("first_steps")
-    idle(again)
-    assert shares(again) == {}
-    drag_separator(again, -90)
-    idle(again)
-    kept, wide = shares(again), again.panel_dock.width()
-    again.close()
-    third = make_window()
-    third.files.open_now("first_steps")
-    idle(third)
-    assert shares(third) == kept
-    assert third.panel_dock.width() == pytest.approx(wide, abs=2)
-
-
-def test_a_damaged_record_counts_as_none(window, make_window, settings):
-    window.close()
-    damaged = ["", "{", "[]", '{"name": "x", "shares": {}}']
-    for stored in (*damaged, '{"name": "canvas_first", "shares": 3}'):
-        settings._stored.setValue("layout", stored)
-        again = make_window(settings=Settings(settings.path))
-        again.show_canvas()
-        assert again.panel_dock.isVisible(), stored
-        assert json.loads(again.layout_in_use.state())["name"] == "picture_below", stored
-        again.close()
 
 
 @pytest.mark.parametrize("layout", ["canvas_first", "picture_below", "picture_beside"])

@@ -6,7 +6,6 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
-from app.editor.library_view import module_data
 from core.editing.operations import Move, set_parameter
 from core.network.file import format_network
 from core.network.linked_values import resolved
@@ -188,33 +187,6 @@ def test_a_value_inside_follows_its_neighbour_by_the_name_it_has_there(grouped, 
     idle(window)
 
 
-def test_a_viewer_shows_a_node_inside(grouped, window, idle):
-    grouped.double_click(grouped.head("lens"))
-    grouped.select("back")
-    grouped.key(KEY.Key_2)
-    idle(window)
-    assert window.viewers.images[2].choices.port == "lens/back.image"
-    assert window.viewers.images[2].picture is not None
-    grouped.key(KEY.Key_PageUp, ALT)
-    grouped.select("lens")
-    grouped.key(KEY.Key_1)
-    idle(window)
-    assert window.viewers.images[1].choices.port == "lens.image"
-    assert np.array_equal(
-        window.viewers.images[1].picture.samples, window.viewers.images[2].picture.samples
-    )
-
-
-def test_thumbnails_stand_below_a_macro_and_inside_of_it(grouped, window, idle, qtbot):
-    items = window.canvas.thumbnails.items
-    qtbot.waitUntil(lambda: "lens" in items and window.evaluator.idle)
-    outside = items["lens"].small.grey
-    grouped.double_click(grouped.head("lens"))
-    qtbot.waitUntil(lambda: "back" in items and window.evaluator.idle)
-    assert set(items) == {"blur", "back"}
-    assert np.array_equal(items["back"].small.grey, outside)
-
-
 def test_a_fault_inside_stands_on_the_macro(grouped, window, idle):
     grouped.double_click(grouped.head("lens"))
     link = next(link for link in window.level.network.links if link.target == "back")
@@ -254,32 +226,6 @@ def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, 
     window.library_view.filter.setText("tau germanium 50")
     shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]
     assert shown == ["FLIR Tau 2 lens, 50 mm F/1.2"]
-
-
-def test_a_material_comes_with_its_file_and_is_found_by_its_module(hands, window):
-    window.library_view.filter.setText("focal plane insb")
-    item = library_item(window, "InSb")
-    assert (item.isHidden(), item.parent().text(0)) == (False, "Detector presets")
-    click_twice(window, item)
-    params = window.level.network.nodes["focal_plane"].params
-    file = (window.level.folder / params["response"]).resolve()
-    assert (file.name, file.is_file()) == ("detector_insb.csv", True)
-
-
-def test_a_preset_is_dragged_to_the_canvas(hands, window):
-    key = next(
-        key
-        for key, item in window.library_view.tree.modules.items()
-        if item.text(0) == "FLIR Tau 2 640 detector"
-    )
-    pos = window.canvas.view.viewport().rect().center()
-    assert hands.drop(window.canvas.view.viewport(), pos, module_data(key))
-    assert window.session.selection == ("detector",)
-    at = window.level.network.layout["detector"]
-    point = window.canvas.view.scene_point(pos)
-    # On free ground, which is beside the nodes there are.
-    assert abs(at[0] - point.x()) < 200
-    assert abs(at[1] - point.y()) < 200
 
 
 def test_an_own_macro_becomes_a_preset(grouped, window, settings):

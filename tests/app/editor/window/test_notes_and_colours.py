@@ -91,9 +91,3 @@ def test_nodes_and_backdrops_are_coloured_by_their_menu(kodak, tmp_path):
     actions["Blue"].trigger()
     first = backdrops_of(session.network)[0]
     assert (first.colour, first.note) == ("blue", False)
-
-
-def test_a_colour_that_is_none_counts_as_no_colour(kodak):
-    style = kodak.canvas.content.style
-    assert style.tint("") is None
-    assert style.tint("no colour") is None

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from app.editor.window.files import is_network_file, open_named, open_network_file
+from app.editor.window.files import open_named, open_network_file
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.errors import ImagechainError
@@ -73,13 +73,7 @@ def test_a_value_that_is_not_allowed_opens_to_be_mended(tmp_path, library):
 
 
 BROKEN = {
-    "two links into one input": (
-        [["a.image", "i.image"], ["b.image", "i.image"]],
-        "the input image has 2 links",
-    ),
     "wrong types": ([["a.image", "j.magnitude"]], "image into magnitude"),
-    "no such port": ([["a.picture", "i.image"]], "no output picture"),
-    "no such node": ([["c.image", "i.image"]], "not a node of this network"),
     "a cycle": ([["j.magnitude", "j.magnitude"]], "cycle"),
 }
 
@@ -88,8 +82,6 @@ BROKEN = {
 def test_wiring_that_no_canvas_can_show_is_refused(links, told, tmp_path, library):
     nodes = {
         "a": {"module": "test_scene"},
-        "b": {"module": "test_scene"},
-        "i": {"module": "init_trans"},
         "j": {"module": "jitter_mtf"},
     }
     with pytest.raises(ImagechainError, match=told):
@@ -98,9 +90,6 @@ def test_wiring_that_no_canvas_can_show_is_refused(links, told, tmp_path, librar
 
 FILES = {
     "newer": ('{"format": "imagechain-network", "version": 99, "nodes": {}}', "newer Imagechain"),
-    "no network": ('{"format": "something"}', "not an Imagechain network"),
-    "no JSON": ("{'a': 1", "network.json"),
-    "NaN": ('{"format": "imagechain-network", "version": 1, "nodes": {}, "seed": NaN}', "NaN"),
     "nested": ("[" * 100_000, "nested"),
     "empty": ("", "network.json"),
 }
@@ -124,8 +113,3 @@ def test_opening_writes_nothing_and_reads_no_input(tmp_path, library):
     path = network_file(tmp_path, nodes, [["in.image", "out.image"]])
     open_network_file(path, library=library)
     assert [each.name for each in tmp_path.iterdir()] == ["network.json"]
-
-
-def test_which_dropped_files_are_networks(tmp_path):
-    assert is_network_file(tmp_path / "A.JSON")
-    assert not is_network_file(tmp_path / "scene.exr")

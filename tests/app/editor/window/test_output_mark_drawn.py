@@ -2,16 +2,13 @@
 
 import pytest
 
-from app.editor.panels.panel_area import NodePanel
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.window.help import shortcuts_of
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.editing.operations import Add, Placed, SetOutput
 from core.network.file import load_network
 from core.network.network import Link, Node
-from panel_hands import panel_area
 from viewer_bench import ViewerBench
 from window_hands import KEY, WindowHands
 
@@ -61,17 +58,6 @@ def test_what_has_no_picture_is_refused_in_words(window, hand):
     assert told == [("error", "init cannot be the output: it has no picture")]
 
 
-def test_it_is_in_the_nodes_menu_and_in_the_list_of_shortcuts(window):
-    action = window.actions_by_name["mark_output"]
-    assert action in window.canvas.menus.node_menu.actions()
-    assert any(row.action == "Mark as Output" for row in shortcuts_of(window.actions_by_name))
-
-
-def test_the_networks_own_field_is_drawn_as_well(canvas, opened):
-    opened("inframetrics")
-    assert canvas.content.nodes["frame_grabber"].face.output
-
-
 def test_the_mark_is_painted(canvas, opened):
     session = opened("inframetrics")
     session.do(SetOutput(()))
@@ -86,22 +72,6 @@ def test_the_mark_is_painted(canvas, opened):
     session.do(SetOutput(("frame_grabber",)))
     assert item.face.output
     assert colours() != before
-
-
-def test_the_panel_has_a_switch(qtbot, opened):
-    session = opened("first_steps")
-    area = panel_area(qtbot, session)
-    session.select(["back"])
-    panel = area.findChild(NodePanel, "panel.back")
-    assert not panel.head.output.isHidden()
-    panel.head.output.click()
-    assert marked(session) == ["back"]
-    assert panel.head.output.isChecked()
-    session.undo()
-    assert not panel.head.output.isChecked()
-    session.select(["init"])
-    panel = area.findChild(NodePanel, "panel.init")
-    assert panel.head.output.isHidden()
 
 
 @pytest.fixture
@@ -122,17 +92,6 @@ def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
     assert strip.text("snr") != "—"  # there is one electronics: no doubt which is meant
     bench.do(SetOutput(("noisy",)))
     assert strip.text("output") == "noisy.image"
-
-
-def test_the_figures_of_two_electronics_wait_for_a_mark(bench):
-    strip = bench.show(FiguresStrip(bench.session, bench.evaluator), 1000, 40)
-    params = bench.session.network.nodes["electronics"].params
-    wires = (Link("back", "image", "more", "image"), Link("init", "context", "more", "context"))
-    bench.do(Add((Placed(Node("more", "electronics_noise", params)),), wires))
-    assert strip.text("snr") == "—"
-    assert "electronics.image, more.image" in strip.label("snr").toolTip()
-    bench.do(SetOutput(("more",)))
-    assert "(more)" in strip.label("snr").toolTip()
 
 
 def test_the_legend_says_why_there_is_no_total(bench):

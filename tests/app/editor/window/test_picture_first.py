@@ -4,16 +4,14 @@ import itertools
 
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtGui import QContextMenuEvent, QFontInfo, QImage
+from PySide6.QtGui import QFontInfo, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QInputDialog, QMenu, QMessageBox, QPushButton
 
 from app.editor.canvas.node_item import OVERVIEW
-from app.editor.window.main_window import MainWindow
-from core.editing.operations import set_parameter
 from window_hands import show_small
 
-SIZES = [(1366, 768), (1600, 900), (1920, 1080), (2560, 1440), (3840, 2160)]
+SIZES = [(1366, 768), (1920, 1080), (3840, 2160)]
 SHARE = 0.4
 
 
@@ -55,9 +53,8 @@ def test_the_picture_has_two_fifths_of_the_window(opened, idle):
             assert part.height() >= 0.12 * opened.height(), size
 
 
-@pytest.mark.parametrize("size", [(1600, 900), (2560, 1440)])
-def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened, idle, size):
-    opened.resize(*size)
+def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened, idle):
+    opened.resize(1600, 900)
     idle(opened)
     opened.canvas.frame_all()
     view, nodes = opened.canvas.view, opened.canvas.content.nodes
@@ -75,15 +72,6 @@ def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened
         plates.append(plate)
     for one, other in itertools.combinations(plates, 2):
         assert not one.intersects(other)
-
-
-def test_there_and_back_it_has_the_size_it_had(opened, idle):
-    before = canvas(opened).size()
-    for size in [(1000, 700), (2560, 1440), (1600, 900)]:
-        opened.resize(*size)
-        idle(opened)
-    assert abs(canvas(opened).width() - before.width()) <= 2
-    assert abs(canvas(opened).height() - before.height()) <= 2
 
 
 def drag_separator(window, dx):
@@ -120,51 +108,6 @@ def test_each_named_layout_can_be_chosen_and_left(opened, idle):
         assert share(opened) >= SHARE, name
         below = canvas(opened).mapTo(opened, QPoint()).y()
         assert below > opened.canvas.mapTo(opened, QPoint()).y(), name
-
-
-def test_beside_the_chain_a_square_picture_is_larger(opened, idle):
-    below = drawn(opened)
-    opened.actions_by_name["picture_beside"].trigger()
-    idle(opened)
-    assert drawn(opened)[1] > 1.15 * below[1]
-
-
-def test_reset_brings_back_what_was_closed_and_floats(opened, idle):
-    opened.panel_dock.close()
-    opened.viewers.docks[1].setFloating(True)
-    opened.library_dock.close()
-    opened.actions_by_name["reset_layout"].trigger()
-    idle(opened)
-    assert opened.panel_dock.isVisible()
-    assert opened.library_dock.isVisible()
-    assert not opened.viewers.docks[1].isFloating()
-    assert share(opened) >= SHARE
-
-
-def test_a_window_made_anew_is_as_it_was_left(opened, make_window, idle):
-    opened.actions_by_name["picture_beside"].trigger()
-    idle(opened)
-    places = [dock.geometry() for dock in (opened.panel_dock, opened.viewers.docks[1])]
-    opened.close()
-    again = make_window()
-    again.files.open_now("kodak_kir310")
-    idle(again)
-    now = [dock.geometry() for dock in (again.panel_dock, again.viewers.docks[1])]
-    for before, after in zip(places, now, strict=True):
-        for a, b in zip(before.getRect(), after.getRect(), strict=True):
-            assert abs(a - b) <= 4
-
-
-def test_a_layout_chosen_beside_the_first_page_is_that_of_the_network(make_window, idle):
-    window = make_window()
-    window.actions_by_name["picture_beside"].trigger()
-    idle(window)
-    assert window.welcome.isVisible()
-    assert not window.panels.isVisible()
-    window.files.open_now("kodak_kir310")
-    idle(window)
-    assert share(window) >= SHARE
-    assert canvas(window).mapTo(window, QPoint()).x() < window.canvas.mapTo(window, QPoint()).x()
 
 
 def entries(window):
@@ -233,28 +176,6 @@ def test_an_empty_network_has_a_large_canvas_until_there_is_a_picture(make_windo
     assert share(again) >= SHARE  # and no word of the empty canvas
 
 
-def test_a_click_on_the_first_page_does_not_undo_what_was_dragged(opened, idle):
-    drag_separator(opened, -120)
-    idle(opened)
-    wide = opened.panel_dock.width()
-    opened.show_welcome()
-    idle(opened)
-    QTest.mouseClick(opened.welcome, Qt.MouseButton.LeftButton, pos=QPoint(4, 4))
-    opened.show_canvas()
-    opened.resize(2400, 1350)
-    idle(opened)
-    assert opened.panel_dock.width() == pytest.approx(1.5 * wide, abs=3)
-
-
-def test_a_first_window_that_is_not_maximised_lies_within_its_screen(library, settings, tmp_path):
-    window = MainWindow(library=library, settings=settings, recovery=tmp_path)
-    room, first = window.screen().availableSize(), window.size()
-    window.close_for_good()
-    assert first.width() < room.width()
-    assert first.height() < room.height()
-    assert first.width() * first.height() >= 0.55 * room.width() * room.height()
-
-
 # --- over the whole screen ---------------------------------------------------------------------
 
 
@@ -262,8 +183,7 @@ def page_of(window):
     return window.full_screen.page
 
 
-@pytest.mark.parametrize("way_back", [Qt.Key.Key_F11, Qt.Key.Key_Escape])
-def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, idle, way_back):
+def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, idle):
     viewer = opened.viewers.images[1]
     viewer.canvas.setFocus()
     before = viewer.canvas.size()
@@ -274,82 +194,12 @@ def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, id
     assert page is viewer
     assert viewer.isVisible()
     page.activateWindow()
-    QTest.keyClick(page, way_back)
+    QTest.keyClick(page, Qt.Key.Key_Escape)
     qtbot.waitUntil(lambda: not viewer.window().isFullScreen())
     idle(opened)
     assert viewer.window() is opened
     assert opened.viewers.docks[1].widget() is viewer
     assert viewer.canvas.size() == before
-
-
-def test_the_curves_go_over_the_whole_screen_where_they_were_used_last(opened, idle):
-    opened.viewers.plot.canvas.setFocus()
-    QTest.keyClick(opened, Qt.Key.Key_F11)
-    idle(opened)
-    assert page_of(opened) is opened.viewers.plot
-
-
-def test_all_windows_close_at_the_end_of_the_desktop_with_one_over_the_whole_screen(opened, idle):
-    """Qt stops closing, and the desktop's end with it, at the first window that refuses."""
-    opened.actions_by_name["full_screen"].trigger()
-    idle(opened)
-    assert page_of(opened).close()
-    idle(opened)
-    assert opened.viewers.images[1].window() is opened
-    assert opened.viewers.images[1].isVisible()
-
-
-def test_the_keyboard_stays_with_the_viewer_over_the_whole_screen_and_back(opened, qtbot, idle):
-    shown = canvas(opened)
-    shown.setFocus()
-    opened.actions_by_name["full_screen"].trigger()
-    qtbot.waitUntil(lambda: QApplication.focusWidget() is shown)
-    shown.zoom_by(6)
-    QTest.keyClick(page_of(opened).windowHandle(), Qt.Key.Key_F)
-    assert shown.zoom is None
-    QTest.keyClick(page_of(opened).windowHandle(), Qt.Key.Key_Escape)
-    qtbot.waitUntil(lambda: QApplication.focusWidget() is shown)
-    assert shown.window() is opened
-
-
-def test_the_window_is_resized_while_its_picture_is_over_the_whole_screen(opened, idle):
-    opened.actions_by_name["full_screen"].trigger()
-    idle(opened)
-    opened.resize(1400, 900)
-    idle(opened)
-    opened.actions_by_name["full_screen"].trigger()
-    idle(opened)
-    assert share(opened) >= SHARE
-
-
-def test_there_is_no_viewer_to_show_over_the_first_page(make_window, idle, qtbot):
-    window = make_window()
-    with qtbot.waitSignal(window.session.message) as message:
-        window.actions_by_name["full_screen"].trigger()
-    assert message.args == ["note", "no viewer is open to show in full screen"]
-    assert page_of(window) is None
-
-
-def test_the_window_ends_while_a_viewer_is_over_the_whole_screen(opened, idle):
-    opened.actions_by_name["full_screen"].trigger()
-    idle(opened)
-    assert opened.close()
-    assert not page_of(opened) or not page_of(opened).isVisible()
-
-
-def test_the_viewer_is_back_in_its_place_when_the_window_asks(opened, idle):
-    """The question brings the window to the front, where the viewer would be missing."""
-    opened.session.do(set_parameter("scene", "width", 256))
-    opened.actions_by_name["full_screen"].trigger()
-    idle(opened)
-    assert not opened.close()
-    (question,) = opened.findChildren(QMessageBox, "save_changes")
-    assert opened.full_screen.page is None
-    assert question.isVisible()
-    QTest.keyClick(question, Qt.Key.Key_Escape)
-    idle(opened)
-    assert canvas(opened).isVisible()
-    assert canvas(opened).window() is opened
 
 
 # --- the picture in its viewer -----------------------------------------------------------------
@@ -410,22 +260,3 @@ def test_a_right_click_opens_the_menu_of_the_picture(opened, qtbot, idle):
     grey = opened.viewers.images[1].picture.grey
     assert (image.width(), image.height()) == (grey.shape[1], grey.shape[0])
     assert image.pixelColor(100, 37).red() == grey[37, 100]
-
-
-def test_the_key_for_menus_opens_it_too(opened, qtbot):
-    shown = canvas(opened)
-    middle = shown.rect().center()
-    reason = QContextMenuEvent.Reason.Keyboard
-    QApplication.sendEvent(shown, QContextMenuEvent(reason, middle, shown.mapToGlobal(middle)))
-    menu = opened_menu(qtbot)
-    assert menu.objectName() == "picture_menu"
-    menu.close()
-
-
-def test_a_narrow_plot_has_its_legend_below(opened, idle):
-    plot = opened.viewers.plot
-    assert plot.list.geometry().top() > plot.canvas.geometry().center().y()
-    assert plot.canvas.width() > 0.9 * plot.width()
-    opened.actions_by_name["canvas_first"].trigger()
-    idle(opened)
-    assert plot.list.geometry().left() > plot.canvas.geometry().center().x()

@@ -5,13 +5,10 @@ import io
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
 from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QImage
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 
 from app.editor.docks.background_work import DrawnEdge
-from app.editor.panels.preview_view import PreviewView
 from window_hands import show_small
 
 COPY, NUMBERS, SAVE = "plot.copy", "plot.copy_numbers", "plot.save"
@@ -89,17 +86,6 @@ def test_curves_are_copied_saved_and_seen_by_their_logarithm(select, tmp_path):
     assert canvas.drawing.panels[0].log
 
 
-def test_a_right_click_opens_the_menu_and_a_right_drag_zooms(select):
-    canvas = select("jitter").canvas
-    view = canvas.viewport()
-    middle = view.rect().center()
-    QTest.mouseMove(view, middle)
-    QTest.mouseClick(view, Qt.MouseButton.RightButton, pos=middle)
-    QApplication.processEvents()
-    assert COPY in names(opened())
-    opened().close()
-
-
 def test_limits_are_typed_and_shown_all_again(select):
     canvas = select("jitter").canvas
     whole = canvas.limits(False)
@@ -122,24 +108,6 @@ def test_limits_are_typed_and_shown_all_again(select):
     assert canvas.limits(False) == pytest.approx(whole)
 
 
-def test_limits_of_a_logarithmic_axis_are_values(select):
-    plot = select("merit")
-    assert plot.bar.log.isChecked()
-    plot.canvas.set_limits(True, 0.001, 1.0)
-    assert plot.canvas.limits(True) == pytest.approx((0.001, 1.0))
-    before = plot.canvas.limits(True)
-    plot.canvas.set_limits(True, -1.0, 1.0)  # which has no logarithm
-    assert plot.canvas.limits(True) == before
-
-
-def test_bars_have_the_menu_without_limits(select, tmp_path):
-    plot = select("budget")
-    menu = menu_of(plot.bars)
-    assert menu.findChildren(QLineEdit) == []
-    choose(menu, NUMBERS)
-    assert copied_rows()[1][0] == "Shot"
-
-
 def test_a_trade_off_is_saved_as_picture_and_numbers(camera, idle, tmp_path):
     camera.viewers.trade_off("jitter", "sigma_mrad")
     idle(camera)
@@ -149,30 +117,6 @@ def test_a_trade_off_is_saved_as_picture_and_numbers(camera, idle, tmp_path):
     assert QImage.fromData(saved(plots, tmp_path / "trade.png")).width() == 2 * plots.width()
     assert saved(plots, tmp_path / "trade.csv").count(b"\n") > 10
     assert b"<svg" in saved(plots, tmp_path / "trade.svg")
-
-
-def test_what_cannot_be_saved_is_said(camera, idle, tmp_path):
-    camera.viewers.trade_off("jitter", "sigma_mrad")
-    idle(camera)
-    said = []
-    camera.session.message.connect(lambda kind, text: said.append((kind, text)))
-    plots = camera.viewers.tradeoff.plots
-    choose(menu_of(plots), SAVE)
-    dialog = plots.findChild(QFileDialog, "plot_dialog")
-    dialog.fileSelected.emit(str(tmp_path / "none" / "trade.png"))
-    ((kind, text),) = said
-    assert kind == "error"
-    assert text.startswith("not saved:")
-    dialog.reject()
-
-
-def test_an_illustration_is_copied_and_saved(select, camera, tmp_path):
-    select("focal_plane")
-    preview = camera.panels.panels["focal_plane"].findChild(PreviewView)
-    assert names(menu_of(preview)) == [COPY, SAVE]
-    choose(opened(), COPY)
-    assert QGuiApplication.clipboard().pixmap().size() == preview.size()
-    assert not QImage.fromData(saved(preview, tmp_path / "wells.png")).isNull()
 
 
 def test_a_fit_gives_its_samples(camera):
@@ -188,17 +132,6 @@ def test_a_fit_gives_its_samples(camera):
         ["1.0", "1.0", "1.0"],
         ["2.0", "2.0", "1.0"],
     ]
-
-
-def test_a_measured_mtf_is_copied_and_its_numbers_written_with_the_measurement(camera):
-    camera.measure_dock.show()
-    chart = camera.measuring.chart
-    assert names(menu_of(chart)) == [COPY, SAVE, "plot.table"]
-    choose(opened(), "plot.table")
-    (dialog,) = camera.findChildren(QFileDialog, "measure_export_dialog")
-    dialog.reject()
-    assert COPY in names(menu_of(camera.measuring.canvas))
-    opened().close()
 
 
 def test_a_histogram_is_copied_as_numbers(camera, idle):

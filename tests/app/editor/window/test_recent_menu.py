@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QMessageBox, QPushButton
+from PySide6.QtWidgets import QPushButton
 
 from app.editor.window.recent_files import Settings, folder_text
 from app.run.shipped import shipped_networks
-from window_hands import KEY, add, answer
+from window_hands import KEY
 
 
 @pytest.fixture
@@ -59,27 +58,6 @@ def test_keys_alone_open_the_second(window, settings, saved):
     assert entries(window)[0].startswith("1  second.json")
 
 
-def test_a_click_opens_after_the_question_about_unsaved_work(window, qtbot, settings, saved):
-    (path,) = saved(settings, "mine.json")
-    add(window, "test_scene")
-    menu = window.recent_menu
-    menu.popup(window.mapToGlobal(window.rect().center()))
-    spot = menu.actionGeometry(menu.actions()[0]).center()
-    QTest.mouseClick(menu, Qt.MouseButton.LeftButton, pos=spot)
-    assert window.session.document.path is None
-    answer(qtbot, window, QMessageBox.StandardButton.Discard)
-    qtbot.waitUntil(lambda: window.session.document.path == path)
-
-
-def test_what_is_gone_is_left_out_until_it_is_there_again(window, settings, saved):
-    gone, other = saved(settings, "gone.json", "other.json")
-    away = gone.rename(gone.with_suffix(".away"))
-    assert [text.split()[1] for text in entries(window)[:1]] == ["other.json"]
-    window.files.open_now(str(other))
-    away.rename(gone)
-    assert [text.split()[1] for text in entries(window)[:2]] == ["other.json", "gone.json"]
-
-
 def test_a_file_that_goes_while_the_menu_is_open_is_named(window, settings, saved):
     (path,) = saved(settings, "here & there/a & b.json")
     entries(window)
@@ -104,12 +82,6 @@ def test_clearing_empties_the_menu_and_the_first_page_for_good(window, settings,
     assert shown == ["No network has been opened yet", "", "Clear List"]
     assert not any(action.isEnabled() for action in window.recent_menu.actions() if action.text())
     assert Settings(settings.path).recent == ()
-
-
-def test_it_is_remembered(make_window, settings, saved, tmp_path):
-    make_window().files.save_to(tmp_path / "kept.json")
-    again = make_window(settings=Settings(settings.path))
-    assert entries(again)[0].startswith("1  kept.json\t")
 
 
 def test_folders_lose_their_middle_and_the_home_folder_is_a_tilde():

@@ -79,25 +79,3 @@ def test_a_killed_editor_takes_its_run_along(editor):
     editor.process.kill()
     editor.process.wait(120)
     assert_nothing_left(editor, run)
-
-
-def test_quitting_asks_and_the_answer_holds(editor):
-    run = runs_of(editor)
-
-    def quit_it():
-        editor.focus(editor.main)
-        editor.press_close_button()
-        editor.wait(lambda: editor.window("^Stop the runs"), "the question")
-        editor.focus(editor.window("^Stop the runs"))
-
-    quit_it()
-    editor.keys("Escape")
-    editor.wait(lambda: not editor.window("^Stop the runs"), "the question to go")
-    assert not editor.gone
-    assert is_running(run)
-    quit_it()
-    editor.keys("alt+s")
-    assert editor.process.wait(120) == 0
-    assert not is_running(run)
-    assert_nothing_left(editor, run)
-    assert editor.said == ""

@@ -3,7 +3,6 @@
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
 from shiboken6 import isValid
 
 from app.editor.window.help import OR, ShortcutList, shortcuts_of
@@ -43,27 +42,6 @@ def press(hand, page, key, keys=Qt.KeyboardModifier.NoModifier):
     hand.key(key, keys)
 
 
-def test_it_begins_with_every_action_and_the_search(page, window):
-    shown = actions(page)
-    assert {row.action for row in shortcuts_of(window.actions_by_name)} <= set(shown)
-    assert QApplication.focusWidget() is page.search
-
-
-@pytest.mark.parametrize(
-    ("typed", "first", "all_of_them"),
-    [
-        ("FIND NODE", "Find Node", True),
-        ("ctrl+s", "Save", False),
-        ("pan", "Pan", False),
-    ],
-)
-def test_words_and_keys_are_found(hand, page, typed, first, all_of_them):
-    hand.type(typed)
-    assert actions(page)[0] == first
-    if all_of_them:
-        assert actions(page) == [first]
-
-
 def test_every_action_is_found_by_its_words_and_by_its_keys(page, window):
     for row in shortcuts_of(window.actions_by_name):
         action = row.action
@@ -86,16 +64,11 @@ def test_what_is_not_there_is_one_line(hand, page):
     assert len(actions(page)) > 40
 
 
-@pytest.mark.thorough(but=3, always=("Cancel", "Quit"))
 @pytest.mark.parametrize(
     ("key", "keys", "action"),
     [
-        (KEY.Key_S, CTRL, "Save"),
         (KEY.Key_Escape, None, "Cancel"),
-        (KEY.Key_Tab, None, "Add Module"),
         (KEY.Key_Q, CTRL, "Quit"),
-        (KEY.Key_Up, None, "Move the selection"),
-        (KEY.Key_Question, SHIFT, "Shortcuts"),
         (KEY.Key_Plus, CTRL | SHIFT, "Zoom In"),
     ],
 )
@@ -108,18 +81,6 @@ def test_pressed_keys_find_their_action_and_do_nothing_else(window, hand, page, 
     assert page.isVisible()
     assert window.isVisible()
     assert window.session.network is before
-
-
-def test_keys_of_nothing_are_named(hand, page):
-    press(hand, page, KEY.Key_F9, CTRL | ALT)
-    assert page.none.text() == "Nothing has the keys Ctrl+Alt+F9"
-
-
-def test_typing_on_after_a_key_searches_words_again(hand, page):
-    press(hand, page, KEY.Key_F)
-    hand.type("frame")
-    assert "Frame" in actions(page)
-    assert page.search.text() == "frame"
 
 
 def test_arrows_go_into_the_list_and_escape_closes(hand, page, qtbot):
@@ -156,14 +117,3 @@ def test_keys_are_changed_kept_and_put_back(hand, page, window, settings, make_w
     change(hand, page, "lay out", KEY.Key_J, CTRL)
     again = make_window(settings=Settings(settings.path)).actions_by_name
     assert again["arrange"].shortcut().toString() == "Ctrl+J"
-
-
-def test_keys_of_another_action_are_not_taken(hand, page, window):
-    change(hand, page, "lay out", KEY.Key_S, CTRL)
-    assert page.said.text() == "Ctrl+S belongs to Save: change or remove that first"
-    assert window.actions_by_name["arrange"].shortcut().toString() == "L"
-    page.search.setFocus()
-    page.search.selectAll()
-    hand.type("middle button")
-    hand.key(KEY.Key_Down)
-    assert not page.changer.isEnabled()  # the mouse's are as they are

@@ -7,14 +7,12 @@ import weakref
 import numpy as np
 import pytest
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit
+from PySide6.QtWidgets import QApplication
 
-from app.editor.docks.snapshots import AllFiguresQuery, SnapshotQuery
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from core.editing.operations import Remove, set_parameter
+from core.editing.operations import Remove
 from region_hands import PictureHand
-from snapshot_hands import PORT
-from window_hands import CTRL, KEY, SHIFT, give_focus
+from window_hands import CTRL, KEY, SHIFT
 
 
 def plain_spot(one, other):
@@ -53,21 +51,6 @@ def test_k_flips_in_place_with_the_same_levels_and_zoom(person):
     person.key(KEY.Key_K)
     assert not viewer.canvas.names.left.isVisible()
     assert abs(person.drawn_at(*spot) - int(now[spot])) <= 25
-
-
-def test_the_second_flip_waits_for_nothing(person):
-    person.keep()
-    person.blur(12.0)
-    for _ in range(2):
-        person.key(KEY.Key_K)
-    assert person.viewer.picture.other is None
-    person.snapshots.compare("flip")  # no event is processed in between
-    assert person.viewer.picture.other is not None
-    assert person.viewer.canvas.second.isVisible()
-    person.snapshots.compare("flip")
-    assert not person.viewer.canvas.second.isVisible()
-    person.idle()
-    assert person.viewer.picture.other is None
 
 
 def test_w_wipes_the_divider_is_dragged_and_both_sides_are_read(person):
@@ -131,68 +114,6 @@ def test_what_is_wiped_is_copied_and_written_as_it_looks(person, tmp_path):
     assert (np.load(tmp_path / "kept.npy") == before).all()
 
 
-def test_the_keys_work_on_the_canvas_and_say_what_to_do_first(person):
-    give_focus(person.window.canvas.view)
-    for key in (KEY.Key_K, KEY.Key_W):
-        person.key(key)
-        assert "there are no snapshots yet: Ctrl+K" in person.status
-    person.key(KEY.Key_K, CTRL)
-    person.key(KEY.Key_W)
-    assert person.viewer.canvas.wipe.isVisible()
-
-
-def test_the_keys_work_on_a_picture_over_the_whole_screen(person):
-    person.at_picture()
-    person.key(KEY.Key_F11)
-    page = person.window.full_screen.page
-    assert page.isVisible()
-    give_focus(person.viewer.canvas)
-    person.key(KEY.Key_K, CTRL)
-    assert len(person.snapshots.states) == 1
-    person.key(KEY.Key_W)
-    assert person.viewer.canvas.wipe.isVisible()
-    person.key(KEY.Key_F11)
-    assert person.window.full_screen.page is None
-
-
-def test_what_is_still_being_typed_is_kept(person):
-    session = person.window.session
-    session.select(["blur"])
-    person.idle()
-    field = person.window.panels.panels["blur"].findChild(QLineEdit, "value.sigma_x_mrad")
-    give_focus(field)
-    field.selectAll()
-    QTest.keyClicks(field, "7")
-    person.key(KEY.Key_K, CTRL)
-    (state,) = person.snapshots.states
-    assert state.network.nodes["blur"].params["sigma_x_mrad"] == 7
-    assert field.text() == "7"
-
-
-def test_of_an_empty_network_nothing_is_kept(window, idle):
-    window.files.new()
-    idle(window)
-    window.activateWindow()
-    give_focus(window.canvas.view)
-    QTest.keyClick(QApplication.focusWidget(), KEY.Key_K, CTRL)
-    assert window.status.note == "the network is empty: there is nothing to keep"
-    assert window.snapshots.states == []
-
-
-def test_only_references_are_kept_and_in_a_quiet_moment(person):
-    samples = person.viewer.picture.samples
-    viewers = person.window.viewers
-    queries = [person.viewer.queries(), viewers.plot.queries()]
-    person.keep()
-    (state,) = person.snapshots.states
-    assert state.pictures[PORT].samples is samples
-    # A pass after an edit has to answer what it had before, and waits for nothing else.
-    assert [person.viewer.queries(), viewers.plot.queries()] == queries
-    assert SnapshotQuery.waits
-    assert AllFiguresQuery.waits
-    assert state.network is person.window.session.document.network
-
-
 def test_of_what_was_computed_nothing_else_is_held(person):
     person.window.files.open_now("kodak_kir310")
     person.idle()
@@ -212,18 +133,6 @@ def test_of_what_was_computed_nothing_else_is_held(person):
     assert len(left) < len(arrays)
 
 
-def test_an_edit_right_after_the_key_is_not_in_the_snapshot(person):
-    before = person.viewer.picture.samples
-    person.at_picture()
-    QTest.keyClick(person.viewer.canvas, KEY.Key_K, CTRL)
-    person.window.session.do(set_parameter("blur", "sigma_x_mrad", 12.0))
-    person.idle()
-    (state,) = person.snapshots.states
-    kept = state.pictures[PORT].samples
-    assert (kept == before).all()
-    assert not (kept == person.viewer.picture.samples).all()
-
-
 def test_another_wire_of_a_is_computed_when_it_is_compared(person):
     person.keep()
     person.blur(12.0)
@@ -234,16 +143,3 @@ def test_another_wire_of_a_is_computed_when_it_is_compared(person):
     (state,) = person.snapshots.states
     assert "blur.mtf" in state.pictures
     assert person.viewer.picture.other.samples is state.pictures["blur.mtf"].samples
-
-
-def test_another_size_is_said_and_b_shown(person):
-    person.keep()
-    columns = person.viewer.picture.facts.columns
-    person.window.session.do(set_parameter("scene", "width", columns // 2))
-    person.idle()
-    person.key(KEY.Key_W)
-    viewer = person.viewer
-    assert viewer.status.title.text().startswith(f"not compared: A has {columns} × ")
-    assert viewer.picture.facts.columns == columns // 2
-    assert not viewer.canvas.wipe.isVisible()
-    assert not viewer.canvas.names.left.isVisible()

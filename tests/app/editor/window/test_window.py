@@ -2,13 +2,11 @@
 
 import json
 import stat
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QPushButton, QWidget
 
 from app.editor.recovery_files import DELAY_MS
@@ -19,7 +17,6 @@ from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.editor.window.start import built, show_painted
 from app.options.command_options import Options
-from core.editing.operations import set_parameter
 from window_hands import add
 
 # --- beginning, opening ------------------------------------------------------------------------
@@ -96,19 +93,6 @@ def test_files_named_in_a_network_are_found_after_saving_elsewhere(window, tmp_p
     assert stored["nodes"][name]["params"]["path"] == "../scene.npy"
 
 
-def test_files_dropped_together_do_not_cover_each_other(window, tmp_path):
-    files = [tmp_path / f"{number}.npy" for number in range(7)]
-    for file in files:
-        np.save(file, np.ones((8, 8)))
-    window.drops.files(list(map(str, files)), QPointF(0, 0))
-    items = [
-        item.frame().united(item.childrenBoundingRect().translated(item.pos()))
-        for item in window.canvas.content.nodes.values()
-    ]
-    assert len(items) == 7
-    assert not any(one.intersects(other) for one, other in combinations(items, 2))
-
-
 # --- work that is not saved --------------------------------------------------------------------
 
 
@@ -127,15 +111,6 @@ def test_unsaved_work_is_soon_on_the_disk(window, qtbot, tmp_path):
     assert stat.S_IMODE(folder.stat().st_mode) & 0o077 == 0, "others could read it"
     window.session.save(tmp_path / "mine.json")
     qtbot.waitUntil(lambda: not kept())
-
-
-def test_a_recovery_folder_that_cannot_be_written_is_said_once(qtbot, library, settings, tmp_path):
-    (tmp_path / "file").write_text("")
-    window = MainWindow(library=library, settings=settings, recovery=tmp_path / "file" / "below")
-    add(window, "test_scene")
-    qtbot.waitUntil(lambda: "not kept against a crash" in window.status.error)
-    window.close_for_good()
-    window.deleteLater()
 
 
 # --- looks, keys -------------------------------------------------------------------------------
@@ -215,19 +190,6 @@ def test_every_action_is_in_a_menu_with_a_tip(window):
         assert action.toolTip()
 
 
-def test_the_keyboard_reaches_every_part(window, idle):
-    window.files.open_now("first_steps")
-    idle(window)
-    window.activateWindow()
-    parts = [window.canvas, window.library_view, window.panels, window.viewers.images[1]]
-    reached = set()
-    for _ in range(8):
-        window.actions_by_name["next_part"].trigger()
-        focus = QApplication.focusWidget()
-        reached |= {part for part in parts if part is focus or part.isAncestorOf(focus)}
-    assert reached == set(parts)
-
-
 def test_every_control_has_an_accessible_name(window, idle):
     window.files.open_now("kodak_kir310")
     idle(window)
@@ -244,27 +206,6 @@ def test_every_control_has_an_accessible_name(window, idle):
         and not isinstance(widget.parent(), QAbstractScrollArea)  # a viewport: its owner has one
     ]
     assert not nameless, [(type(w).__name__, w.objectName(), w.parent()) for w in nameless]
-
-
-def test_undo_says_what_it_would_undo(window):
-    name = add(window, "jitter_mtf")
-    window.session.do(set_parameter(name, "sigma_mrad", 0.5))
-    assert window.actions_by_name["undo"].text() == f"&Undo Set {name}.sigma_mrad"
-    window.actions_by_name["undo"].trigger()
-    assert window.actions_by_name["redo"].text() == f"&Redo Set {name}.sigma_mrad"
-
-
-def test_single_letters_typed_in_a_field_are_text(window, qtbot, idle):
-    """D would disable the node, 1 open a viewer: not while one types."""
-    name = add(window, "test_scene")
-    window.session.select([name])
-    idle(window)
-    window.activateWindow()
-    field = window.library_view.filter
-    field.setFocus()
-    QTest.keyClicks(field, "dlf1")
-    assert field.text() == "dlf1"
-    assert not window.session.network.nodes[name].disabled
 
 
 def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):

@@ -1,7 +1,7 @@
 """Dots on wires, put in, dragged and deleted with real events in the window."""
 
 import pytest
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF
 from PySide6.QtWidgets import QMenu
 
 from canvas_networks import chain_and_free_blur
@@ -10,7 +10,6 @@ from core.editing.wire_dots import add_dot, dots_of
 from core.network.network import Link
 from window_hands import CTRL, KEY
 
-ALT = Qt.KeyboardModifier.AltModifier
 WIRE = Link.between("init.magnitude", "back.magnitude")
 OTHER = Link.between("scene.image", "init.image")
 
@@ -78,16 +77,6 @@ def test_a_dot_is_dragged_and_the_wire_goes_through_it(window, hand, bent):
     assert nearest(drawn(window), 500, 120) < 1
 
 
-def test_escape_gives_a_drag_up(window, hand, bent):
-    hand.press(hand.at(500, 120))
-    hand.move(hand.at(500, 120), hand.at(480, 190))
-    assert nearest(drawn(window), 500, 120) > 20
-    hand.key(KEY.Key_Escape)
-    hand.release(hand.at(480, 190))
-    assert dots(bent) == ((500.0, 120.0),)
-    assert nearest(drawn(window), 500, 120) < 1
-
-
 def test_del_deletes_the_selected_dot_then_the_wire(window, hand, bent):
     straight = chain_and_free_blur()
     hand.click(hand.at(500, 120))
@@ -100,13 +89,6 @@ def test_del_deletes_the_selected_dot_then_the_wire(window, hand, bent):
     hand.key(KEY.Key_Z, CTRL)
     hand.key(KEY.Key_Z, CTRL)
     assert dots(bent) == ((500.0, 120.0),)
-
-
-def test_r_bends_the_wire_under_the_pointer(window, hand, chain):
-    spot = hand.wire(OTHER)
-    hand.click(spot)
-    hand.key(KEY.Key_R)
-    assert len(dots(chain, OTHER)) == 1
 
 
 def test_keys_alone_bend_move_and_straighten_a_wire(window, hand, chain):
@@ -122,24 +104,6 @@ def test_keys_alone_bend_move_and_straighten_a_wire(window, hand, chain):
     assert (moved_x - x, moved_y - y) == (0, 24)
     hand.key(KEY.Key_Delete)
     assert not dots(chain, OTHER)
-
-
-def test_r_where_there_is_no_wire_says_what_to_do(window, hand, chain):
-    hand.click(hand.at(300, 500))
-    hand.key(KEY.Key_R)
-    assert chain.network == chain_and_free_blur()
-    assert "point at a wire" in window.status.note
-
-
-def test_a_second_dot_comes_before_or_behind_the_first_where_it_is_put(window, hand, bent):
-    line = drawn(window).line()
-    before, behind = line[len(line) // 4], line[3 * len(line) // 4]
-    for point in (behind, before):
-        hand.double_click(window.canvas.view.pixel(point))
-    xs = [x for x, _ in dots(bent)]
-    assert len(xs) == 3
-    assert xs == sorted(xs)
-    assert xs[1] == 500
 
 
 def test_dots_go_along_with_both_nodes_and_stay_with_one(window, hand, bent):
@@ -161,25 +125,6 @@ def test_dots_go_along_with_both_nodes_and_stay_with_one(window, hand, bent):
     assert dots(bent) == ((500.0, 120.0),)
 
 
-def test_laying_out_leads_the_wires_anew_as_one_step(window, hand, bent):
-    before = steps(bent)
-    hand.click(hand.at(300, 500))
-    hand.key(KEY.Key_L)
-    assert not dots(bent)
-    assert steps(bent) == before + 1
-    hand.key(KEY.Key_Z, CTRL)
-    assert dots(bent) == ((500.0, 120.0),)
-
-
-def test_laying_out_some_nodes_leaves_the_dots_of_others(window, hand, bent):
-    bent.do(add_dot(bent.network, OTHER, 0, (200.0, 90.0)))
-    bent.select(["back", "blur"])
-    hand.focus()
-    hand.key(KEY.Key_L)
-    assert not dots(bent)
-    assert dots(bent, OTHER) == ((200.0, 90.0),)
-
-
 def test_the_menu_of_a_wire_adds_deletes_and_straightens(window, hand, bent):
     def entry(pos, text):
         hand.ask_for_menu(pos)
@@ -197,9 +142,3 @@ def test_the_menu_of_a_wire_adds_deletes_and_straightens(window, hand, bent):
     entry(hand.wire(WIRE), "Straighten").trigger()
     assert not dots(bent)
     assert not entry(hand.wire(WIRE), "Straighten").isEnabled()
-
-
-def test_a_dot_far_out_is_framed(window, hand, bent):
-    bent.do(add_dot(bent.network, WIRE, 0, (400.0, 900.0)))
-    window.canvas.frame_all()
-    assert window.canvas.view.visible_rect().contains(QPointF(400, 900))
