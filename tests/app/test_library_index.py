@@ -1,7 +1,6 @@
 """The cached declarations are those of the files, whatever became of the cache."""
 
 import json
-import os
 import pickle
 import sys
 
@@ -55,25 +54,6 @@ def test_what_was_kept_of_other_files_is_not_believed(cache, derived):
     for other in [(path, changed_ns + 1, size), (path, changed_ns, size + 1)]:
         file.write_bytes(pickle.dumps(((python, [other, *files[1:]]), wrong)))
         assert declarations(standard_library()) == derived
-
-
-class Command:
-    def __init__(self, file):
-        self.file = file
-
-    def __reduce__(self):
-        return os.mkdir, (str(self.file),)
-
-
-def test_a_damaged_file_or_one_of_others_does_no_harm(cache, derived, tmp_path):
-    declarations(standard_library())
-    (file,) = cache.iterdir()
-    content, trap = file.read_bytes(), tmp_path / "trap"
-    others = [b"", content[:100], content[: len(content) // 2], content[:-1], os.urandom(1000)]
-    for damaged in [*others, pickle.dumps(Command(trap)), pickle.dumps((1, {}))]:
-        file.write_bytes(damaged)
-        assert declarations(standard_library()) == derived
-    assert not trap.exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a folder is no file there either")

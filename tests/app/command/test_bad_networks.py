@@ -28,7 +28,7 @@ def test_network(change, told, fails, write, small):
     assert told in fails("run", "net.json")
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"a": NaN}', "[" * 10**5, "\x00\xff"])
+@pytest.mark.parametrize("text", ["", "[]", "[" * 10**5, "\x00\xff"])
 def test_not_a_network(text, fails, tmp_path):
     (tmp_path / "net.json").write_bytes(text.encode("latin-1"))
     assert "net.json" in fails("run", "net.json")
@@ -75,11 +75,6 @@ def test_input_file(content, told, fails, write, small, tmp_path):
     read_image(small, "frame.npy")
     write(small)
     assert told in fails("run", "net.json")
-
-
-def test_without_nodes(fails, write, small):
-    write(small | {"nodes": {}, "links": []})
-    assert fails("run", "net.json") == "imagechain: net.json: the network has no nodes\n"
 
 
 PLUG_IN = '''

@@ -2,27 +2,19 @@
 
 import os
 import sys
-from pathlib import Path
 
 import pytest
 
-from app.command.cli import main
 from child_process import ROOT, finished
-from core.machine import usable_bytes
 
 USAGE = {
     "unknown command": (["evaluate", "net.json"], "evaluate"),
     "command like another": (["chekc", "net.json"], "chekc; did you mean check?"),
     "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
     "no network": (["run"], "NETWORK (imagechain run --help)"),
-    "too many words": (["run", "net.json", "kodak"], "unexpected argument: kodak"),
     "run a preset": (["run", "light_sunlit"], "in Python add ic.preset('light_sunlit') after a"),
     "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
-    "unknown option": (["run", "net.json", "--fast"], "--fast"),
-    "precision": (["run", "net.json", "--precision", "half"], "half"),
-    "seed is no number": (["run", "net.json", "--seed", "x"], "--seed"),
     "negative seed": (["run", "net.json", "--seed", "-1"], "seed = -1"),
-    "threads": (["run", "net.json", "--threads", "100000"], "threads = 100000"),
     "tolerance of all": (["run", "net.json", "--tolerance", "1"], "from 0 to below 1"),
     "one file of three for TLS": (
         [
@@ -39,7 +31,6 @@ USAGE = {
         ],
         "--tls-ca-file is missing: TLS needs --tls-ca-file, --tls-cert, --tls-key",
     ),
-    "no such network": (["run", "nothing.json"], "nothing.json"),
     "part of a name": (["run", "kodak"], "did you mean kodak_kir310 or kodak_kir310_1996?"),
     "a cube that is not there": (
         ["check", "a b.img"],
@@ -47,28 +38,17 @@ USAGE = {
         "picture through a camera: imagechain run mwir_camera --scene 'a",
     ),
     "help of no command": (["help", "rnu"], "there is no command rnu; did you mean run?"),
-    "a folder": (["run", "."], "folder"),
-    "empty name": (["run", ""], "''"),
     "impossible name": (["run", "a" * 5000], "aaa"),
-    "set without value": (["run", "net.json", "--set", "blur"], "NODE.PARAM=VALUE"),
-    "set unknown node": (["run", "net.json", "--set", "blurr.sigma_x_mrad=1"], "mean blur?"),
-    "disable unknown": (["run", "net.json", "--disable", "blurr"], "did you mean blur?"),
     "disable a source": (["run", "net.json", "--disable", "scene"], "has no input to pass on"),
     "set out of range": (["run", "net.json", "--set", "blur.sigma_x_mrad=-1"], "at least 0"),
     "set not finite": (["run", "net.json", "--set", "blur.sigma_x_mrad=NaN"], "nan mrad"),
     "set needless": (["run", "net.json", "--set", "pixels.factor_x=100"], "100 × 2"),
-    "save without file": (["run", "net.json", "--save", "pixels.image"], "NODE.PORT=FILE"),
     "save unknown suffix": (["run", "net.json", "--save", "pixels.image=a.jpg"], "'a.jpg'"),
-    "save unknown node": (["run", "net.json", "--save", "pixel.image=a.npy"], "mean pixels?"),
     "save context": (["run", "net.json", "--save", "init.context=a.npy"], "context"),
-    "save into nothing": (["run", "net.json", "--save", "pixels.image=no/a.npy"], "no folder no"),
     "save over the network": (["run", "net.json", "--report", "net.json"], "input of this run"),
     "final without a port": (["run", "net.json", "--final", "back"], "--final back: write NODE.P"),
-    "report suffix": (["run", "net.json", "--report", "a.pdf"], "'a.pdf'"),
     "output folder is a file": (["run", "net.json", "--output-dir", "net.json"], "not a folder"),
-    "output below a file": (["run", "net.json", "--output-dir", "net.json/x"], "not a folder"),
     "device": (["run", "net.json", "--save", "pixels.image=pipe.npy"], "not a regular file"),
-    "unknown module": (["modules", "jiter_mtf"], "mean jitter_mtf?"),
     "long folder, seen from the root": (
         ["run", "net.json", "--output-dir", "a/" * 2045],
         "a/a: File name too long; nothing was written",
@@ -93,17 +73,6 @@ def test_a_picture_in_place_of_a_network(fails, imagechain, write, small, tmp_pa
     assert imagechain("check", write(small, "net.txt")).returncode == 0
 
 
-@pytest.mark.skipif(usable_bytes() > 68.7e9, reason="34.4 GB of samples fit this machine")
-@pytest.mark.parametrize("kind", ["dormitory", "uniform"])
-def test_a_scene_that_does_not_fit(kind, fails):
-    """2³² samples of 8 bytes; refused before they are asked for."""
-    large = [f"--set=scene.{name}=65536" for name in ("width", "height")]
-    large += ["--memory", "1000GB"]  # else it is made in blocks
-    assert "scene: height × width: 65536 × 65536 samples need 34.4 GB; allowed on this" in fails(
-        "run", "net.json", f"--set=scene.kind={kind}", *large, "--precision", "double"
-    )
-
-
 @pytest.mark.parametrize(("words", "told"), USAGE.values(), ids=USAGE.keys())
 def test_usage(words, told, fails, tmp_path):
     if "pipe.npy" in words[-1]:
@@ -115,7 +84,7 @@ def test_usage(words, told, fails, tmp_path):
 NO_DISPLAY = {"DISPLAY": "", "WAYLAND_DISPLAY": "", "QT_QPA_PLATFORM": ""}
 
 
-@pytest.mark.parametrize("words", [(), ("edit",), ("edit", "kodak_kir310")])
+@pytest.mark.parametrize("words", [(), ("edit", "kodak_kir310")])
 def test_the_editor_without_a_display(imagechain, words):
     done = imagechain(*words, env=NO_DISPLAY)
     assert done.returncode == 2
@@ -123,7 +92,7 @@ def test_the_editor_without_a_display(imagechain, words):
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("display", [":4711", "nowhere", ":x", "::1:99999999"])
+@pytest.mark.parametrize("display", [":4711", ":x"])
 def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
     done = imagechain("edit", env={**NO_DISPLAY, "DISPLAY": display})
     assert done.returncode == 2
@@ -132,18 +101,7 @@ def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
     )
 
 
-def test_a_slip_comes_before_a_display_that_is_not_there(imagechain):
-    for words, told in (
-        (["kodak_kir31"], "mean kodak_kir310 or "),
-        (["--sice=1x1"], "mean --size?"),
-    ):
-        done = imagechain("edit", *words, env=NO_DISPLAY)
-        assert done.returncode == 2
-        assert told in done.stderr
-        assert "display" not in done.stderr
-
-
-@pytest.mark.parametrize("words", [["run"], ["check", "nosuch"], ["edit", "nosuch"]])
+@pytest.mark.parametrize("words", [["check", "nosuch"]])
 def test_a_process_ends_as_the_command_in_this_one(words, imagechain, imagechain_process):
     """The other tests of this kind start none."""
     here, process = imagechain(*words), imagechain_process(*words)
@@ -152,7 +110,7 @@ def test_a_process_ends_as_the_command_in_this_one(words, imagechain, imagechain
     assert here.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("size", ["", "1600", "1600x", "x900", "16x9", "1e3x900", "٣٢٠x٣٢٠"])
+@pytest.mark.parametrize("size", ["1600", "16x9", "1e3x900", "٣٢٠x٣٢٠"])
 def test_the_size_of_a_window(fails, size):
     assert "whole numbers from 320 to 16384" in fails("edit", "--size", size)
 
@@ -177,15 +135,10 @@ def shell(line, folder):
     ("line", "code", "out", "errors"),
     [
         ("imagechain modules >/dev/full", 1, "", 1),
-        ("imagechain --help >/dev/full", 1, "", 1),
-        ("imagechain --help >&-", 0, "", 0),
         ("imagechain run net.json >&-", 0, "", 0),
-        ("imagechain run net.json >/dev/full", 1, "", 1),
         ("imagechain run net.json 2>&-", 0, "net-output: ", 0),
         ("imagechain run nothing 2>&-", 2, "", 0),
-        ("imagechain run nothing 2>/dev/full", 2, "", 0),
         ("imagechain run nothing >&- 2>&-", 2, "", 0),
-        ("imagechain check net.json >/dev/full", 1, "", 1),
         ("imagechain check nothing >/dev/full", 2, "", 1),  # which prints nothing there
     ],
 )
@@ -209,42 +162,3 @@ def test_what_is_written_is_said_where_it_cannot_be_printed(tmp_path):
     assert (tmp_path / "r.json").is_file()
     done = shell("imagechain modules >/dev/full", tmp_path)
     assert done.stderr == ("imagechain: cannot write to standard output: No space left on device\n")
-
-
-def test_folder_not_to_be_entered(tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    stat = Path.stat
-
-    def closed(path, **options):
-        if path.name == "inside":
-            raise PermissionError(13, "Permission denied")
-        return stat(path, **options)
-
-    monkeypatch.setattr(Path, "stat", closed)  # root may enter everything
-    assert main(["run", "net.json", "--output-dir", "inside"]) == 2
-    told = "imagechain: cannot write to inside: Permission denied\n"
-    assert capsys.readouterr().err == told
-
-
-def test_sinks_to_one_place(fails, write, small):
-    for name, path in (("one", "a.tif"), ("two", "./a.tif")):
-        small["nodes"][name] = {"module": "write_image", "params": {"path": path}}
-        small["links"].append(["back.image", f"{name}.image"])
-    write(small)
-    assert "two: cannot write: two outputs would be written to a.tif" in fails("run", "net.json")
-    del small["nodes"]["two"], small["links"][-1]
-    write(small)
-    twice = "one: cannot write: two outputs would be written to a.tif"
-    assert twice in fails("run", "net.json", "--save", "pixels.image=./a.tif")
-    small["nodes"]["one"]["params"]["path"] = "final.png"
-    write(small)
-    assert "final.png" in fails("run", "net.json", "--output-dir", ".")
-
-
-def test_a_long_path_that_is_not_there_keeps_the_files_name(tmp_path, capsys):
-    path = tmp_path / ("folder of a long name " * 10) / "mine.json"
-    assert main(["check", str(path)]) == 2
-    line = capsys.readouterr().err
-    assert "mine.json is neither a file" in line
-    assert str(tmp_path)[:40] in line
-    assert "…" in line

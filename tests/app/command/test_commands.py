@@ -8,19 +8,13 @@ import select
 import signal
 import subprocess
 import sys
-import time
 
-import numpy as np
 import pytest
 
-import app.command.run
-import app.run.evaluation
 from app.command.cli import main
-from app.run.saving import encode_png, grey_levels
 from child_process import PATIENCE_S, ROOT, catches, finished, wait_for
 from core.modules.declaration import declaration
 from core.network.file import load_network
-from nodes.files.read import read_pixels
 from nodes.library import standard_library
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -40,13 +34,6 @@ def test_modules_for_programs(capsys):
     sigma = next(each for each in jitter["parameters"] if each["name"] == "sigma_mrad")
     assert (sigma["unit"], sigma["low"], sigma["low_exclusive"]) == ("mrad", 0, False)
     assert sigma["default"] == 0.02
-
-
-def test_modules_for_people(capsys):
-    assert main(["modules"]) == 0
-    text = capsys.readouterr().out
-    assert "jitter_mtf · Jitter MTF" in text
-    assert all(key in text for key in standard_library())
 
 
 def test_modules_that_a_word_finds(capsys):
@@ -108,7 +95,7 @@ ENDLESS = ["run", "kodak_kir310", "--frames", "1000000", "--save"]
 
 @pytest.mark.parametrize(
     ("number", "moment"),
-    [(signal.SIGINT, "starting"), (signal.SIGTERM, "writing"), (signal.SIGHUP, "writing")],
+    [(signal.SIGINT, "starting"), (signal.SIGHUP, "writing")],
 )
 def test_stopped(number, moment, tmp_path):
     words = [sys.executable, "-m", "app.command.cli", *ENDLESS, "frame_grabber.image[:1,:1]=a.npy"]
@@ -124,41 +111,6 @@ def test_stopped(number, moment, tmp_path):
     assert process.returncode == 1
     assert err == b"imagechain: cancelled; nothing was written\n"
     assert not [*tmp_path.iterdir()]
-
-
-@pytest.mark.parametrize("place", ["standard_library", "source_images"])
-def test_a_stop_that_was_swallowed(place, write, small, tmp_path, monkeypatch, capsys):
-    """As by an import, or a callback, that catches every exception."""
-    monkeypatch.chdir(tmp_path)
-    module = app.command.run if place == "standard_library" else app.run.evaluation
-    real = getattr(module, place)
-
-    def deaf(*words):
-        with contextlib.suppress(KeyboardInterrupt):
-            os.kill(os.getpid(), signal.SIGTERM)
-            time.sleep(PATIENCE_S)  # ended by the signal
-        return real(*words)
-
-    monkeypatch.setattr(module, place, deaf)
-    assert main(["run", write(small)]) == 1
-    assert capsys.readouterr().err == "imagechain: cancelled; nothing was written\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
-
-
-def test_one_module(capsys):
-    assert main(["modules", "jitter_mtf"]) == 0
-    text = capsys.readouterr().out
-    assert "jitter_mtf · Jitter MTF" in text
-    assert "gaussian_mtf" not in text
-    assert main(["modules", "jitter_mtf", "--json"]) == 0
-    assert [each["key"] for each in json.loads(capsys.readouterr().out)] == ["jitter_mtf"]
-
-
-def test_a_module_is_found_by_its_parameters(capsys):
-    assert main(["modules", "frame_rate"]) == 0
-    keys = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
-    assert "microbolometer" in keys
-    assert "camera" not in keys
 
 
 def test_presets_are_listed_by_a_word_of_name_module_or_text(capsys):
@@ -221,20 +173,3 @@ def test_progress_on_a_terminal(patience_s, shown, write, small, tmp_path):
     assert process.wait(timeout=PATIENCE_S) == 0
     assert (b"/6" in seen) is shown
     assert seen.endswith(b"\x1b[2K") if shown else not seen  # the line is cleared
-
-
-def test_png_reads_back(tmp_path):
-    levels = np.random.default_rng(0).integers(0, 256, (37, 53), np.uint8)
-    (tmp_path / "a.png").write_bytes(encode_png(levels))
-    np.testing.assert_array_equal(read_pixels(tmp_path / "a.png"), levels)
-
-
-@pytest.mark.parametrize("unit", [5e-324, 1e-310, 1.0, 1.7e308 / 51])
-def test_grey_levels_of_the_smallest_and_the_largest_numbers(unit):
-    """The smallest numbers have no halves, and the largest no difference."""
-    steps = np.arange(-51, 52) if unit > 1 else np.arange(52)
-    low, high = float(steps[0] * unit), float(steps[-1] * unit)
-    levels = grey_levels(low, high, steps[np.newaxis] * unit)
-    share = (steps - steps[0]) / (steps[-1] - steps[0])
-    assert np.abs(levels[0] - 255 * share).max() <= 0.5 + 1e-9
-    assert (levels[0, 0], levels[0, -1]) == (0, 255)

@@ -39,12 +39,6 @@ def test_a_set_value_is_followed_and_a_set_expression_follows(works, write, link
     assert readouts(*words) == expected
 
 
-def test_a_wrong_expression_on_the_command_line_is_one_line(fails, write, small):
-    assert "did you mean jitter?" in fails(
-        "run", write(small), "--set", "blur.sigma_x_mrad==jiter.sigma_mrad"
-    )
-
-
 def test_a_varied_parameter_takes_its_followers_along(works, write, linked, tmp_path):
     def figures(document, values):
         words = ("--vary", f"jitter.sigma_mrad={values}", "--figure", "total.mtf_nyquist_x")
@@ -58,12 +52,3 @@ def test_a_varied_parameter_takes_its_followers_along(works, write, linked, tmp_
         plain["nodes"]["blur"]["params"]["sigma_x_mrad"] = 2.5 * sigma_mrad
         expected += figures(plain, str(sigma_mrad))
     assert figures(linked, "0.1,0.15") == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_follower_out_of_range_is_a_gap(works, write, linked):
-    """The chain's MTF without that stage would be a figure of another chain."""
-    linked["nodes"]["blur"]["params"]["sigma_x_mrad"] = {"expression": "0.15 - jitter.sigma_mrad"}
-    words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
-    linked["nodes"]["jitter"]["params"]["sigma_mrad"] = 0.1
-    done = works("tradeoff", write(linked), *words)
-    assert "it gives -0.05 mrad" in done.stdout

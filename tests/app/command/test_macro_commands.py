@@ -1,6 +1,5 @@
 """Networks with macros on the command line: the files are those of the plain network."""
 
-import csv
 import json
 
 import numpy as np
@@ -53,25 +52,6 @@ def test_a_run_gives_the_same_picture_and_figures(given, networks, imagechain, t
     }
 
 
-def test_a_trade_off_on_a_parameter_of_a_macro(networks, works, tmp_path):
-    tables = []
-    for file, varied in zip(networks, ("init.f_number", "camera.f_number"), strict=True):
-        out = tmp_path / f"{varied}.csv"
-        works("tradeoff", file, "--vary", f"{varied}=2:4:3", "--output", out.name)
-        with out.open(newline="") as lines:
-            tables.append(list(csv.reader(lines)))
-    plain, grouped = tables
-    assert [[cell.replace("camera/", "") for cell in row] for row in grouped] == plain
-
-
-def test_check_and_report_pass_through_the_same_network(networks, imagechain, works, tmp_path):
-    _, grouped = networks
-    done = imagechain("check", grouped)
-    assert "no errors" in done.stdout
-    works("run", grouped, "--report", "page.html")
-    assert "camera/electronics" in (tmp_path / "page.html").read_text()
-
-
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -82,13 +62,3 @@ def test_check_and_report_pass_through_the_same_network(networks, imagechain, wo
 )
 def test_bad_settings(given, message, networks, fails):
     assert message in fails("run", networks[1], "--set", given)
-
-
-def test_a_bad_macro_gives_one_line(networks, fails, tmp_path):
-    file = tmp_path / networks[1]
-    file.write_text(file.read_text().replace('"init.f_number"', '"innit.f_number"'))
-    line = fails("run", file.name)
-    assert line == (
-        "imagechain: camera: its parameter f_number names innit.f_number, but there is no node "
-        "innit inside; did you mean init?\n"
-    )

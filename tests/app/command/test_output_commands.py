@@ -28,13 +28,6 @@ def test_run_does_not_choose_among_two(two, works, tmp_path):
     assert (tmp_path / "noisy.npy").is_file()
 
 
-def test_check_warns_of_the_same(two, works):
-    done = works("check", "net.json")
-    assert f"warning: no final.png: {LINE}" in done.stdout.splitlines()
-    assert "no errors, 2 warnings" in done.stdout  # the other is of photon noise as in 1996
-    assert "final.png," not in done.stdout
-
-
 def test_final_on_the_command_line(two, imagechain, works, tmp_path):
     done = works("run", "net.json", "--final", "pixels.image", "--output-dir", "one")
     assert "total" not in done.stdout
@@ -53,25 +46,9 @@ def test_final_on_the_command_line(two, imagechain, works, tmp_path):
     [
         ("noisy.imag", "noisy has no picture imag; did you mean image?"),
         ("init.context", "init has no picture context; its pictures: none"),
-        ("nosy.image", "there is no node nosy; did you mean noisy?"),
-        ("noisy", "write NODE.PORT"),
     ],
 )
 def test_a_wrong_final_is_one_line(two, fails, port, told):
     line = fails("run", "net.json", "--final", port)
     assert line.startswith(f"imagechain: --final {port}: ")
     assert told in line
-
-
-def test_the_report_says_why_there_is_no_total(two, imagechain, tmp_path):
-    done = imagechain("run", "net.json", "--final", "noisy.image", "--report", "r.html")
-    assert done.returncode == 0, done.stderr
-    page = (tmp_path / "r.html").read_text()
-    assert "no product (total): no Back Transform comes before the output, noisy.image" in page
-
-
-def test_the_trade_off_says_why_there_is_no_total(two, fails, works):
-    words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
-    line = fails("tradeoff", "net.json", *words)
-    assert "this network ends in 2 pictures (pixels.image, noisy.image)" in line
-    works("tradeoff", "net.json", *words, "--final", "pixels.image")

@@ -57,17 +57,6 @@ def test_gain_read_noise_and_full_well(works, flats, tmp_path):
     assert "saturated" in done.stdout
 
 
-def test_what_is_missing_is_said(imagechain, works, flats):
-    done = works("photon-transfer", *flats[:3])
-    assert done.stdout.splitlines()[-1] == (
-        "read noise and full well need --dark FILE, or --offset-dn DN"
-    )
-    done = imagechain("photon-transfer", *flats[:3], "--offset-dn", "150")
-    assert done.stdout.splitlines()[-1] == (
-        "no level is saturated: the full well is above the brightest level; add a brighter level"
-    )
-
-
 def test_frames_of_a_simulated_camera(works, small, write, tmp_path):
     """Focal Plane's own gain, read noise, well and patterns, through multi-page TIFFs."""
     small["nodes"]["scene"]["params"] |= {
@@ -122,38 +111,3 @@ def test_what_is_refused(imagechain, flats, tmp_path, words, line):
     np.save(tmp_path / "other.npy", np.zeros((3, 5, 6)))
     done = imagechain("photon-transfer", *words)
     assert (done.returncode, done.stderr) == (2, f"imagechain: {line}\n")
-
-
-def patterned(rows, columns):
-    """Relative electrons of each pixel, by the kind of field."""
-    random = np.random.default_rng(5)
-    y, x = np.mgrid[0:rows, 0:columns]
-    return {
-        "pixels": 1 + 0.01 * random.standard_normal((rows, columns)),
-        "lines": 1
-        + 0.01 * random.standard_normal((rows, columns))
-        + 0.02 * random.standard_normal(columns)
-        + 0.02 * random.standard_normal((rows, 1)),
-        "sloping light": 1 + 0.2 * x / columns,
-        "a scene": 1 + 0.1 * np.sin(x / 9.0) * np.cos(y / 7.0),
-        "a falling corner": 1 - 0.1 * ((x / columns) ** 2 + (y / rows) ** 2),
-    }
-
-
-@pytest.mark.parametrize(
-    ("kind", "warned"),
-    [("pixels", False), ("lines", False), ("sloping light", True), ("a scene", True),
-     ("a falling corner", True)],
-)  # fmt: skip
-def test_a_field_that_is_not_uniform_is_warned_of(works, tmp_path, kind, warned):
-    """Pixels, rows and columns that differ at random are a camera's own; waves are a scene's."""
-    random, field = np.random.default_rng(3), patterned(96, 128)[kind]
-    names = []
-    for level in (2000, 6000, 12_000):
-        made = random.poisson(level * field, (12, *field.shape)) / GAIN + OFFSET
-        np.save(tmp_path / f"l{level}.npy", np.rint(made).astype(np.uint16))
-        names.append(f"l{level}.npy")
-    done = works("photon-transfer", *names, "--offset-dn", "150")
-    lines = [line for line in done.stdout.splitlines() if line.startswith("warning: ")]
-    assert len(lines) == (3 if warned else 0), lines
-    assert all("% of the differences between pixels is structure" in line for line in lines)

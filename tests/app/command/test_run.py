@@ -126,9 +126,3 @@ def test_paths_are_relative_to_where_they_belong(works, write, small, tmp_path):
     np.testing.assert_array_equal(np.load(tmp_path / "copy.npy"), frame)
     assert (tmp_path / "nets/out.tif").is_file()
     assert (tmp_path / "a/b/final.png").is_file()
-
-
-def test_stderr_is_silent_with_warnings_on(imagechain_process, write, small):
-    small["nodes"]["scene"]["params"] |= {"kind": "uniform"}
-    done = imagechain_process("run", write(small), "--set", "blur.sigma_x_mrad=1e6")
-    assert (done.returncode, done.stderr) == (0, "")

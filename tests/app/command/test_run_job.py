@@ -3,19 +3,15 @@
 import contextlib
 import csv
 import json
-import os
 import re
 import subprocess
 
 import numpy as np
 import pytest
 
-from app.command.cli import exit_code
-from app.options.stopping import stoppable
 from app.run.job import Job, Result, Step, job_text, read_message
 from app.run.shipped import command, environment
 from child_process import PATIENCE_S
-from core.errors import UsageError
 
 
 @contextlib.contextmanager
@@ -164,19 +160,6 @@ def test_files_are_run_one_by_one_and_the_damaged_ones_are_named(job, small, tmp
     assert {name: float(rows[1][name]) for name in numbers} == pytest.approx(numbers)
 
 
-def test_a_picture_that_is_read_is_never_written_over(job, small, tmp_path):
-    np.save(tmp_path / "scene.npy", np.ones((8, 10)))
-    (tmp_path / "scene").mkdir()
-    np.save(tmp_path / "scene" / "scene.npy", np.ones((8, 10)))
-    inside = str(tmp_path / "scene" / "scene.npy")
-    network = with_files(small, write_to="scene.npy")
-    code, _, said = finished_job(
-        job("files", network, output="", target="scene.path", values=(inside,))
-    )
-    assert code == 2
-    assert "it is an input of this run" in said
-
-
 def test_a_node_writes_elsewhere_only_where_that_was_chosen(job, small, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere") / "made.npy"
     network = {**with_files(small, write_to=elsewhere)}
@@ -194,7 +177,7 @@ def test_a_node_writes_elsewhere_only_where_that_was_chosen(job, small, tmp_path
     assert elsewhere.exists()
 
 
-@pytest.mark.parametrize("way", ["its input ends", "SIGTERM"])
+@pytest.mark.parametrize("way", ["its input ends"])
 def test_stopped_it_leaves_nothing(job, small, tmp_path, way):
     """As at Cancel, or when the editor is killed: its input ends then."""
     running = job("frames", output="new/out", frames=100_000)
@@ -213,33 +196,3 @@ def test_stopped_it_leaves_nothing(job, small, tmp_path, way):
         said = child.stderr.read()
     assert (code, said) == (1, "imagechain: cancelled; nothing was written\n")
     assert names(tmp_path) == {"net.json"}
-
-
-@pytest.mark.skipif(os.name != "posix", reason="processes of other systems have no niceness")
-def test_the_window_comes_first(job):
-    with started(job("frames", frames=100_000)) as child:
-        child.stdout.readline()
-        ps = ["ps", "-o", "ni=", "-p", str(child.pid)]
-        done = subprocess.run(ps, capture_output=True, text=True, check=True, timeout=60)
-    assert int(done.stdout) > os.nice(0)
-
-
-@pytest.mark.parametrize("hints", [True, False])
-def test_only_a_command_line_is_given_options_to_type(capsys, hints):
-    """The window shows what a background run has printed."""
-
-    def fail():
-        raise UsageError("this network ends in 2 pictures", hint="or give --final NODE.PORT")
-
-    def break_down():
-        raise RuntimeError("unforeseen")
-
-    with stoppable() as stop:
-        assert exit_code(stop, fail, hints=hints) == UsageError.exit_code
-        line = capsys.readouterr().err
-        assert line.startswith("imagechain: this network ends in 2 pictures")
-        assert ("--final" in line) is hints
-        assert exit_code(stop, break_down, hints=hints) == 1
-    line = capsys.readouterr().err
-    assert "unforeseen" in line
-    assert ("--debug" in line) is hints

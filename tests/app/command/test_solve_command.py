@@ -66,23 +66,6 @@ def test_no_value_does_it_and_what_the_ends_give(imagechain, camera):
     assert found == pytest.approx(ends, rel=2e-3)
 
 
-def test_a_whole_number_has_two_neighbours(works, camera):
-    words = ("--for", "fpa.frames_averaged", "--until", "fpa.netd_K=0.0105")
-    done = works("solve", camera, *words, "--precision", "double")
-    first = done.stdout.splitlines()[0]
-
-    def netd(frames):
-        shot_and_read = SIGNAL_E_PER_S * 0.004 + 400.0**2
-        return math.sqrt(shot_and_read / frames + 123.34285**2) / (RESPONSE_E_PER_K_S * 0.004)
-
-    frames = int(solved(first))
-    other = int(re.search(r": (\d+) gives", first)[1])
-    assert abs(frames - other) == 1
-    assert (netd(frames) - 0.0105) * (netd(other) - 0.0105) < 0
-    assert "no whole number gives 0.0105 K" in first
-    assert re.match(r"[\w.]+ = \d+[:; ]", first)  # as it is typed in again, without a point
-
-
 def test_of_several_solutions_the_one_nearest_to_the_present(works, small, write):
     """J0 of the vibration crosses the same value again and again as its amplitude grows."""
     small["nodes"]["shake"] = {"module": "vibration_mtf", "params": {"amplitude_x_mrad": 2.0}}
@@ -110,30 +93,4 @@ def test_what_cannot_be_solved_is_one_line(fails, camera, words, line):
     assert line in fails("solve", camera, *words)
 
 
-FULL_S = 7e6 / SIGNAL_E_PER_S
 """Exposure that fills the well, 61.8 ms: there NETD is at its least, 6.22 mK."""
-
-
-def netd_at(time_s):
-    return math.sqrt(SIGNAL_E_PER_S * time_s + CONSTANT) / (RESPONSE_E_PER_K_S * time_s)
-
-
-def test_a_full_well_ends_what_can_be_had(imagechain, camera):
-    words = ("--for", "fpa.integration_time_s", "--until", "fpa.netd_K=0.006")
-    assert netd_at(FULL_S) > 0.006
-    done = imagechain("solve", camera, *words, "--precision", "double")
-    assert (done.returncode, done.stdout) == (2, "")
-    (line,) = done.stderr.splitlines()
-    end = float(re.search(r"; above ([0-9.]+) s \S+ has no value: ", line)[1])
-    assert end == pytest.approx(FULL_S, rel=1e-4)
-    assert "fpa.netd_K has no value: the picture's mean is 100" in line
-    least = float(re.search(r"and ([0-9.]+) K at ", line)[1])
-    assert least == pytest.approx(netd_at(FULL_S), rel=1e-3)
-
-
-def test_a_value_between_the_last_step_and_the_full_well(works, camera):
-    """The steps of the range are factors of 2.15: the last one before is at most 0.98 of it."""
-    wanted = 1.002 * netd_at(FULL_S)
-    words = ("--for", "fpa.integration_time_s", "--until", f"fpa.netd_K={wanted!r}")
-    done = works("solve", camera, *words, "--precision", "double")
-    assert solved(done.stdout.splitlines()[0]) == pytest.approx(time_of(wanted), rel=2e-4)

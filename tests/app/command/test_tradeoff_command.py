@@ -92,12 +92,10 @@ def test_where_every_value_fails_nothing_is_written(fails):
 
 
 USAGE = {
-    "nothing varied": ([], "--vary"),
     "three varied": (
         [SIGMA, "--vary=jitter.sigma_mrad=0,1", "--vary=init.f_number=1,2"],
         "3 times",
     ),
-    "the same twice": ([SIGMA, SIGMA], "vary another parameter"),
     "too many together": (
         [SIGMA, "--vary=jitter.sigma_mrad=0:1:999"],
         "3 × 999 values, at most 1000",

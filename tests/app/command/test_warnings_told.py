@@ -4,7 +4,6 @@ import json
 import re
 from html import unescape
 
-import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
@@ -79,7 +78,7 @@ def contradiction(focal_mm):
     )
 
 
-@pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.nc"])
+@pytest.mark.parametrize("name", ["a.parquet", "a.nc"])
 def test_a_study_tells_those_of_each_point(name, works, tmp_path):
     """An F-number that contradicts focal length over aperture: the cutoff does not change."""
     words = [FOCAL, CUTOFF, "--jobs=1", f"--output={name}", "--summary=a.html"]
@@ -90,9 +89,7 @@ def test_a_study_tells_those_of_each_point(name, works, tmp_path):
         line.startswith(f"warning: {contradiction(100)}") and line.endswith(" (4 points)")
         for line in lines
     )
-    if name == "a.csv":
-        table = pd.read_csv(tmp_path / name)
-    elif name == "a.parquet":
+    if name == "a.parquet":
         table = pd.read_parquet(tmp_path / name)
     else:
         with xr.open_dataset(tmp_path / name) as data:
@@ -126,61 +123,3 @@ def test_solve_tells_those_of_the_value_that_it_finds(works):
     done = works("solve", *CAMERA, *words)
     assert done.stdout.startswith("camera.focal_length_mm = 300")
     assert f"warning: {contradiction(300)}" in done.stdout
-
-
-def test_a_seed_that_varies_and_is_not_used_is_told(imagechain, tmp_path):
-    vary = "--vary=focal_plane.seed=1,2,3"
-    words = [*CAMERA[:3], vary, "--figure=focal_plane.snr"]
-    done = imagechain("study", *words, "--output=a.csv", "--jobs=1")
-    line = (
-        "warning: focal_plane: seed is varied, but seed_mode is automatic and does not use it: all "
-        "points have the same noise; set focal_plane.seed_mode to typed (3 points)"
-    )
-    assert line in done.stdout.splitlines()
-    assert line in imagechain("tradeoff", *words).stdout.splitlines()
-    words.append("--set=focal_plane.seed_mode=typed")
-    done = imagechain("study", *words, "--output=a.csv", "--jobs=1")
-    assert "seed varies" not in done.stdout
-
-
-KELVIN = (
-    "read: the unit may be wrong: the samples, 290 ± 8, look like temperatures in kelvin but are "
-    "read as W/m²/sr, more than a scene below 356 K emits over all wavelengths: give the samples' "
-    "unit, such as K or DN, or the scale that converts them to W/m²/sr; if it is radiance, give "
-    "cut_on_um and cut_off_um"
-)
-
-
-@pytest.fixture
-def kelvin(small, write, tmp_path):
-    """A picture of temperatures in place of the scene, its unit left out."""
-    np.save(tmp_path / "t.npy", (290 + 8 * np.resize([-1, 1], (40, 48))).astype(np.float32))
-    params = {"path": "t.npy", "fov_x_deg": 3.0, "fov_y_deg": 2.5}
-    small["nodes"]["read"] = {"module": "read_image", "params": params}
-    del small["nodes"]["scene"]
-    small["links"][0] = ["read.image", "init.image"]
-    write(small)
-    return small
-
-
-def test_a_check_reads_no_samples_and_a_unit_ends_the_warning(kelvin, imagechain, works):
-    assert "warning" not in imagechain("check", "net.json").stdout
-    done = works("run", "net.json", "--set", "read.unit=K")
-    assert "warning" not in done.stdout
-
-
-def test_a_trade_off_or_study_of_samples_warns_and_one_without_reads_none(
-    kelvin, write, imagechain
-):
-    kelvin["nodes"]["seen"] = {"module": "examine_image"}
-    kelvin["links"] += [["pixels.image", "seen.image"]]
-    write(kelvin)
-    kinds = {"seen.sigma": True, "jitter.half_contrast": False}
-    for figure, warns in kinds.items():
-        words = ("net.json", "--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", figure)
-        for done in (
-            imagechain("tradeoff", *words),
-            imagechain("study", *words, "--output=a.csv", "--jobs=1"),
-        ):
-            assert done.returncode == 0, done.stderr
-            assert (f"warning: {KELVIN} (2 points)" in done.stdout.splitlines()) is warns

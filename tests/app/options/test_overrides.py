@@ -6,8 +6,6 @@ import json
 import numpy as np
 import pytest
 
-import imagechain as ic
-
 PICTURE = {"fov_x_deg": 1, "fov_y_deg": 1, "cut_on_um": 8, "cut_off_um": 12, "unit": "W/m^2/sr/um"}
 
 
@@ -54,26 +52,6 @@ def test_studies_take_them_from_the_current_folder_and_tables_from_theirs(works,
         words[3] = f"{level}.csv"
         works(*words, "--sample", folder / "list.csv")
         assert np.load(tmp_path / "at1.npy").max() == level
-
-
-def test_a_chain_that_is_saved_beside_them_names_them_from_there(lab, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    chain = ic.open("lab/net.json")
-    chain.set("scene.path", "mine.npy")
-    assert chain.run().image("scene.image").max() == 1
-    for file, name in (("beside.json", "mine.npy"), ("lab/inside.json", "../mine.npy")):
-        chain.save(file)
-        assert json.loads((tmp_path / file).read_text())["nodes"]["scene"]["params"]["path"] == name
-        monkeypatch.chdir(lab)
-        assert ic.open(tmp_path / file).run().image("scene.image").max() == 1
-        monkeypatch.chdir(tmp_path)
-
-
-def test_frames_without_a_file_for_them(fails):
-    for saved in ([], ["--save", "blur.mtf=mtf.npy"]):
-        line = fails("run", "first_steps", "--frames", "3", *saved)
-        assert "--frames 3 needs --save" in line
-        assert line.endswith("--save back.image=frames.npy\n")
 
 
 def test_a_node_is_switched_off_for_a_run(imagechain, works, tmp_path):

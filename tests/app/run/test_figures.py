@@ -8,10 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from app.run.figures import _MERITS, SENSOR_FIGURES, Figure, figure_rows
 from command_line import run_here
-from core.modules.declaration import declaration
-from nodes.library import standard_library
 
 
 @pytest.fixture(scope="module")
@@ -67,16 +64,6 @@ def test_the_report_opens_with_the_same_figures_as_a_card(works, tmp_path):
     assert len(told) == 11
 
 
-def test_all_prints_every_read_out(imagechain, write, small, tmp_path):
-    done = imagechain("run", write(small), "--all")
-    found = json.loads((tmp_path / "net-output/readouts.json").read_text())
-    for node, values in found.items():
-        for name, value in values.items():
-            assert any(row.split()[:2] == [node, name] for row in done.stdout.splitlines()) == (
-                value is not None
-            )
-
-
 def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(works, write, small, tmp_path):
     """Two Gaussians of 0.5 and the jitter's σ; blocks of two halve the Nyquist frequency."""
     works("run", write(small), "--report", "r.json", "--precision", "double")
@@ -94,32 +81,3 @@ def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(works, write, sm
     ]
     assert mtf["values"] == pytest.approx(exact, rel=1e-12)
     assert mtf["caption"] == f"MTF at the pixels' Nyquist ({places[0]:.4g} cyc/mrad)"
-
-
-def test_a_network_without_a_sensor_shows_what_it_has(imagechain):
-    lines = imagechain("run", "first_steps").stdout.splitlines()
-    assert [each.split()[0] for each in lines[:3]] == ["Output:", "MTF", "all"]
-
-
-@pytest.mark.parametrize(
-    ("values", "unit", "told"),
-    [
-        ((0.05,), "K", ("50", "mK")),
-        ((0.1, 0.3), "K", ("0.1, 0.3", "K")),
-        ((0.0, 2e5), "e-", ("0, 200", "ke-")),
-        ((0.5, 0.5), "", ("0.5", "")),
-        ((2.0, 2.0, 3.0), "DN", ("2, 2, 3", "DN")),
-        ((49152.0,), "Hz", ("49.15", "kHz")),
-    ],
-)
-def test_values_share_the_size_of_their_unit(values, unit, told):
-    assert figure_rows([Figure("what", values, unit, "node")]) == [("what", *told, "node")]
-
-
-def test_captions_name_read_outs_that_there_are():
-    library = standard_library()
-    shown = [(key, [name for name, _ in rows]) for key, rows in SENSOR_FIGURES.items()]
-    shown += [(key, [name for names, _ in rows for name in names]) for key, rows in _MERITS.items()]
-    for key, names in shown:
-        declared = {readout.name for readout in declaration(library[key]).readouts}
-        assert set(names) <= declared, key

@@ -6,12 +6,7 @@ import pytest
 
 from app.run.job import (
     Job,
-    Preview,
-    Result,
-    Step,
-    Steps,
     job_text,
-    message_line,
     read_job,
     read_message,
 )
@@ -26,7 +21,6 @@ def job(kind, **given):
 @pytest.mark.parametrize(
     "made",
     [
-        job("run"),
         job("frames", frames=12),
         job("sweep", target="blur.sigma_x_mrad", values=(0.1, 0.25, 3), log=True, report=True),
         job("files", target="scene.path", values=("a.tif", "b\u00fc\udcff.tif")),
@@ -39,11 +33,6 @@ def test_a_job_is_one_line_and_comes_back_the_same(made):
     assert "\n" not in text
     assert text.isascii()
     assert read_job(text) == made
-
-
-def test_a_single_run_has_no_name():
-    (variant,) = job("frames", frames=3).variants
-    assert (variant.name, variant.settings) == ("", ())
 
 
 def test_a_sweep_has_a_folder_for_each_value():
@@ -68,39 +57,6 @@ def test_folders_of_files_are_apart_and_can_be_made_anywhere():
     assert [variant.name for variant in inside] == ["camera_blur.sigma=0.5"]
 
 
-def test_messages_come_back_the_same():
-    step = Step(0.25, "blur")
-    assert read_message(message_line(step)) == step
-    result = Result(
-        3, (("a", "no such file"),), ("noisy",), HERE / "r.html", (Preview("a", b"\x89PNG"),)
-    )
-    assert read_message(message_line(result)) == result
-
-
-@pytest.mark.parametrize(
-    "line", ["", "hello", "imagechain-job", "imagechain-job {", "imagechain-job gASV"]
-)
+@pytest.mark.parametrize("line", ["hello", "imagechain-job {", "imagechain-job gASV"])
 def test_other_lines_say_nothing(line):
     assert read_message(line) is None
-
-
-def test_steps_count_what_is_done_by_weight(monkeypatch):
-    monkeypatch.setattr("app.run.job._INTERVAL_S", -1.0)
-    written = []
-    steps = Steps(written.append)
-    steps.expect(4)
-    steps.part("one", nodes=3)
-    steps.node("a")
-    steps.node("b")
-    steps.node("b")
-    steps.part("frames", weight=3)
-    steps.node("a")  # of a frame: counted by pieces
-    steps.piece(1, 4)
-    assert [(round(step.share, 6), step.doing) for step in written] == [
-        (0.0, "one"),
-        (0.0625, "one · a"),
-        (0.125, "one · b"),
-        (0.125, "one · b"),
-        (0.25, "frames"),
-        (0.4375, "frames · 1 of 4"),
-    ]

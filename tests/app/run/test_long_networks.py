@@ -3,13 +3,7 @@
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
-from app.report.drawing.curves import drawn_stages
-from app.report.drawing.picture_drawing import MOST_DRAWN
-from app.report.html_page import of_many
 from app.run.evaluation import TimedWork, evaluate, needed_later, planned
-from app.run.responses import Response, Responses, StageResponse
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
@@ -39,19 +33,3 @@ def test_pictures_in_series():
     assert len(transfer_of(image).stages) == 0
     assert noise_free(image.recipe).key != image.key
     assert engine.store.pinned == 0
-
-
-def stage(number: int) -> StageResponse:
-    line = Response(np.full(5, 1.0 - 0.001 * number), np.zeros(5))
-    return StageResponse(f"n{number}", "Blur", line, line)
-
-
-def test_of_many_stages_those_are_drawn_that_do_most():
-    axis = np.arange(5.0)
-    many = Responses(axis, axis, tuple(stage(number) for number in range(60)), (), ())
-    drawn = drawn_stages(many, "mtf")
-    assert [each.name for each in drawn] == [f"n{number}" for number in range(36, 60)]
-    assert drawn_stages(many, "ptf") == []
-    assert str(MOST_DRAWN) in of_many(59)
-    assert "59" in of_many(59)
-    assert of_many(MOST_DRAWN) == ""

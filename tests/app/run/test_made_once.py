@@ -50,7 +50,7 @@ def shipped(name: str) -> Network:
     return network
 
 
-@pytest.mark.thorough(but=9)
+@pytest.mark.thorough(but=4)
 @pytest.mark.parametrize("name", NAMES)
 def test_with_a_store_of_one_byte(name):
     store = Store(capacity_bytes=1)

@@ -55,7 +55,7 @@ def readouts(tmp_path, name="net"):
     return json.loads((tmp_path / f"{name}-output/readouts.json").read_text())
 
 
-@pytest.mark.thorough(but=10, always=("magnitude_of_one", "dirsig_cube"))
+@pytest.mark.thorough(but=4, always=("magnitude_of_one", "dirsig_cube"))
 @pytest.mark.parametrize("name", shipped_networks())
 def test_every_shipped_network_takes_a_picture(imagechain, picture, tmp_path, name):
     file = picture(1000 + np.uint16(20) * GREY.repeat(3, 0).repeat(3, 1))
@@ -81,10 +81,9 @@ def test_eight_bits_become_the_range_of_the_scene_before(scene_of, write, small,
     assert f"8-bit samples 0…255 scaled to {low:.4g}…{high:.4g} W/m²/sr" in said
 
 
-@pytest.mark.parametrize("kind", [np.uint16, np.float32])
-def test_other_samples_fill_that_range(scene_of, write, small, picture, kind):
+def test_other_samples_fill_that_range(scene_of, write, small, picture):
     before, _ = scene_of(write(small))
-    now, said = scene_of("net.json", "--scene", picture((300 + 2.0 * GREY).astype(kind)))
+    now, said = scene_of("net.json", "--scene", picture((300 + 2.0 * GREY).astype(np.uint16)))
     assert (now.min(), now.max()) == pytest.approx((before.min(), before.max()), rel=1e-6)
     share = GREY / GREY.max()
     expected = before.min() + (before.max() - before.min()) * share
@@ -114,7 +113,7 @@ def planck(kelvin, low_um, high_um):
     return quad(at, low_um * 1e-6, high_um * 1e-6, epsrel=1e-10)[0]
 
 
-@pytest.mark.parametrize(("unit", "zero"), [("K", 0.0), ("C", 273.15)])
+@pytest.mark.parametrize(("unit", "zero"), [("C", 273.15)])
 def test_temperatures_become_radiance(scene_of, write, small, picture, unit, zero):
     write(small)
     kelvin = (290.0 + GREY / 16.0).astype(np.float32)
@@ -134,22 +133,6 @@ def test_reflectances_are_lit(scene_of, write, small, picture):
     )  # fmt: skip
     white = 100 * 0.3 * math.sin(math.radians(45)) / math.pi
     np.testing.assert_allclose(now, white * GREY / 255.0, rtol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("network", "unit", "share"),
-    [("visible_camera", "Reflectance", 1.0), ("swir_camera", "%", 0.01)],
-)
-def test_a_network_that_lights_its_scene_takes_reflectances(
-    works, picture, tmp_path, network, unit, share
-):
-    """Its own Reflected Light lights them; no second one is put in."""
-    samples = (0.2 + GREY / 500.0).astype(np.float32) / share
-    words = ("--scene", picture(samples.astype(np.float32)), "--scene-unit", unit)
-    done = works("run", network, *words, "--save", "light.image=lit.npy")
-    lit = np.load(tmp_path / "lit.npy")
-    assert "converts it to radiance" not in done.stdout
-    np.testing.assert_allclose(lit / lit[3, 4], samples / samples[3, 4], rtol=1e-5)
 
 
 def test_a_unit_of_radiance_is_taken_as_it_is(scene_of, write, small, picture):
@@ -194,17 +177,6 @@ def test_the_field_of_view_of_a_camera_is_never_exceeded(imagechain, picture, tm
     assert (info.rows, info.columns) == (512, 512)
 
 
-def test_samples_of_a_size_on_the_ground(imagechain, works, picture, tmp_path):
-    large = GREY.repeat(8, 0).repeat(8, 1)  # 256 by 192
-    words = ("check", "camera_and_sensor", "--scene", picture(large), "--scene-unit", "W/m²/sr")
-    done = works(*words)
-    assert (
-        "samples of 10.67 m on the ground, covering as much ground" in done.stdout
-    )  # 2048 m / 192
-    done = imagechain(*words, "--scene-sample-m", 12)
-    assert "samples of 12 m on the ground (camera.ground_interval_m)" in done.stdout
-
-
 def cube(tmp_path, unit="W/m^2/sr/um"):
     """Four bands from 8 to 12 µm, of 1, 2, 3, 4 W/m²/sr/µm times a picture."""
     bands = np.arange(1.0, 5.0)[:, None, None] * (1.0 + GREY / 255.0)
@@ -238,17 +210,12 @@ def test_several_scenes_are_asked_about(fails, picture):
     [
         (("--scene", "nothing.tif"), "nothing.tif: no such file"),
         (("--scene", "own.tif", "--scene-fov-deg", 4, 200), "--scene-fov-deg 200: give above 0°"),
-        (("--scene", "own.tif", "--scene-unit", "furlong"), "--scene-unit furlong: give a unit"),
         (("--scene", "own.tif", "--scene-unit", "W/m2"), "'W/m2' is not understood"),
-        (("--scene", "own.tif", "--scene-range-m", -4), "--scene-range-m -4: give metres above 0"),
-        (("--scene", "own.tif", "--scene-band-um", 5, 3), "--scene-band-um 5 3"),
         (("--scene", "own.tif", "--scene-sample-m", 1), "--scene-sample-m needs --scene-range-m"),
-        (("--scene-unit", "K"), "--scene-unit needs --scene FILE"),
         (
             ("--scene", "cube.img"),
             "the file does not give the unit of its bands: give --scene-unit",
         ),
-        (("--scene", "cube.img", "--scene-unit", "relative"), "not allowed for a cube"),
         (
             ("--scene", "cube.img", "--scene-unit", "W/m²/sr/µm", "--scene-band-um", 3, 5),
             "its bands, 8 to 12 µm, do not overlap 3 to 5 µm",
@@ -260,18 +227,6 @@ def test_bad_input(fails, write, small, picture, tmp_path, words, said):
     picture(GREY)
     cube(tmp_path, unit="")
     assert said in fails("run", "net.json", *words)
-
-
-def test_a_judge_that_does_not_apply_is_left_out(imagechain, works, picture, tmp_path):
-    # Its region lies outside of the picture; and, of a larger one, holds no edge.
-    for size in (1, 8):
-        file = picture(np.zeros((24 * size, 32 * size), np.uint8) + 90)
-        done = works("run", "measured_mtf", "--scene", file)
-        assert "measured is left out: " in done.stdout
-        assert "measured" not in readouts(tmp_path, "measured_mtf")
-        assert (tmp_path / "measured_mtf-output/final.png").exists()
-    failing = ("run", "measured_mtf", "--scene", file, "--save", "measured.curve=c.csv")
-    assert imagechain(*failing).returncode == 2  # it was asked for
 
 
 def test_what_followed_the_scene_keeps_its_value(works, write, small, picture, tmp_path):

@@ -63,21 +63,3 @@ def test_a_set_that_does_not_fit_changes_nothing(values, message):
     with pytest.raises(ImagechainError, match=message):
         take(made, values)
     assert not made.history.undo_text
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["{", "[]", '{"format": "x"}', f'{{"format": "imagechain-parameters", "module": "{MODULE}"}}'],
-)
-def test_what_is_no_file_of_sets_is_named(text, tmp_path):
-    (tmp_path / f"{MODULE}.json").write_text(text)
-    with pytest.raises(ImagechainError, match=rf"{MODULE}\.json"):
-        sets_of(MODULE, tmp_path)
-
-
-def test_names_that_are_none_are_refused(tmp_path):
-    for name in ("", "  ", "a\nb"):
-        with pytest.raises(ImagechainError, match="is not a name for a set"):
-            save_set(name, node(SHARP), tmp_path)
-    with pytest.raises(ImagechainError, match="is not a module whose parameters can be saved"):
-        sets_of("../elsewhere", tmp_path)

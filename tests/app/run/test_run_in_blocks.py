@@ -1,26 +1,14 @@
 """``imagechain run --memory``: the same files, with pictures on disk."""
 
-import contextlib
 import json
 import resource
-import shutil
-import threading
 
 import numpy as np
 import pytest
 import zarr
 
-from app.command.run import carry_out
-from app.options.command_options import parse
 from app.run.shipped import find_network
-from app.run.way_of_running import WayOfRunning, blocks_of
-from core.chain.block_plan import largest_picture
-from core.chain.engine import Engine
-from core.errors import Cancelled, DataError
-from core.evaluation.policy import Policy
-from core.network.file import load_network
 from nodes.files.read import read_pixels
-from nodes.library import standard_library
 
 BUDGET = "100kB"
 LIMIT = 20_000  # bytes that a file may have
@@ -34,7 +22,7 @@ NETWORKS = {
 }
 
 
-@pytest.mark.thorough(but=5)
+@pytest.mark.thorough(but=4)
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("name", NETWORKS)
 def test_shipped_networks_to_the_bit(works, tmp_path, name, precision):
@@ -120,68 +108,6 @@ def test_geometry_convolution_and_measurements(works, write, tmp_path):
         assert a.read_bytes() == b.read_bytes()
 
 
-def test_read_out_artefacts(works, write, tmp_path):
-    """Lines from elsewhere, sums of whole columns, spills along them, and trails both ways."""
-    artefacts = {
-        "rolling_shutter": {"image_velocity_x": 9000, "image_velocity_y": -4000},
-        "frame_transfer_smear": {"line_transfer_time_s": 5e-6},
-        "blooming": {"full_well": 40},
-        "charge_trails": {"serial_efficiency": 0.999, "parallel_efficiency": 0.99},
-    }
-    scene = {"test_scene": {"width": 150, "height": 331}}
-    nodes = {key: {"module": key, "params": params} for key, params in (scene | artefacts).items()}
-    chain = [[f"{a}.image", f"{b}.image"] for a, b in zip(nodes, artefacts, strict=False)]
-    network = write({"format": "imagechain-network", "version": 1, "nodes": nodes, "links": chain})
-    for folder, memory in (("a", "8GB"), ("b", "100kB")):
-        saves = [f"--save={key}.image={folder}_{key}.npy" for key in artefacts]
-        done = works("run", network, *saves, "--memory", memory, "--output-dir", folder)
-        assert ("in blocks: " in done.stdout) == (folder == "b")
-    for key in artefacts:
-        a, b = (np.load(tmp_path / f"{folder}_{key}.npy") for folder in "ab")
-        np.testing.assert_array_equal(a, b)
-
-
-def test_photons_counted_behind_the_optics(works, write, tmp_path):
-    """Poisson deviates of every sample's own mean and digital numbers; figures of their noise."""
-    document = json.loads(find_network("mwir_camera").path.read_text())
-    nodes = document["nodes"]
-    nodes["camera"]["params"] |= {"pixels_x": 40, "pixels_y": 32}
-    nodes["scene"]["params"] |= {"width": 80, "height": 64}
-    nodes["focal_plane"]["final"] = True
-    chain = {key: document[key] for key in ("format", "version", "name", "seed", "nodes")}
-    network = write({**chain, "links": document["links"]})
-    for file, memory in (("a.npy", "8GB"), ("b.npy", "50kB")):
-        done = works(
-            "run",
-            network,
-            "--memory",
-            memory,
-            "--save",
-            f"focal_plane.image={file}",
-            "--output-dir",
-            file[0],
-        )
-        assert ("in blocks: " in done.stdout) == (file == "b.npy")
-    np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), np.load(tmp_path / "b.npy"))
-    a, b = (tmp_path / folder / "readouts.json" for folder in "ab")
-    assert a.read_bytes() == b.read_bytes()
-
-
-def test_noise_that_is_filtered_is_followed_in_memory_alone(imagechain, write):
-    """A budget behind optics of noise before them, and bad pixels, whose power is a picture's."""
-    document = json.loads(find_network("mwir_camera").path.read_text())
-    nodes = document["nodes"]
-    nodes["camera"]["params"] |= {"pixels_x": 40, "pixels_y": 32}
-    nodes["scene"]["params"] |= {"width": 80, "height": 64}
-    nodes["focal_plane"]["params"]["bad_pixel_percent"] = 1.0
-    done = imagechain("run", write(document), "--memory", "50kB")
-    assert done.returncode == 0, done.stderr
-    assert (
-        "budget is left out: computing noise that passes filters and patterns needs the whole"
-        in done.stdout
-    )
-
-
 def noisy(small):
     """With a file's scene, every kind of step, and a picture that is walked through twice."""
     small["nodes"]["scene"] = {
@@ -246,10 +172,6 @@ def test_saved_pictures_are_streamed(imagechain, works, small, write, scene, tmp
             "must be written as .npy .tif .tiff .bsq .img .zarr",
         ),
         (
-            ["--save", "back.image=b.npy", "--frames", "2"],
-            "2 frames: a picture of 99 × 84 samples is computed in blocks and can have only one",
-        ),
-        (
             ["--save", "blur.magnitude=b.npy"],
             "--save blur.magnitude: a magnitude of 99 × 84 samples must be computed all at once, "
             "and does not fit into --memory 50 kB",
@@ -262,43 +184,6 @@ def test_one_line(fails, small, write, scene, words, line):
     assert line in fails("run", write(noisy(small)), *budget, *words)
 
 
-def test_a_judge_that_needs_the_whole_keeps_no_picture_from_being_written(
-    works, small, write, scene, tmp_path
-):
-    document = noisy(small)
-    document["nodes"]["measured"] = {"module": "measured_mtf"}
-    document["links"] += [["back.image", "measured.image"]]
-    done = works("run", write(document), "--memory", "50kB", "--output-dir", "out", "--json")
-    (line,) = json.loads(done.stdout)["left_out"]
-    assert line.startswith("measured is left out: ")
-    assert (
-        "needs the whole picture of 99 × 84 samples and cannot run in blocks, and 50 kB of memory "
-        "are too few" in line
-    )
-    assert (tmp_path / "out/final.png").stat().st_size
-
-
-@pytest.mark.parametrize("at_most", [0, 10**9])
-def test_without_a_budget_it_runs_in_memory_as_before(small, write, scene, tmp_path, at_most):
-    """Where a node cannot work in blocks, and what there is suffices."""
-    document = noisy(small)
-    document["nodes"]["measured"] = {"module": "measured_mtf"}
-    document["links"] += [["back.image", "measured.image"]]
-    library, policy = standard_library(), Policy()
-    engine = Engine(library)
-    network = load_network(tmp_path / write(document), library=library)
-    plan = engine.plan(network, folder=tmp_path)
-    way = WayOfRunning(50_000, largest_picture(plan, policy), at_most)
-    how = {"ports": (), "report": False, "scratch": tmp_path}
-    expects = (
-        contextlib.nullcontext()
-        if at_most
-        else pytest.raises(DataError, match="needs the whole picture")
-    )
-    with expects, blocks_of(way, engine, plan, policy, **how) as blocks:
-        assert blocks is None
-
-
 def test_a_disk_without_room(fails, small, write, scene):
     """A limit on files' sizes refuses as a full disk does."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -309,24 +194,3 @@ def test_a_disk_without_room(fails, small, write, scene):
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert "the scratch folder . has no room for another" in line
-
-
-def test_stopped_in_the_middle(small, write, scene, tmp_path, monkeypatch):
-    """At a slab of rows; nothing is left, written or mapped."""
-    monkeypatch.chdir(tmp_path)
-    network, free = write(noisy(small)), shutil.disk_usage(tmp_path).free
-    cancel, seen = threading.Event(), []
-
-    class Watch(threading.Event):
-        def is_set(self):
-            seen.append(1)
-            return len(seen) > 60 or cancel.is_set()
-
-    with pytest.raises(Cancelled):
-        carry_out(parse(["run", network, "--memory", "50kB"]), Watch())
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "net.json",
-        "scene.npy",
-        "scene.zarr",
-    ]
-    assert free - shutil.disk_usage(tmp_path).free < 1 << 24

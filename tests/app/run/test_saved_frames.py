@@ -3,15 +3,13 @@
 import os
 import shlex
 import shutil
-import signal
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from child_process import PATIENCE_S, PEAK, ROOT, finished, wait_for
+from child_process import PEAK, ROOT, finished
 from nodes.files.read import read_info
 
 
@@ -46,16 +44,6 @@ def test_frames_of_a_picture(imagechain, works, noisy, tmp_path):
     changes = np.diff(frames, axis=0).std(axis=(1, 2))
     sigma = one.mean() / 20.0
     assert changes == pytest.approx(np.sqrt(2) * sigma, rel=0.15)
-
-
-def test_a_region_of_frames_is_cut_from_them(works, noisy, tmp_path):
-    works(
-        "run", noisy, "--frames", "3", "--save", "electronics.image=f.npy",
-        "--save", "electronics.image[2:9,5:]=part.npy", "--save", "electronics.table=t.csv",
-    )  # fmt: skip
-    whole, part = np.load(tmp_path / "f.npy"), np.load(tmp_path / "part.npy")
-    assert np.array_equal(part, whole[:, 2:9, 5:])
-    assert (tmp_path / "t.csv").exists()
 
 
 _OWN_MOUNTS = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
@@ -178,31 +166,3 @@ def test_many_frames_take_the_memory_of_ten(camera, tmp_path):
         assert exit_code == "0", done
         peaks[frames] = int(peak) / 1024
     assert peaks[1500] < peaks[10] + 5.0
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="ends a process by a signal")
-@pytest.mark.parametrize("save", SAVES)
-def test_a_stop_leaves_nothing(camera, tmp_path, save):
-    command = [sys.executable, "-m", "app.command.cli", "run", str(camera), "--frames=900000"]
-    child = subprocess.Popen(
-        [*command, save],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-    try:
-
-        def begun():
-            return any(path.stat().st_size > 4096 for path in tmp_path.glob(".*/*.*"))
-
-        wait_for(begun, "frames are written", child=child)
-        child.send_signal(signal.SIGTERM)
-        _, said = child.communicate(timeout=PATIENCE_S)
-    finally:
-        child.kill()
-        child.wait()
-    assert child.returncode == 1
-    assert said == "imagechain: cancelled; nothing was written\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]

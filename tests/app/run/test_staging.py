@@ -6,7 +6,7 @@ from functools import partial
 import pytest
 
 from app.run.staging import Staging
-from child_process import kill_program, run_program
+from child_process import kill_program
 from core.atomic import write_text
 from core.errors import FileError
 
@@ -73,40 +73,6 @@ def test_refuses_what_it_may_not_write(tmp_path, monkeypatch):
         staging.claim(tmp_path / "old.txt")
     with pytest.raises(FileError, match="permission"):
         staging.claim(tmp_path / "new.txt")
-
-
-# As root nothing is forbidden: the child becomes an ordinary user first.
-FORBIDDEN = """
-import os, tempfile
-from pathlib import Path
-from app.run.staging import Staging, check_folder
-from core.errors import FileError
-if os.getuid() == 0:
-    os.setuid(65534)
-with tempfile.TemporaryDirectory() as name:
-    os.chdir(name)
-    Path("there").mkdir()
-    Path("there").chmod(0o555)
-    os.chmod(".", 0o555)
-    for test in (
-        lambda: check_folder(Path("new/deep")),
-        lambda: check_folder(Path("there")),
-        lambda: Staging(Path("there")).check(Path("there/a.txt")),
-    ):
-        try:
-            test()
-        except FileError as error:
-            print(error.message.replace(os.path.realpath(name), "HERE"))
-    os.chmod(".", 0o755)
-"""
-
-
-def test_folders_that_may_not_be_written_to():
-    assert run_program(FORBIDDEN).stdout.splitlines() == [
-        "cannot write to new/deep: no permission to write in HERE",
-        "cannot write to there: no permission to write",
-        "cannot write there/a.txt: no permission to write in HERE/there",
-    ]
 
 
 def test_a_target_that_leads_elsewhere_since_it_was_claimed(tmp_path):
