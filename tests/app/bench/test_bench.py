@@ -5,9 +5,8 @@ import os
 
 import pytest
 
-from app.bench import PARTS, peers, precision, truth
-from app.bench.studies import points_table, scenes_table
-from app.bench.timing import STEADY, Settings
+from app.bench import PARTS
+from app.bench.timing import STEADY
 from app.options.command_words import BENCH_PARTS
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
@@ -92,46 +91,8 @@ def another_program_has_the_same_electrons(tables):
     [
         (["--only", "sped"], "sped"),
         (["--size", "33"], "multiple of 4"),
-        (["--size", "many"], "whole number"),
-        (["--json", ""], "file name"),
         (["--json", "no/such/folder/b.json"], "no folder"),
-        (["--html", "."], "it is a folder"),
-        (["kodak_kir310"], "kodak_kir310"),
     ],
 )
 def test_bad_words(words, told, fails, steady):
     assert told in fails("bench", "--quick", *words)
-
-
-def test_mpmath_missing_is_said(monkeypatch):
-    monkeypatch.setattr(truth, "mpmath", lambda: None)
-    for measure in (precision.charge_transfer, precision.wavelengths):
-        (table,) = measure(Settings(32, True))
-        assert not table.rows
-        assert "mpmath" in table.text
-
-
-def test_peers_that_are_missing_or_fail_are_rows(monkeypatch):
-    def broken(task):
-        raise ZeroDivisionError("theirs")
-
-    programs = (("no_such_program", "Absent", broken), ("rich", "Broken", broken))
-    monkeypatch.setattr(peers, "OURS", peers.OURS[:1])
-    monkeypatch.setattr(peers, "PEERS", programs)
-    (table,) = peers.peers(Settings(64, True))
-    notes = {row["program"]: row["note"] for row in table.rows}
-    assert notes["Absent"] == "not installed"
-    assert notes["Broken"] == "failed: ZeroDivisionError: theirs"
-    assert len(notes) == 3
-
-
-@pytest.mark.parametrize(
-    "table", [lambda: points_table(32, 3, (1,)), lambda: scenes_table(32, 9, (1,))]
-)
-def test_a_study_beside_the_loop(table):
-    loop, study = table().rows
-    assert (loop["count"], study["count"]) == (9, 9)
-    assert loop["ratio"] == 1.0
-    assert study["ratio"] == pytest.approx(study["seconds"] / loop["seconds"])
-    assert study["start"] is None
-    assert study["reach"] in (1.3, 1.2)

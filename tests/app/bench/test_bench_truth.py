@@ -92,7 +92,7 @@ def test_overlap_areas_by_counting(half_moon):
     assert half_moon or pupil_otf(radius, 90 * v, 0.0) == pytest.approx(disc, abs=1e-14)
 
 
-@pytest.mark.parametrize("mean", [0.0034, 3.0, 3000.0])
+@pytest.mark.parametrize("mean", [0.0034, 3000.0])
 def test_poisson_law_is_the_incomplete_gamma_function(mean):
     law = poisson_cumulative(mean)
     assert law[-1] == pytest.approx(1.0, abs=1e-11)

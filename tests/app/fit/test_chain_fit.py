@@ -8,7 +8,6 @@ import pytest
 from app.fit.chain_fit import EdgeProblem, positive
 from app.fit.chain_transfer import ChainAt
 from app.fit.free_parameter import free_parameters
-from app.fit.parameter_search import places
 from app.fit.picture_fit import edges_in
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
@@ -17,7 +16,7 @@ from edge_truth import blur_network, gaussian_edge
 from nodes.library import standard_library
 
 
-@pytest.mark.parametrize("sigma_mrad", [0.005, 0.05, 0.3])
+@pytest.mark.parametrize("sigma_mrad", [0.005, 0.3])
 def test_parameters_are_sorted_whatever_the_band(sigma_mrad):
     """A faint blur has a wider band, and a finer table of spreads, than the same times 1.3."""
     network = blur_network(
@@ -35,17 +34,6 @@ def test_parameters_are_sorted_whatever_the_band(sigma_mrad):
     problem.sort_out(np.array([sigma_mrad, 3.0]))
     assert problem.shown == {0}
     assert problem.noisy == frozenset()
-
-
-def test_starts_are_near_0_where_a_range_goes_far_to_both_sides():
-    """Of ±20 waves of defocus most is far beyond what any picture shows, and slow to evaluate."""
-    library = standard_library()
-    network = blur_network(optics=("diffraction_mtf", {"aperture_mm": 40.0}))
-    made = parse_network(json.dumps(network), library=library, name_of_source="optics")
-    (defocus,) = free_parameters(["optics.defocus_waves"], made, library)
-    tried = np.abs(places(defocus))
-    assert np.count_nonzero(tried < 1.0) > 0.6 * len(tried)
-    assert 0.2 * defocus.high < tried.max() < 0.5 * defocus.high
 
 
 def test_a_value_is_positive_where_its_sign_changes_nothing():

@@ -28,7 +28,7 @@ def spread(seen, start):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("start", [0.01, 0.2, 3.0])
+@pytest.mark.parametrize("start", [0.01, 3.0])
 def test_the_others_go_as_far_as_its_square_may(start):
     """At b = 0 a straight line has a known to 0.01; b² is 0 ± 0.1, and a goes with it."""
     a, b = spread(0.0, start)

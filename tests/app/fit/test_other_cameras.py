@@ -5,8 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.picture_fit import TakenWith, read_pictures
-from core.chain.wires import Image
 from edge_truth import blur_network, gaussian_edge
 
 HEADER = """ENVI
@@ -59,30 +57,3 @@ def test_bands_that_do_not_overlap_are_warned_of(files, works):
     assert "from 8 to 12 µm" in printed
     for name in ("mwir.img", "touching.img", "plain.npy"):
         assert not any("µm" in line for line in fitted(files, works, name)[0]), name
-
-
-def test_the_band_of_a_file_is_that_of_its_header(files):
-    (taken,) = read_pictures([files / "lwir.img"]).taken
-    assert taken.band_um == (8.0, 12.0)
-    (taken,) = read_pictures([files / "plain.npy"]).taken
-    assert (taken.band_um, taken.interval_x_mrad) == (None, None)
-
-
-def final(**facts):
-    return Image(None, (8, 8), "", **facts)
-
-
-@pytest.mark.parametrize(
-    ("own", "chain", "warned"),
-    [((0.1, 0.1), (0.1, 0.1), 0), ((0.1, 0.1), (0.101, 0.1), 0), ((0.2, 0.2), (0.1, 0.1), 2),
-     ((0.2, 0.1), (0.1, 0.1), 1), ((None, None), (0.1, 0.1), 0), ((0.2, 0.2), (None, None), 0)],
-)  # fmt: skip
-def test_samples_of_another_size_are_warned_of(own, chain, warned):
-    image = final(interval_x_mrad=chain[0], interval_y_mrad=chain[1])
-    lines = TakenWith("taken.tif", *own).unlike(image)
-    assert len(lines) == warned
-    if warned:
-        assert lines[0].startswith(
-            "a sample of taken.tif is 0.2 mrad across, and one of the chain's final picture 0.1 "
-            "mrad: the values are wrong by about that ratio, 2"
-        )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.handbook.module_examples import PAGES
-from app.measure.measurement_text import REFUSALS, in_words, refusal_of, refused_lines
+from app.measure.measurement_text import REFUSALS, refusal_of, refused_lines
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
 from core.physics.measurement.edges.edge_search import find_edges
@@ -72,18 +72,3 @@ def test_what_helps_is_told_where_no_edge_is_used():
 def test_the_handbook_names_every_kind():
     page = (PAGES / "edge_pictures.md").read_text(encoding="utf-8")
     assert not [one.words for one in REFUSALS if one.words not in page]
-
-
-def test_reasons_are_counted_by_kind_the_first_kind_first():
-    clipped = "clipped: 48% of its samples are at a limit"
-    soft = "soft in the scene: its spread is 2 samples wide, compared with 1 for sharper edges"
-    other = (
-        "the edge spread, 3 samples wide, is wider than the clear area of 5 samples around the edge"
-    )
-    assert in_words([clipped, soft, clipped, other]) == (
-        "clipped at black or white (2), softer than other edges of the picture (1), the edge "
-        "spread is wider than the clear area around the edge (1)"
-    )
-    assert in_words([clipped, soft, other, "new: 3", "new: 4"]).endswith("other reasons (2)")
-    assert refusal_of("off by 3.5 samples: far").words == "off by … samples"
-    assert refusal_of("off by 3.5 samples: far").helps == ""

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from budget_chain import ELECTRONICS, PHOTONS, SCENE, SENSOR
+from budget_chain import ELECTRONICS, SENSOR
 
 
 def test_it_is_in_both_reports(shipped_report):
@@ -33,46 +33,6 @@ def test_it_is_in_both_reports(shipped_report):
         "Detector MTF",
     ):
         assert words in page
-
-
-def test_a_phase_does_not_blur(works, tmp_path):
-    works("run", "spatial_blur", "--report", "r.json")
-    found = json.loads((tmp_path / "r.json").read_text())["budget"]
-    assert found["noise"] is None
-    assert [each["node"] for each in found["blur"]["stages"]] == ["blur"]
-
-
-def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
-    """Magnitude and phase of different pictures: neither noise nor blur can be told apart."""
-    scene = {"module": "test_scene", "params": {**SCENE, "width": 32, "height": 32}}
-    document = {
-        "format": "imagechain-network",
-        "version": 1,
-        "nodes": {
-            "one": scene,
-            "other": {"module": "test_scene", "params": {**scene["params"], "kind": "sine"}},
-            "photons": {"module": "poisson_noise", "params": PHOTONS},
-            "init_one": {"module": "init_trans", "params": SENSOR},
-            "init_other": {"module": "init_trans", "params": SENSOR},
-            "back": {"module": "back_transform"},
-        },
-        "links": [
-            ["one.image", "photons.image"], ["photons.image", "init_one.image"],
-            ["other.image", "init_other.image"], ["init_one.magnitude", "back.magnitude"],
-            ["init_other.phase", "back.phase"],
-        ],
-    }  # fmt: skip
-    done = imagechain("run", write(document), "--report", "r.json", "--report", "r.html")
-    assert (done.returncode, done.stderr) == (0, "")
-    found = json.loads((tmp_path / "r.json").read_text())["budget"]
-    assert (found["noise"], found["blur"]) == (None, None)
-    assert found["noise_reason"].startswith("the noise after back cannot be computed")
-    assert found["blur_reason"] == "the effect of back is not a known transfer function"
-    page = (tmp_path / "r.html").read_text()
-    assert (
-        "Noise cannot be split among its sources: the noise after back cannot be computed" in page
-    )
-    assert "Blur cannot be split among its sources: the effect of back is not" in page
 
 
 def test_a_picture_of_nothing_but_noise_is_shared_out(works, write, tmp_path):

@@ -144,25 +144,6 @@ def test_variances_add_up(whole):
     assert budget_["together_mean"] == pytest.approx(0, abs=0.05 * budget_["summed"])
 
 
-def test_every_source_alone_makes_the_same_noise(whole):
-    silent = {**ELECTRONICS, "gain_percent": 0, "bias_percent": 0, "amplifier_snr": None}
-    quiet = {"mode": "published", "percent": 0}
-    (alone,) = told(evaluated(network(quiet, silent)), "noise")["sources"]
-    assert (alone["name"], alone["share_temporal"]) == ("detector", 1.0)
-    assert alone["sigma"] == pytest.approx(sigmas(whole[1])["detector"], rel=1e-3)
-
-
-def test_quantization_is_a_step_over_root_twelve(whole):
-    level = radiance(whole[0])
-    low, high = 0.8 * level, 1.2 * level
-    ranged = {**COARSE, "range_low": low, "range_high": high}
-    found = told(evaluated(network(electronics=ranged)), "noise")
-    by_name = sigmas(found)
-    step = (high - low) / 63
-    assert by_name["quantization"] == pytest.approx(step / math.sqrt(12) / 2, rel=0.01)
-    assert found["together"] == pytest.approx(found["summed"], rel=0.02)
-
-
 def test_what_is_switched_off_or_elsewhere_is_no_source():
     document = network()
     off = document.with_node(
@@ -232,18 +213,3 @@ def test_detector_and_gaussian():
         (across / (gaussian + across + PAIRS), along / (along + PAIRS))
     )
     assert all(math.copysign(1, value) == 1 for pair in shares.values() for value in pair)
-
-
-def test_no_final_picture_is_a_reason():
-    found = evaluated(linked_network({"pupil": ("exit_pupil", {})}))
-    assert told(found, "noise") == told(found, "blur") == "the network has no final picture"
-
-
-@pytest.mark.parametrize("gain_model", ["per_pixel", "literal"])
-def test_the_gain_as_printed_is_the_picture_and_no_noise(gain_model):
-    electronics = {**ELECTRONICS, "gain_model": gain_model}
-    found = told(evaluated(network(electronics=electronics)), "noise")
-    assert ("gain" in sigmas(found)) is (gain_model == "per_pixel")
-    # Without its noise there would be no picture to compare with, and the report says so.
-    assert (found["together"] is None) is (gain_model == "literal")
-    assert bool(found["together_reason"]) is (gain_model == "literal")

@@ -4,8 +4,6 @@ import json
 
 import pytest
 
-from app.report.drawing.picture_drawing import figure
-from app.run.readout_tables import columns
 from core.names import printable
 
 FORMULA = r"$\frac{$"  # begins a formula that never ends
@@ -35,19 +33,6 @@ def test_a_report_of_unruly_names(works, write, unruly, tmp_path):
     assert r"\u001b]0;title\u0007" in page
 
 
-@pytest.mark.parametrize("text", [FORMULA, "$x$", "US$", r"\$", r"a\b", "$$"])
-def test_texts_are_drawn_as_they_are_written(text):
-    def png(formula: bool) -> bytes:
-        with figure(3.0, 2.0) as (drawn, out):
-            axis = drawn.subplots()
-            shown = axis.set_title(text)
-            if not formula:
-                shown.set_parse_math(False)
-        return out.getvalue()
-
-    assert png(formula=True) == png(formula=False)
-
-
 def test_what_a_terminal_would_obey_becomes_an_escape():
     assert printable("a\tb\nc\r\n") == "a\tb\nc\r\n"
     assert printable("é 視 🔭 µm²") == "é 視 🔭 µm²"
@@ -55,7 +40,3 @@ def test_what_a_terminal_would_obey_becomes_an_escape():
     assert printable(ORDERS).isprintable()
     assert json.loads(printable(json.dumps(ORDERS, ensure_ascii=False))) == ORDERS
     assert printable("\udc80") == r"\udc80"
-
-
-def test_a_cell_of_a_table_stays_in_its_line():
-    assert columns([("a\nb", "\x1b[2J", "c")]).splitlines() == [r"a b  \u001b[2J  c"]

@@ -7,7 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from app.report.spectra import spectra_png, spectrum
 from command_line import run_here
 from cube_network import BANDS, write_cube_network
 from nodes.library import standard_library
@@ -60,19 +59,3 @@ def test_the_page(reported):
     assert base64.b64decode(picture[1], validate=True).startswith(b"\x89PNG")
     for words in ("read.image, back.image", "3 to 5", "W/m²/sr/µm", f" of {BANDS}<"):
         assert words in section
-
-
-def test_a_network_without_bands_has_no_section(works, write, small, tmp_path):
-    works("run", write(small), "--report", "r.json", "--report", "r.html")
-    facts = json.loads((tmp_path / "r.json").read_text())
-    assert facts["spectra"] == {"means": [], "responses": [], "transformed": []}
-    assert "<h2>Spectrum</h2>" not in (tmp_path / "r.html").read_text()
-
-
-def test_pictures_of_several_units_and_one_band():
-    one = {"ports": ["a.image"], "bands": 1, "band_um": (1.0, 1.2), "centres_um": [1.1],
-           "widths_um": [0.2], "mean": [-0.5], "unit": ""}  # fmt: skip
-    two = {**one, "ports": ["b.image", "c.image"], "mean": [3.0], "unit": "W/m²/sr/µm"}
-    assert spectra_png([one, two], []).startswith(b"\x89PNG")
-    facts = {"spectra": {"means": [one, two], "responses": [], "transformed": []}}
-    assert len(spectrum(facts)) == 3

@@ -1,8 +1,6 @@
 """A study by real worker processes: the same rows, and what becomes of a worker that dies."""
 
 import logging
-import threading
-import time
 
 import distributed
 import pytest
@@ -77,48 +75,3 @@ def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_o
     assert rows[11]["error"]
     del expected[11], rows[11]
     assert rows == expected
-
-
-def test_a_worker_of_another_version_is_named(study, monkeypatch, tmp_path):
-    monkeypatch.setattr("app.study.study_request.version", lambda: "0.0")
-    done = study("--output=a.csv")
-    assert done.returncode == 2
-    assert "all must have the same version; 0 of 40 points are done" in done.stderr
-
-
-def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster, tmp_path, monkeypatch):  # fmt: skip  # noqa: E501
-    """The last test of the module: the cluster is no more."""
-    journal = tmp_path / "b.csv.journal"
-
-    def close():
-        end = time.monotonic() + PATIENCE_S
-        while not (journal.exists() and journal.read_bytes().count(b"\n") > 2):
-            if done.wait(0.01) or time.monotonic() > end:
-                return
-        cluster.close()
-
-    def slow(setting, key, tasks, share):
-        import time  # by value it goes to a worker, which has nothing of this file
-
-        from app.study.worker_rows import rows_of_batch
-
-        time.sleep(0.1)
-        return rows_of_batch(setting, key, tasks[:1], share)
-
-    monkeypatch.setattr("app.study.dask_study.rows_there", slow)
-    done = threading.Event()
-    closing = threading.Thread(target=close)
-    closing.start()
-    ended = study("--output=b.csv")
-    done.set()
-    closing.join()
-    assert ended.returncode == 2
-    assert ended.stderr.startswith("imagechain: the scheduler tcp://127.0.0.1:")
-    assert " no longer answers; " in ended.stderr
-    assert ended.stderr.count("\n") == 1
-    kept = journal.read_bytes().count(b"\n") - 1
-    assert f"; {kept} of 40 points are done and saved in b.csv.journal" in ended.stderr
-    monkeypatch.undo()
-    assert study("--output=b.csv", alone=True).returncode == 0
-    study("--output=a.csv", alone=True)
-    assert rows_of("a.csv") == rows_of("b.csv")

@@ -2,25 +2,21 @@
 
 import json
 import math
-import os
 from pathlib import Path
 
 import pytest
 
 from app.options.option_values import save_target
-from app.study.batches import Lanes
-from app.study.study_journal import Column, write_columns
 from app.study.study_points import (
     files_axis,
     grid_axis,
     grid_points,
-    listed_points,
     natural,
     order_of,
     sampled,
 )
 from app.study.study_request import file_names, save_pattern
-from core.errors import FileError, ImagechainError
+from core.errors import ImagechainError
 from core.network.file import load_network
 from nodes.library import standard_library
 from tradeoff_network import DOCUMENT
@@ -89,9 +85,7 @@ def test_a_list_has_columns_by_name_in_the_parameters_units(network, tmp_path):
 LISTS = {
     "other unit": (f"{SIGMA} (µrad)\n1\n", "the unit must be the parameter's, mrad"),
     "out of range": (f"{SIGMA}\n1\n-1\n", "line 3: sigma_x_mrad = -1 mrad is not allowed"),
-    "no rows": (f"{SIGMA}\n", "a first line of names"),
     "short row": (f"{SIGMA},{D_STAR}\n1,1e10\n1\n", "line 3 has 1 cells"),
-    "twice": (f"{SIGMA},{SIGMA}\n1,1\n", "two columns have the same name"),
 }
 
 
@@ -153,50 +147,3 @@ def test_files_are_named_by_fields(network, tmp_path, monkeypatch):
         with pytest.raises(ImagechainError) as error:
             names(pattern)
         assert why in str(error.value)
-
-
-def test_neighbours_go_to_one_worker_and_all_points_go_out_once():
-    tasks = [(place, (), ()) for place in range(100)]
-    lanes = Lanes(tasks, 2)
-    (first,) = lanes.batch(0)
-    lanes.done(0, [first], 1)  # all of it, so that the next one is twice as long
-    pair, other = lanes.batch(0), lanes.batch(1)
-    assert [task[0] for task in (first, *pair, *other)] == [0, 1, 2, 50, 51]
-    lanes.done(0, pair, 1)  # of which one takes as long as a batch may: the other goes back
-    taken = [first, pair[0], *other]
-    while lanes.left:
-        taken += lanes.batch(0)  # which takes the other's stretch when its own is done
-    assert sorted(task[0] for task in taken) == list(range(100))
-
-
-@pytest.mark.parametrize(
-    ("suffix", "library"), [("csv", "csv"), ("parquet", "pyarrow"), ("nc", "h5netcdf")]
-)
-def test_rows_that_the_disk_cannot_hold_are_one_line_and_no_file(suffix, library, tmp_path):
-    pytest.importorskip(library)
-    resource = pytest.importorskip("resource")
-    column = Column("a", "", [math.sqrt(place) for place in range(1000)])
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, limits[1]))
-    try:
-        with pytest.raises(FileError, match=r"^cannot write .*: .*File too large$"):
-            write_columns([column], tmp_path / f"rows.{suffix}", "rows")
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert not list(tmp_path.iterdir())
-
-
-def test_points_from_a_pipe_are_refused_and_not_waited_for(tmp_path, network):
-    os.mkfifo(tmp_path / "points.csv")
-    with pytest.raises(FileError, match=r"cannot read .*points\.csv: it is not a regular file"):
-        listed_points(tmp_path / "points.csv", network, library=LIBRARY)
-
-
-def test_a_list_that_is_too_long_is_refused_before_it_is_read(tmp_path, network):
-    path = tmp_path / "points.csv"
-    path.write_text(f"{SIGMA}\n1\n")
-    os.truncate(path, 1 << 40)
-    with pytest.raises(
-        FileError, match=r"points\.csv: 1099511627776 bytes are too many; allowed: at most "
-    ):
-        listed_points(path, network, library=LIBRARY)

@@ -67,13 +67,3 @@ def test_a_full_disk_ends_it_with_one_line_and_what_is_done_stays(sensor, imagec
     assert content.endswith(b"\n")
     assert int(line.split("; ")[1].split()[0]) == content.count(b"\n") - 1 > 50
     assert not (tmp_path / "a.csv").exists()
-
-
-def test_a_picture_that_cannot_be_written_is_a_row_with_its_reason(sensor, imagechain, rows_of, tmp_path):  # fmt: skip  # noqa: E501
-    (tmp_path / "2.npy").mkdir()
-    words = ["--vary=blur.sigma_x_mrad=0,1,2", "--save=back.image={point}.npy", "--jobs=1"]
-    done = imagechain("study", sensor, *words, "--output=a.csv")
-    assert done.returncode == 2
-    assert "1 of 3 points failed" in done.stderr
-    assert [bool(row["error"]) for row in rows_of("a.csv")] == [False, True, False]
-    assert "2.npy" in rows_of("a.csv")[1]["error"]

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.run.shipped import command, environment
 from child_process import PATIENCE_S, ROOT, finished, wait_for
 
 WORDS = ["--vary=blur.sigma_x_mrad=0:1:8", "--vary=electronics.d_star=1e10:1e12:5:log"]
@@ -121,15 +120,6 @@ def test_a_point_that_ends_its_process_is_a_row_and_costs_no_other(sensor, image
     assert rows == expected
 
 
-def test_a_process_that_cannot_begin_is_one_line(sensor, imagechain, monkeypatch, tmp_path):
-    ending = [sys.executable, "-P", "-c", "import sys; sys.exit(7)"]
-    monkeypatch.setattr("app.study.worker_processes.command", lambda _: ending)
-    done = imagechain("study", sensor, *WORDS, "--output=b.csv", "--jobs=2")
-    assert done.returncode == 2
-    assert "a process of the study stopped while starting (exit code 7)" in done.stderr
-    assert "0 of 40 points are done" in done.stderr
-
-
 def test_stopped_it_says_what_is_kept_and_goes_on(sensor, begun, imagechain, rows_of, tmp_path):
     child = begun("b.csv")
     workers = workers_of(child.pid)
@@ -148,10 +138,9 @@ def test_stopped_it_says_what_is_kept_and_goes_on(sensor, begun, imagechain, row
     assert rows_of("b.csv") == rows_of("a.csv")
 
 
-@pytest.mark.parametrize("before", ["time.sleep(0.05)", "time.sleep(0.05 if task[0] < 30 else 99)"])
-def test_a_killed_study_leaves_no_process(begun, before):
+def test_a_killed_study_leaves_no_process(begun):
     """Also where a worker is within a point that takes longer than anybody waits."""
-    child = begun("b.csv", before=before)
+    child = begun("b.csv", before="time.sleep(0.05 if task[0] < 30 else 99)")
     workers = workers_of(child.pid)
     assert len(workers) == 2
     child.kill()
@@ -254,14 +243,6 @@ def test_a_study_imports_nothing_of_the_current_folder(traps, write, sensor, tmp
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = finished([sys.executable, "-P", "-c", program, *words], folder=traps, env=variables)
     assert (done.returncode, done.stderr) == (0, "")
-    assert not (traps / "marks").exists()
-
-
-def test_no_process_of_ours_imports_anything_of_the_current_folder(traps, tmp_path):
-    """As the editor, the handbook and the benchmark start them."""
-    words = ["run", "first_steps", f"--output-dir={tmp_path}"]
-    done = finished(command("app.command.cli", *words), folder=traps, env=environment())
-    assert done.returncode == 0, done.stderr
     assert not (traps / "marks").exists()
 
 

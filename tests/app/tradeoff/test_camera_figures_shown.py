@@ -2,8 +2,6 @@
 
 import pytest
 
-from app.editor.declared_text import label_of
-from app.editor.docks.tradeoff_view import first_figures, in_order
 from app.tradeoff.tradeoff_figures import computed, default_figures, figures_of
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
@@ -30,31 +28,6 @@ def test_its_figures_are_what_a_trade_off_shows_by_default(camera):
     names = {figure.text for figure in default_figures(camera, LIBRARY)}
     assert {"fpa.netd_K", "fpa.snr", "fpa.well_fill_percent"} <= names
     assert not any(name.startswith("beside.") for name in names)
-
-
-def test_netd_and_snr_come_first(camera):
-    known = in_order(figures_of(camera, LIBRARY), camera)
-    assert next(iter(known)).startswith("fpa.")
-    assert first_figures(camera, known) >= {"fpa.netd_K", "fpa.snr"}
-
-
-@pytest.mark.parametrize(
-    ("name", "label"),
-    [
-        ("full_well_e", "Full well"), ("dark_current_e_per_s", "Dark current"),
-        ("gain_e_per_dn", "Gain"), ("tdi_stages", "TDI stages"), ("prnu_percent", "PRNU"),
-        ("nei_photons_per_cm2", "NEI"), ("mean_dn", "Mean"), ("netd_K", "NETD"),
-        ("netd_mK", "NETD"), ("psd_path", "PSD path"),
-    ],
-)  # fmt: skip
-def test_a_unit_at_the_end_of_a_name_stands_beside_the_value(name, label):
-    assert label_of(name) == label
-
-
-@pytest.mark.parametrize("name", ["optics_K", "housing_K", "source_K"])
-def test_a_field_in_kelvin_is_of_a_temperature(name):
-    """`Optics`, with a field in K below the transmission, named no quantity."""
-    assert label_of(name).endswith("temperature")
 
 
 def test_a_figure_of_a_clipped_picture_has_its_reason():

@@ -62,23 +62,6 @@ def test_a_pixel_passes_two_over_pi_at_its_own_nyquist_frequency():
     assert found["mtf_at_nyquist_y"] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_slices_mark_and_read_both():
-    engine, plan, work = planned()
-    found = engine.readouts(plan, "slices", work)
-    across = gaussian(0.5 / PITCH_X) * 2 / math.pi
-    along = gaussian(0.5 / PITCH_Y) * 2 / math.pi
-    assert found["at_pixel_nyquist_x"] == pytest.approx(across, rel=1e-12)
-    assert found["at_pixel_nyquist_y"] == pytest.approx(along, rel=1e-12)
-    assert found["at_nyquist_x"] == pytest.approx(-gaussian(10) * 2 / (3 * math.pi), rel=1e-9)
-    marks = {mark.text: mark.x for mark in engine.value(plan, "slices.curve", work).marks}
-    assert marks == pytest.approx({
-        "Nyquist of the pixels horizontal": 0.5 / PITCH_X,
-        "Nyquist of the samples horizontal": 10.0,
-        "Nyquist of the pixels vertical": 0.5 / PITCH_Y,
-        "Nyquist of the samples vertical": 10.0,
-    })  # fmt: skip
-
-
 def test_without_a_pitch_there_is_the_nyquist_of_the_samples_alone():
     engine, plan, work = planned(pixels="", detector_x_um=None, detector_y_um=None)
     blur = engine.readouts(plan, "blur", work)
