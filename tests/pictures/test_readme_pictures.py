@@ -43,6 +43,7 @@ def short(tmp_path_factory):
     return frames_of(file)[0]
 
 
+@pytest.mark.thorough  # twenty seconds of a window on a display of its own
 def test_the_session_ends_where_it_began(short):
     height = CLIP_SIZE[1]
     assert short[0].shape == (height + CAPTION_HEIGHT, CLIP_SIZE[0], 3)

@@ -125,12 +125,12 @@ def test_what_is_printed_is_compared_as_it_is_shown():
     assert not is_as_shown("a 12\n", "a 1\n")
 
 
+SLOW = {"fitting", "infrared_camera", "satellite"}  # more than ten seconds each
+
+
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.thorough) if name == "fitting" else name
-        for name in NAMES
-    ],
+    [pytest.param(name, marks=pytest.mark.thorough) if name in SLOW else name for name in NAMES],
 )
 def test_a_page(name, tmp_path, monkeypatch, background):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
