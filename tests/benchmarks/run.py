@@ -30,8 +30,6 @@ PARTS = {
     "growth": "As the picture grows",
     "blocks": "Frames beyond memory",
     "scanning": "Line by line, or the whole image at once",
-    "bands": "Bands of a cube",
-    "details": "Details of precision",
 }
 
 
