@@ -32,12 +32,6 @@ def test_every_module_has_its_parameters_with_units_and_defaults():
             assert f"[{parameter.param.unit}]" in text or not parameter.param.unit
 
 
-def test_a_module_by_its_key():
-    assert ic.part("gaussian_mtf", sigma_x_mrad=1).params == {"sigma_x_mrad": 1.0}
-    with pytest.raises(ic.NetworkError, match="there is no module gausian_mtf; did you mean"):
-        ic.part("gausian_mtf")
-
-
 def test_a_value_that_is_not_allowed_is_refused_at_once():
     message = "sigma_x_mrad = -1 mrad is not allowed: a number of at least 0"
     with pytest.raises(ic.ParameterError) as caught:

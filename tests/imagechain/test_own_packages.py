@@ -1,13 +1,12 @@
 """`import imagechain` beside folders and files that have the names of its own packages."""
 
-import os
 import re
 import sys
 
 import numpy as np
 import pytest
 
-from app.run.shipped import command, environment
+from app.run.shipped import environment
 from child_process import ROOT, finished
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -55,14 +54,6 @@ def test_the_ten_lines_beside_the_users_own_core(tmp_path):
     assert picture.tobytes() == saved.tobytes()
 
 
-def test_a_child_process_of_ours_beside_them(tmp_path):
-    strangers(tmp_path)
-    env = environment({**os.environ, "PYTHONPATH": str(tmp_path)})
-    done = finished(command("app.command.cli", "networks"), folder=tmp_path, env=env)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "kodak_kir310" in done.stdout
-
-
 def test_another_core_imported_before_is_refused(tmp_path):
     (tmp_path / "core.py").write_text("")
     done = finished([sys.executable, "-c", "import core, imagechain"], folder=tmp_path)
@@ -93,9 +84,7 @@ GONE = "the current folder has been removed: change to another one"
     ("words", "line"),
     [
         (["-c", IN_PYTHON], ""),
-        (["-m", "imagechain", "networks"], ""),
         (["-m", "imagechain", "run", "first_steps", "--output-dir", "{}"], ""),
-        (["-m", "imagechain", "run", "first_steps"], f"cannot write to first_steps-output: {GONE}"),
         (["-m", "imagechain", "edit", "--screenshot", "window.png"], GONE),
     ],
 )
