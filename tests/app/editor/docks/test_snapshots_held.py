@@ -51,6 +51,15 @@ def test_the_oldest_lose_their_pictures():
     assert [len(each.pictures) for each in states] == [0, 0, 1, 1]
 
 
+def test_the_one_that_is_compared_keeps_what_is_on_display():
+    states = [state(1, samples(), samples()), state(2, samples()), state(3, samples())]
+    dropped = drop_pictures(states, EACH, states[0], {"node1.image"})
+    assert dropped == ["Snapshot 2", "Snapshot 3", "Snapshot 1"]
+    assert list(states[0].pictures) == ["node1.image"]
+    # What is on display stays, even beyond the bound: else it would be computed for ever.
+    assert drop_pictures(states, 0, states[0], {"node1.image"}) == []
+
+
 @pytest.mark.parametrize(
     ("a", "b", "line"),
     [

@@ -10,6 +10,7 @@ import pytest
 
 from app.editor.evaluation import evaluator as evaluator_module
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.queries import Answer
 from child_process import PATIENCE_S
 from core.chain.engine import Engine, PlannedNode
 from core.editing.document import Document
@@ -108,6 +109,18 @@ def test_edits_that_come_while_a_pass_runs_make_one_more(evaluator, answers, sma
     # One pass for all ten edits; the one that ran is given up where it has taken long already.
     assert [each["amplifier_snr"] for each in params] in ([100.0, 59.0], [59.0])
     assert len(done) <= 2
+
+
+def test_an_answer_older_than_the_newest_is_dropped(evaluator, answers, small, settled):
+    evaluator.ask("viewer", [FINAL])
+    settled()
+    newest = answers[-1].generation
+    outbox = evaluator._outbox
+    outbox.answer(Answer(newest - 1, "viewer", FINAL, "late"))
+    evaluator._take_news()
+    outbox.answer(Answer(newest, "viewer", FINAL, "in time"))
+    evaluator._take_news()
+    assert [answer.value for answer in answers[1:]] == ["in time"]
 
 
 def test_an_open_document_is_not_waited_for_by_the_next(evaluator, answers, small, settled, qtbot):

@@ -37,6 +37,22 @@ def test_who_gives_way_to_an_edit(elapsed, expected, has_preview, new_gesture, g
     assert found is gives_way
 
 
+def test_new_gestures_do_not_put_a_picture_off_for_ever():
+    """Once more time was wasted than a picture takes, one is finished; then all is as before."""
+    pace = Pace()
+
+    def gives_way():
+        return pace.gives_way(SLOW, SLOW, has_preview=False, new_gesture=True)
+
+    pace.gave_way(0.3)
+    assert gives_way()
+    pace.gave_way(0.2)
+    assert not gives_way()
+    assert pace.gives_way(SLOW, SLOW, has_preview=True, new_gesture=True)
+    pace.shown()
+    assert gives_way()
+
+
 @pytest.mark.parametrize(
     ("took", "wait"),
     [(2.0, 8.0), (0.001, 0.1)],

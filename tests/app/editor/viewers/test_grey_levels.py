@@ -7,6 +7,7 @@ import pytest
 
 from app.editor.viewers.pixels.grey_levels import (
     BINS,
+    between_ends,
     extremes,
     grey_levels,
     quantiles,
@@ -88,3 +89,16 @@ def test_threads_change_nothing():
     alone, many = spread_of(samples), spread_of(samples, for_each=each)
     assert (alone.counts == many.counts).all()
     assert (grey_levels(samples, -1, 1) == grey_levels(samples, -1, 1, for_each=each)).all()
+
+
+@pytest.mark.parametrize(
+    ("levels", "bits", "drawn"),
+    [
+        ((255.0, 255.0), 8, (0.0, 255.0)),  # clipped throughout: white
+        ((0.0, 0.0), 8, (0.0, 255.0)),
+        ((128.0, 128.0), 8, (128.0, 128.0)),
+        ((255.0, 255.0), None, (255.0, 255.0)),  # no converter: no ends
+    ],
+)
+def test_a_picture_clipped_throughout_is_white_or_black(levels, bits, drawn):
+    assert between_ends(*levels, bits) == drawn
