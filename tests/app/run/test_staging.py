@@ -5,6 +5,7 @@ from functools import partial
 
 import pytest
 
+import app.run.staging as staging_module
 from app.run.staging import Staging
 from child_process import kill_program
 from core.atomic import write_text
@@ -34,16 +35,22 @@ def test_without_commit_nothing_stays(tmp_path):
     assert (tmp_path / "a.txt").read_text() == "old"
 
 
-def test_a_failing_commit_takes_back_what_it_did(tmp_path):
+def test_a_failing_commit_takes_back_what_it_did(tmp_path, monkeypatch):
+    put = staging_module._put
+
+    def failing(staged, undo):
+        if staged.target.name == "late":
+            raise OSError(28, "No space left on device")
+        put(staged, undo)
+
+    monkeypatch.setattr(staging_module, "_put", failing)
     (tmp_path / "a.txt").write_text("old")
     with Staging(tmp_path / "out") as staging:
         for name in ("a.txt", "new.txt", "out/c.txt", "late"):
             staging.write(tmp_path / name, partial(write_text, content="new"))
-        (tmp_path / "late").mkdir()  # since it was claimed
-        (tmp_path / "late/full").touch()
-        with pytest.raises(FileError, match="late"):
+        with pytest.raises(FileError, match="late: No space left"):
             staging.commit()
-    assert names(tmp_path) == ["a.txt", "full", "late"]
+    assert names(tmp_path) == ["a.txt"]
     assert (tmp_path / "a.txt").read_text() == "old"
 
 
