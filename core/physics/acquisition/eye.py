@@ -80,7 +80,7 @@ def coloured_share(
     Parameters
     ----------
     length_x_mrad, length_y_mrad
-        Sides of the rectangles, mrad, zero or above, shape (n,).
+        Sides of the rectangles, mrad, zero or above, both of shape (n,).
     noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad
         Frequencies up to which the spectrum goes, cycles/mrad, above zero.
     spectrum
@@ -91,16 +91,8 @@ def coloured_share(
     -------
     ndarray of float64, shape (n,)
         ∬ S(ξ, η)·sinc²(X·ξ)·sinc²(Y·η) dξ dη over ∬ S(ξ, η) dξ dη; of a spectrum of one cell, which
-        is white, the product of both `spatial_share`.
+        is white, the product of both `spatial_share`. In a cell sinc² is integrated exactly.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or sides of different shapes.
-
-    Notes
-    -----
-    In a cell the spectrum is constant and sinc² is integrated exactly.
     Source: Ratches et al. 1975, ECOM-7043, Q(f); Scott and D'Agostino 1992, Proc. SPIE 1689, 194,
     E_h and E_v: both have the noise's filters H_N² = S under the integral.
     """
@@ -129,25 +121,11 @@ def _share_of_cells(length_mrad: ArrayLike, bandwidth: float, cells: int) -> Vec
 
 
 def frames_integrated(*, frame_rate_Hz: float, eye_integration_s: float) -> float:
-    """Frames over which the eye averages, F_R·t_E; one at the least.
+    """Frames over which the eye averages, F_R·t_E, or 1 where fewer frames come.
 
-    Parameters
-    ----------
-    frame_rate_Hz
-        Frames in a second F_R, Hz, above zero.
-    eye_integration_s
-        Integration time t_E of the eye, s, above zero: 0.2 s in Ratches' model, 0.1 s and less
-        for bright displays.
-
-    Returns
-    -------
-    F_R·t_E, or 1 where fewer frames come than the eye could average.
-
-    Notes
-    -----
-    The temporal integrator of FLIR92, E_t = α_t/(F_R·τ_E), is the inverse of it, with α_t = 1:
-    independent frames.
-    Source: Ratches et al. 1975, ECOM-7043; Scott and D'Agostino 1992.
+    The integration time t_E is 0.2 s in Ratches' model, 0.1 s and less for bright displays. The
+    temporal integrator of FLIR92, E_t = α_t/(F_R·τ_E), is the inverse, with α_t = 1: independent
+    frames. Source: Ratches et al. 1975, ECOM-7043; Scott and D'Agostino 1992.
     """
     rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
     time = positive("eye_integration_s", eye_integration_s, unit="s")

@@ -113,17 +113,8 @@ def giqe_5(*, gsd_inch: ArrayLike, rer: ArrayLike, snr: ArrayLike) -> Any:
 def ground_gsd(*, gsd: ArrayLike, elevation_deg: float) -> Any:
     """Geometric mean of the ground sample distance on the ground: GSD/√sin(elevation).
 
-    Parameters
-    ----------
-    gsd : array_like
-        Normal to the line of sight: pitch times range over focal length, any unit of length.
-    elevation_deg : float
-        Of the line of sight above the horizon, seen from the target, above 0 and at most 90.
-
-    Returns
-    -------
-    float or ndarray
-        In the unit of `gsd`.
+    `gsd` is that normal to the line of sight, pitch times range over focal length, in any unit; the
+    elevation is of the line of sight above the horizon at the target, above 0 and at most 90.
 
     Source: GIQE version 5.0 (NGA, 16 September 2015), section 2.3; used by version 4.
     """
@@ -255,9 +246,7 @@ def edge_response(
     mtf
         Signed transfer function without phase, of frequencies in cycles/mrad; 1 at zero.
     places_px
-        Places in samples, the edge at 0.
-    sample_mrad
-        A sample, mrad.
+        Places in samples of `sample_mrad`, the edge at 0.
 
     Returns
     -------

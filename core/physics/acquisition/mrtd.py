@@ -37,6 +37,7 @@ Direction = Literal["horizontal", "vertical"]
 BARS_LENGTH = 7.0  # widths of a bar
 HARMONIC = math.pi**2 / 8.0
 _ZERO = 1e-12  # a transfer function below this is rounding
+_LEVELS = 257  # temperatures of the MRTD for both directions
 
 
 def mrtd_ratches_K(  # noqa: N802
@@ -166,8 +167,6 @@ def mrtd_flir92_K(  # noqa: N802
     Proc. SPIE 1689, 194. The equations' numbers could not be checked; the form was derived anew.
     """
     at, transfer = _curve(frequency, mtf)
-    if direction not in ("horizontal", "vertical"):
-        raise ParameterError("direction", direction, "horizontal or vertical")
     over_width = spatial_share(
         length_mrad=0.5 / at, noise_bandwidth_cyc_per_mrad=across_cyc_per_mrad
     )
@@ -196,7 +195,7 @@ def mrtd_flir92_K(  # noqa: N802
 
 
 def mrtd_two_dimensional(
-    *, frequency: ArrayLike, horizontal_K: ArrayLike, vertical_K: ArrayLike, samples: int = 257
+    *, frequency: ArrayLike, horizontal_K: ArrayLike, vertical_K: ArrayLike
 ) -> tuple[Vector, Vector]:
     """The one MRTD for both directions: at each temperature √(f_h·f_v) of the two curves.
 
@@ -206,15 +205,13 @@ def mrtd_two_dimensional(
         Frequencies of both curves in cycles/mrad, rising, above zero, shape (n,).
     horizontal_K, vertical_K
         MRTD in K, shape (n,); an infinite one ends the curve.
-    samples
-        Number m of temperatures, from the higher of the curves' lowest values to the higher of
-        their highest.
 
     Returns
     -------
-    (frequency, mrtd) : ndarrays of float64, at most m each
-        cycles/mrad, rising, and K, the least that resolves them; without noise in both directions
-        zero up to where the curves end. No samples if one of the directions resolves nothing.
+    (frequency, mrtd) : ndarrays of float64, at most 257 each
+        cycles/mrad, rising, and K, the least that resolves them, from the higher of the curves'
+        lowest values to the higher of their highest; without noise in both directions zero up to
+        where the curves end. No samples if one of the directions resolves nothing.
 
     Notes
     -----
@@ -232,7 +229,7 @@ def mrtd_two_dimensional(
         return np.empty(0), np.empty(0)
     low = max(float(values.min()) for values in finite)
     high = max(float(values.max()) for values in finite)
-    levels = np.geomspace(low, high, samples) if low > 0.0 else np.linspace(low, high, samples)
+    levels = (np.geomspace if low > 0.0 else np.linspace)(low, high, _LEVELS)
     reached = [
         resolvable_frequency(frequency=frequency, mrtd_K=curve, apparent_K=levels)
         for curve in curves
@@ -281,19 +278,9 @@ _CHANNEL = 2.2  # of the logarithm squared: a channel of vision is 1.6 octaves w
 def eyeball_mtf(*, frequency_cyc_per_mrad: ArrayLike, luminance_cd_m2: float) -> Vector:
     """MTF of the eye's optics, retina and tremor, both eyes' pupils as wide as the display makes.
 
-    Parameters
-    ----------
-    frequency_cyc_per_mrad
-        At the eye, zero or above.
-    luminance_cd_m2
-        Mean luminance of the display, above zero.
-
-    Returns
-    -------
-    ndarray
-        exp(−(43.69·u/f0)^i0)·exp(−0.375·u^1.21)·exp(−0.4441·u²), with f0 = exp(3.663 −
-        0.0216·D²·ln D), i0 = (0.7155 + 0.277/√D)² and a pupil of D = −9.011 +
-        13.23·exp(−lg(L/fL)/21.082) mm, 2 to 8.
+    exp(−(43.69·u/f0)^i0)·exp(−0.375·u^1.21)·exp(−0.4441·u²) at a frequency u at the eye, with f0 =
+    exp(3.663 − 0.0216·D²·ln D), i0 = (0.7155 + 0.277/√D)² and a pupil of D = −9.011 +
+    13.23·exp(−lg(L/fL)/21.082) mm, 2 to 8.
 
     Source: Overington 1976, Vision and Acquisition, as Vollmerhausen and Jacobs 2004, report
     AMSEL-NV-TR-230, has it. Written down from the literature that quotes it; the coefficients could

@@ -51,19 +51,10 @@ def johnson_probability(*, cycles: ArrayLike, n50: ArrayLike) -> Any:
 
 
 def ttp_probability(*, value: ArrayLike, v50: ArrayLike) -> Any:
-    """Probability of a task from the TTP value of the target (`core.physics.acquisition.ttp`).
+    """Probability of a task from the TTP value V of the target (`core.physics.acquisition.ttp`).
 
-    Parameters
-    ----------
-    value
-        TTP value V of the target, resolvable "cycles", zero or above.
-    v50
-        Value at which half of the trials succeed, above zero.
-
-    Returns
-    -------
-    float or ndarray
-        P = r^E/(1 + r^E) with r = V/V50, E = 1.51 + 0.24·r; of the broadcast shape.
+    P = r^E/(1 + r^E) with r = V/V50, E = 1.51 + 0.24·r, of the broadcast shape; `v50` is the value
+    at which half of the trials succeed, above zero.
 
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806. The number of the
     equation could not be checked.
@@ -86,20 +77,7 @@ def apparent_difference(
 ) -> Any:
     """Temperature difference of target and background that is left after a path through air.
 
-    Parameters
-    ----------
-    delta_K
-        Difference at the target in K, of either sign.
-    extinction_per_km
-        Extinction coefficient β of the band, 1/km, zero or above.
-    range_m
-        m, zero or above.
-
-    Returns
-    -------
-    float or ndarray
-        ΔT·exp(−β·R), K, of the broadcast shape and the sign of `delta_K`.
-
+    ΔT·exp(−β·R), K, of the broadcast shape and the sign of `delta_K`.
     Source: Bouguer 1729, Beer 1852 (one coefficient for the band); Ratches 1976.
     """
     difference, extinction, distance = broadcast(
@@ -129,11 +107,6 @@ def resolvable_frequency(*, frequency: ArrayLike, mrtd_K: ArrayLike, apparent_K:
     float or ndarray
         Cycles/mrad, of the shape of `apparent_K`; 0 where it is below all of the curve, the
         curve's last frequency where it is above it up to its end.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or a curve whose two rows differ in length.
 
     Source: Ratches 1976. Between samples the MRTD is a power of the frequency, as it is towards
     zero; from frequency zero, or an MRTD of zero, it is linear. End the curve at the first zero
@@ -187,21 +160,15 @@ def resolvable_cycles(
     ----------
     frequency, mrtd_K
         The MRTD's curve, as in `resolvable_frequency`.
-    delta_K
-        Temperature difference of target and background in K, of either sign.
+    delta_K, range_m, extinction_per_km
+        As in `apparent_difference`; they broadcast.
     target_size_m
-        Critical dimension of the target in m, above zero; the root of the area for criteria in
-        two dimensions.
-    range_m
-        m, above zero.
-    extinction_per_km
-        Extinction coefficient of the band, 1/km, zero or above.
+        Critical dimension of the target; the root of the area for criteria in two dimensions.
 
     Returns
     -------
     float or ndarray
-        Highest frequency at which ΔT·exp(−β·R) reaches the MRTD, times the target's angle, of
-        the shape to which the last four broadcast.
+        Highest frequency at which ΔT·exp(−β·R) reaches the MRTD, times the target's angle.
 
     Source: Ratches 1976, static performance model: acquisition with Johnson's cycles.
     """

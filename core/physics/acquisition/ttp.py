@@ -13,17 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.acquisition.target_acquisition import target_cycles, ttp_probability
-from core.physics.checks import (
-    Values,
-    all_above_zero,
-    all_from_zero,
-    broadcast,
-    non_negative,
-    rising,
-)
-from core.physics.numerics import gauss_legendre, range_for_probability
+from core.physics.acquisition.target_acquisition import target_cycles
+from core.physics.checks import Values, all_above_zero, all_from_zero, broadcast, rising
+from core.physics.numerics import gauss_legendre
 
+Threshold = Callable[[Values], Values]
 _NODES = 12  # of a panel
 _PARTS, _ROUNDS = 16, 15  # of a panel in which contrast and threshold cross: 2^−60 of it
 
@@ -31,18 +25,8 @@ _PARTS, _ROUNDS = 16, 15  # of a panel in which contrast and threshold cross: 2^
 def thermal_contrast(*, difference_K: ArrayLike, scene_contrast_K: ArrayLike) -> Any:
     """Contrast on the display of a temperature difference; of an MRTD, the contrast threshold.
 
-    Parameters
-    ----------
-    difference_K
-        Apparent difference of target and background, or MRTD; K, zero or above, may be infinite.
-    scene_contrast_K
-        Scene contrast temperature S in K, above zero: the difference that the display shows as
-        its mean luminance.
-
-    Returns
-    -------
-    float or ndarray
-        ΔT/(2·S), of the broadcast shape.
+    ΔT/(2·S), of the broadcast shape: the scene contrast temperature S is the difference that the
+    display shows as its mean luminance. The difference may be infinite.
 
     Source: Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230 (the equation's number could not
     be checked). With the threshold of an MRTD the TTP value is the same for every S.
@@ -61,12 +45,10 @@ class TtpThreshold:
     Parameters
     ----------
     frequency
-        Frequencies in cycles/mrad, rising, shape (n,): those of the samples of `ctf`, or the
-        bounds of the panels in which it is summed. The first and last bound the sum.
+        Frequencies in cycles/mrad, rising, shape (n,). The first and last bound the sum.
     ctf
-        Contrast threshold function of sensor and eye: values of zero or above at the frequencies
-        (zero at the first only; infinite where nothing is seen), or a function that gives them
-        for an array of frequencies.
+        Contrast threshold function of sensor and eye at them, zero or above, shape (n,): zero at
+        the first only, infinite where nothing is seen.
 
     Notes
     -----
@@ -77,11 +59,18 @@ class TtpThreshold:
     may be one between two.
     """
 
-    def __init__(self, frequency: ArrayLike, ctf: ArrayLike | Threshold) -> None:
-        self._places = rising("frequency", frequency, unit="cyc/mrad")
-        self._ctf = ctf if callable(ctf) else _joined(self._places, ctf)
-        self._levels = _values_of(self._ctf, self._places)
-        self._whole = _panels(self._ctf, self._places[:-1], self._places[1:])
+    def __init__(self, frequency: ArrayLike, ctf: ArrayLike) -> None:
+        self._places = places = rising("frequency", frequency, unit="cyc/mrad")
+        curve = all_from_zero("ctf", ctf, infinite=True)
+        if curve.shape != places.shape:
+            allowed = f"an array of the same shape as frequency, {places.shape}"
+            raise ParameterError("ctf", f"an array of shape {curve.shape}", allowed)
+        zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
+        if len(zeros):
+            raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")
+        self._ctf = interpolated(frequency=places, ctf=curve)
+        self._levels = self._ctf(places)
+        self._whole = _panels(self._ctf, places[:-1], places[1:])
 
     def value(self, contrast: ArrayLike, target_area_m2: ArrayLike, range_m: ArrayLike) -> Any:
         """V = √A/R·∫√(C/CTF) df over all frequencies at which C is above CTF.
@@ -109,47 +98,6 @@ class TtpThreshold:
         return np.asarray((np.sqrt(levels) * inside).reshape(contrast.shape), np.float64)
 
 
-def ttp_range(
-    *,
-    frequency: ArrayLike,
-    ctf: ArrayLike | Threshold,
-    contrast: float,
-    target_area_m2: float,
-    v50: float,
-    probability: float = 0.5,
-    extinction_per_km: float = 0.0,
-) -> float | None:
-    """Range at which `ttp_probability` of a TTP value falls to a value.
-
-    The contrast, given as it is at the target, falls by exp(−extinction·range) on the way; the
-    other parameters are those of `ttp_probability` and `TtpThreshold`, returns and errors as
-    `core.physics.numerics.range_for_probability`.
-    """
-    extinction = non_negative("extinction_per_km", extinction_per_km, unit="1/km")
-    at_target = non_negative("contrast", contrast)
-
-    threshold = TtpThreshold(frequency, ctf)
-
-    def probability_at(range_m: Values) -> Values:
-        left = at_target * np.exp(-extinction * range_m / 1000.0)
-        value = threshold.value(left, target_area_m2, range_m)
-        return np.asarray(ttp_probability(value=value, v50=v50), np.float64)
-
-    return range_for_probability(probability_at=probability_at, probability=probability)
-
-
-def _joined(places: Values, ctf: ArrayLike) -> Threshold:
-    """The function through the samples of a threshold, which are checked."""
-    curve = all_from_zero("ctf", ctf, infinite=True)
-    if curve.shape != places.shape:
-        allowed = f"a function, or an array of the same shape as frequency, {places.shape}"
-        raise ParameterError("ctf", f"an array of shape {curve.shape}", allowed)
-    zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
-    if len(zeros):
-        raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")
-    return interpolated(frequency=places, ctf=curve)
-
-
 def _panels(ctf: Threshold, low: Values, high: Values) -> Values:
     """∫CTF^(−1/2) df in each panel."""
     nodes, weights = gauss_legendre(_NODES)
@@ -157,12 +105,7 @@ def _panels(ctf: Threshold, low: Values, high: Values) -> Values:
     share = (1.0 + nodes) / 2.0
     width = high - low
     points = low[:, np.newaxis] + width[:, np.newaxis] * share**2
-    values = _values_of(ctf, points.ravel()).reshape(points.shape)
-    zero = points[(values == 0.0) & (points > 0.0)]
-    if len(zero):
-        raise ParameterError(
-            f"ctf({zero[0]:g} cyc/mrad)", 0.0, "above 0 at every frequency above 0"
-        )
+    values = ctf(points)
     root = 1.0 / np.sqrt(np.where(values == 0.0, np.inf, values))
     return np.asarray(width * (root @ (weights * share)), np.float64)
 
@@ -176,7 +119,7 @@ def _crossings(
     parts = np.arange(1, _PARTS) / _PARTS
     for _ in range(_ROUNDS):
         inside = low[:, np.newaxis] + (high - low)[:, np.newaxis] * parts
-        seen = _values_of(ctf, inside.ravel()).reshape(inside.shape) < level[:, np.newaxis]
+        seen = ctf(inside) < level[:, np.newaxis]
         as_low = np.column_stack([seen == seen_low[:, np.newaxis], np.zeros(len(low), bool)])
         last = np.argmin(as_low, axis=1)[:, np.newaxis]
         bounds = np.column_stack([low, inside, high])
@@ -185,46 +128,17 @@ def _crossings(
     return (low + high) / 2.0
 
 
-def _values_of(ctf: Threshold, places: Values) -> Values:
-    with np.errstate(divide="ignore", over="ignore", under="ignore"):
-        values = np.asarray(ctf(places), np.float64)
-    if values.shape != places.shape:
-        allowed = f"an array of the same shape as the frequencies, {places.shape}"
-        raise ParameterError("ctf", f"an array of shape {values.shape}", allowed)
-    wrong = np.flatnonzero(~(values >= 0.0))
-    if len(wrong):
-        where = f"ctf({places[wrong[0]]:g} cyc/mrad)"
-        raise ParameterError(where, float(values[wrong[0]]), "zero or above, or infinite")
-    return values
-
-
 # A contrast threshold between its samples.
-
-Threshold = Callable[[Values], Values]
 
 
 def interpolated(*, frequency: Values, ctf: Values) -> Threshold:
-    """The function through samples of a contrast threshold.
+    """The function through samples of a contrast threshold, of the third order in their step.
 
-    Parameters
-    ----------
-    frequency
-        Rising, zero or above, shape (n,), n at least 2.
-    ctf
-        Threshold at them, above zero or infinite, shape (n,); at frequency zero also zero.
-
-    Returns
-    -------
-    callable
-        Threshold at an array of frequencies within those of the samples; infinite between a
-        finite and an infinite sample.
-
-    Notes
-    -----
-    The logarithm is interpolated by Hermite's cubics, whose slopes are those of parabolas through
-    three samples: the error is of the third order in the step. A threshold that is zero at
-    frequency zero rises as the frequency (MRTD), one that is infinite falls as its inverse (eye):
-    that power is taken out before and put back after.
+    The threshold is above zero or infinite, at frequency zero also zero; between a finite and an
+    infinite sample it is infinite. The logarithm is interpolated by Hermite's cubics, whose slopes
+    are those of parabolas through three samples. A threshold that is zero at frequency zero rises
+    as the frequency (MRTD), one that is infinite falls as its inverse (eye): that power is taken
+    out before and put back after.
     """
     power = 0.0
     if frequency[0] == 0.0 and ctf[0] in (0.0, np.inf) and np.isfinite(ctf[1]):

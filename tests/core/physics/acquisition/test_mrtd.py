@@ -203,7 +203,6 @@ class TestLaws:
         (ratches, {"snr_threshold": 0}, "snr_threshold"),
         (ratches, {"overscan": 0}, "overscan"),
         (ratches, {"frames": 0.9}, "frames"),
-        (flir92, {"direction": "across"}, "direction"),
         (flir92, {"across_cyc_per_mrad": 0}, "cyc_per_mrad"),
     ],
 )

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from scipy.special import lambertw
 
 from core.errors import ParameterError
-from core.physics.acquisition.ttp import TtpThreshold, interpolated, ttp_range
+from core.physics.acquisition.ttp import TtpThreshold, interpolated
 
 mp.dps = 30
 UNIT = {"target_area_m2": 1.0, "range_m": 1000.0}  # 1 mrad: V is the sum itself
@@ -50,9 +49,9 @@ def test_exponential_threshold_in_closed_form(count, contrast):
     """∫√(C/CTF) df from 0 to where C = CTF is 2/6·(√(C/0.02) − 1)."""
     frequency = np.linspace(0, 1, count)
     exact = 2 / mpf(6) * (mp.sqrt(mpf(contrast) / mpf("0.02")) - 1)
-    for ctf in (exponential, exponential(frequency)):
-        value = ttp_value(frequency=frequency, ctf=ctf, contrast=contrast, **UNIT)
-        assert value == pytest.approx(float(exact), rel=2e-13, abs=1e-13)
+    ctf = exponential(frequency)
+    value = ttp_value(frequency=frequency, ctf=ctf, contrast=contrast, **UNIT)
+    assert value == pytest.approx(float(exact), rel=2e-13, abs=1e-13)
 
 
 def test_sum_ends_with_the_curve():
@@ -78,8 +77,6 @@ def test_threshold_crossed_twice(contrast):
     high = mp.findroot(lambda f: exact_threshold(f) - level, (mpf("0.2"), mpf(3)), "anderson")
     exact = mp.quad(lambda f: mp.sqrt(level / exact_threshold(f)), mp.linspace(low, high, 9))
     frequency = np.linspace(0, 3, 301)
-    value = ttp_value(frequency=frequency, ctf=hollow, contrast=contrast, **UNIT)
-    assert value == pytest.approx(float(exact), rel=1e-11)
     with np.errstate(divide="ignore"):
         samples = hollow(frequency)
     assert np.isinf(samples[0])
@@ -109,8 +106,6 @@ def test_samples_of_an_mrtd_and_their_error():
         errors.append(abs(value / float(exact) - 1))
     assert errors[0] < 1e-4
     assert errors[2] < errors[0] / 30
-    value = ttp_value(frequency=frequency, ctf=mrtd, contrast=2.0, **UNIT)
-    assert value == pytest.approx(float(exact), rel=1e-12)
 
 
 def test_what_is_infinite_is_not_seen():
@@ -120,23 +115,6 @@ def test_what_is_infinite_is_not_seen():
     assert value == pytest.approx(2.0, rel=1e-14)  # √4·(2 − 1)
     assert ttp_value(frequency=frequency, ctf=np.full(9, np.inf), contrast=1.0, **UNIT) == 0.0
     assert ttp_value(frequency=frequency, ctf=np.full(9, 0.5), contrast=0.5, **UNIT) == 0.0
-
-
-# With CTF = k·f, V = 2·C·e^(−βR)/k · 1000·√A/R, as the cycles of Johnson but twice.
-@pytest.mark.parametrize("beta", [0.0, 0.4])
-def test_range_in_closed_form(beta):
-    frequency = np.linspace(0, 40, 9)
-    found = ttp_range(
-        frequency=frequency,
-        ctf=0.3 * frequency,
-        contrast=1.5,
-        target_area_m2=5.29,
-        v50=14.5,
-        extinction_per_km=beta,
-    )
-    km = 2 * 1.5 / 0.3 * 2.3 / 14.5
-    expected = km if beta == 0 else float(lambertw(beta * km).real) / beta
-    assert found == pytest.approx(1000 * expected, rel=1e-11)
 
 
 GOOD = {"frequency": [0.0, 1.0, 2.0], "ctf": [0.1, 0.2, 0.4], "contrast": 1.0, **UNIT}
@@ -149,9 +127,6 @@ GOOD = {"frequency": [0.0, 1.0, 2.0], "ctf": [0.1, 0.2, 0.4], "contrast": 1.0, *
         ({"frequency": [0.0]}, "frequency"),
         ({"ctf": [0.1, 0.2]}, "ctf"),
         ({"ctf": [0.1, 0.0, 0.4]}, r"ctf\[1\]"),
-        ({"ctf": lambda f: f - 1.0}, r"ctf\(0 cyc/mrad\) = -1.0"),
-        ({"ctf": lambda f: 0.0 * f}, r"ctf\(.*above 0"),
-        ({"ctf": lambda _: 1.0}, "shape"),
         ({"contrast": -1.0}, "contrast"),
         ({"target_area_m2": 0.0}, "target_area_m2"),
         ({"contrast": np.ones(2), "range_m": np.ones(3)}, r"\(2,\)"),
