@@ -40,16 +40,7 @@ class Law:
     """A pure function of frequency with its other arguments bound.
 
     A bound argument may be a `Recipe`; its value is put in its place when the law is evaluated.
-
-    Parameters
-    ----------
-    function : callable
-        Module-level physics function.
-    parameters : tuple of (name, value)
-        The bound keyword arguments.
-    scale : float
-        What frequency arguments are multiplied by, such as a wavelength that turns cycles/mrad
-        into a lag across the pupil.
+    Frequencies are multiplied by `scale` first.
     """
 
     function: Callable[..., Array]
@@ -71,31 +62,10 @@ class Law:
         """Recipes among the bound arguments."""
         return tuple(value for _, value in self.parameters if isinstance(value, Recipe))
 
-    @property
-    def terms(self) -> int:
-        """Values that one frequency is summed from, about: of bound laws, or as a function says."""
-        bound = dict(self.parameters)
-        laws = [
-            law
-            for value in bound.values()
-            if isinstance(value, tuple)
-            for law in value
-            if isinstance(law, Law)
-        ]
-        if laws:
-            return sum(law.terms for law in laws)
-        count = getattr(self.function, "terms", None)
-        return count(**bound) if count else 1
-
     def check(self, *frequencies: str) -> None:
-        """Have the function check its bound arguments now, at frequency zero.
+        """Have the function check its bound arguments, once, at frequency zero (`ParameterError`).
 
-        It does so once. Of a law with a recipe bound nothing is known before its value is made.
-
-        Raises
-        ------
-        ParameterError
-            What the function raises for an argument out of range.
+        Of a law with a recipe bound nothing is known before its value is made.
         """
         known = vars(self)
         if "checked" not in known and not self.inputs:
@@ -126,15 +96,7 @@ class WavelengthLaw(ABC):
 
 @dataclass(frozen=True)
 class AtWavelength(WavelengthLaw):
-    """A law one or more of whose arguments are the wavelength.
-
-    Parameters
-    ----------
-    law : Law
-        With all other arguments bound.
-    names : tuple of str
-        Arguments that are the wavelength, µm.
-    """
+    """A law of which the arguments `names` are the wavelength, µm."""
 
     law: Law
     names: tuple[str, ...] = ("wavelength_um",)
@@ -159,16 +121,7 @@ def _placed(node: str | None) -> Iterator[None]:
 class Separable:
     """fx(xi)·fy(eta) for an MTF, fx(xi) + fy(eta) for a PTF; a missing law is 1 or 0.
 
-    Parameters
-    ----------
-    x, y : Law or None
-        Laws called as ``law(frequency=…)``.
-    part : "mtf" or "ptf"
-        What the laws give: signed real values, or radians.
-    argument : str
-        Name of the frequency argument.
-    label, node : str
-        For people: the stage's title and the node it came from. Not part of the key.
+    `argument` is the name of the laws' frequency argument; `label` and `node` are for people.
     """
 
     x: Law | None
@@ -231,8 +184,6 @@ class Planar:
     ----------
     law : Law
         Called as ``law(xi=…, eta=…)``, or ``law(rho=…)`` when `radial`.
-    radial : bool
-        A function of the radial frequency alone.
     symmetric : bool
         Real and even in xi and in eta separately, as for every pupil with a mirror axis.
     take : "real", "modulus", "phase" or "complex"
@@ -243,9 +194,6 @@ class Planar:
         What xi and eta are multiplied by first: see `rescaled`.
     cutoff : (float, float) or None
         Frequencies across and along, cycles/mrad, beyond which the law is 0, where that is known.
-        For people; not part of the key.
-    label, node : str
-        The stage's title and its node. Not part of the key.
     by_wavelength : WavelengthLaw or None
         The law at a wavelength, of a factor that differs among those of a picture's bands; `law` is
         then its mean over them. Without bands there is none.

@@ -21,25 +21,9 @@ BLOCK_SAMPLES = 1 << 16  # samples of a block of lines, to stay in a core's cach
 def filter_lines(
     work: Work, image: Array, *, factors: tuple[Separable, ...], grid: Grid, edges: Edges
 ) -> Array:
-    """Multiply each line's spectrum by the factors' x laws.
+    """Multiply each line's spectrum by the factors' x laws; their y laws must be empty.
 
-    Parameters
-    ----------
-    work : Work
-        Threads and precision.
-    image : ndarray, shape (rows, columns)
-        The picture.
-    factors : tuple of Separable
-        MTFs and PTFs; their y laws must be empty.
-    grid : Grid
-        Sampling of the picture.
-    edges : "reflect" or "periodic"
-        How a line goes on beyond its ends.
-
-    Returns
-    -------
-    ndarray
-        The filtered picture. A line's mean passes by H(0), exactly where that is 1.
+    A line's mean passes by H(0), exactly where that is 1.
     """
     product = Product(factors)
     xi = grid.xi_mirrored() if edges == "reflect" else grid.xi_half()

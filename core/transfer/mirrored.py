@@ -77,26 +77,8 @@ def mirrored_filter(
 ) -> Array:
     """The filtered frame, its `factor_y` × `factor_x` blocks averaged, or their middles alone.
 
-    Parameters
-    ----------
-    work : Work
-        Threads and precision.
-    spectrum : MeanFree
-        From `mirrored_spectrum`.
-    product : Product
-        The transfer function.
-    grid : Grid
-        Sampling of the unfiltered frame.
-    factor_x, factor_y : int
-        Block size; each divides the frame's size.
-    region : Region, optional
-        Part of the result that is needed: then only its columns are transformed along y.
-    average : bool
-        Whether blocks are averaged; else the frame is taken in their middles.
-
-    Returns
-    -------
-    ndarray, shape (rows // factor_y, columns // factor_x), or the region's
+    Each factor divides the frame's size. Of a `region` of the result only the columns are
+    transformed along y.
     """
     terms = MirroredTerms(work, product, grid, factor_x, factor_y, average)
     whole = Region(0, 0, *terms.shape)
@@ -323,16 +305,9 @@ def alias_rows(
 
 @dataclass(frozen=True)
 class ColumnFold:
-    """How the columns k of a mirrored spectrum fold into `size` places.
+    """How columns of a mirrored spectrum, `factor` times as many, fold into `size` places.
 
-    Parameters
-    ----------
-    size : int
-        Columns after folding.
-    factor : int
-        How many times as many there are before.
-    odd : bool
-        Whether they belong to sines.
+    `odd`: whether they belong to sines.
     """
 
     size: int
@@ -394,17 +369,7 @@ def transform_block(values: Array, kind: Kind, axis: int) -> Array:
 
 
 def transform_rows(work: Work, values: Array, kind: Kind) -> None:
-    """Transform every row, in place.
-
-    Parameters
-    ----------
-    work : Work
-        Threads, and whether to go on.
-    values : ndarray, shape (rows, columns)
-        Float samples; overwritten.
-    kind : "dct", "idct", "dst" or "idst"
-        Transform of type II or its inverse, as scipy.fft normalises them.
-    """
+    """Transform every row of float samples by type II or its inverse, in place."""
 
     def one(rows: slice) -> None:
         values[rows] = transform_block(values[rows], kind, axis=1)

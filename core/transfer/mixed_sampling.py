@@ -14,7 +14,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import DataError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
 from core.physics.sampling.platform_motion import scale_nodes_mrad, scale_weights
@@ -25,8 +24,6 @@ Array = NDArray[Any]
 Vector = NDArray[np.float64]
 Method = Literal["nodes", "direct"]
 MOST_NODES = 32
-MOST_EVALUATIONS = 1e11  # of terms, by direct sums: about an hour
-MOST_TRIED = 1e9  # terms of the transfer function where a blend is judged: about a minute
 BLOCK_SAMPLES = 1 << 18
 FREQUENCIES = 24  # along the scan and in flight, at which blended factors are tried
 SPARSE = slice(5, None, 6)  # of these, at which most numbers of nodes fail already
@@ -38,16 +35,9 @@ LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line o
 class Filtered:
     """A frame of mixed sampling, and how it was made.
 
-    Parameters
-    ----------
-    picture : ndarray, shape (rows, columns)
-        The frame.
-    nodes : int
-        Intervals at which what does not separate was taken; 0 if there is no such factor.
-    response_error : float
-        Largest error of the transfer function by blending, of those looked at.
-    picture_error : float
-        Largest error in the picture, were all columns as far from a node as the last.
+    `nodes` intervals were taken for what does not separate, 0 if there is no such factor.
+    `response_error` is the largest error of the transfer function by blending, of those looked at,
+    `picture_error` that in the picture, were all columns as far from a node as the last.
     """
 
     picture: Array
@@ -68,33 +58,11 @@ def filter_mixed(
 ) -> Filtered:
     """Filter a frame, each column at its own interval in flight.
 
-    Parameters
-    ----------
-    work : Work
-        Precision and threads.
-    image : ndarray, shape (rows, columns)
-        The frame.
-    chain : ScanChain
-        The transfer function, and which axis is the scan.
-    intervals_mrad : ndarray, shape (samples of a scan line,)
-        Sampling interval in flight at each sample.
-    method : "nodes" or "direct"
-        Blend what does not separate, or sum it up for each interval, in double precision.
-    nodes : int, optional
-        Intervals to blend; by default as many as the tolerance takes.
-    tolerance : float
-        Largest error of the transfer function by blending.
-
-    Raises
-    ------
-    DataError
-        If direct sums or the judging of a blend would take too long, or a transfer function cannot
-        be evaluated.
+    What does not separate is blended from `nodes` intervals, by default as many as keep the largest
+    error of the transfer function within the tolerance, or summed up for each in double precision.
     """
     frame = np.ascontiguousarray(image.T) if chain.turned else image
     direct = method == "direct" and bool(chain.product.planar)
-    if direct:
-        _require_an_end(chain, intervals_mrad)
     kind = MirroredLines if chain.edges == "reflect" else PeriodicLines
     lines = kind(work, chain, frame, np.float64 if direct else work.policy.dtype)
     if direct:
@@ -146,17 +114,6 @@ def _summed(lines: ScanLines, intervals_mrad: Vector) -> Parts:
     return parts
 
 
-def _require_an_end(chain: ScanChain, intervals_mrad: Vector) -> None:
-    rows, columns = chain.shape
-    groups, terms = len(np.unique(intervals_mrad)), chain.product.terms
-    if rows * columns * groups * terms > MOST_EVALUATIONS:
-        of_each = f" of {terms:,} terms each" if terms > 1 else ""
-        raise DataError(
-            f"{groups} intervals on {rows * columns:,} frequencies{of_each} would take too long by "
-            f"direct sums (at most {MOST_EVALUATIONS:g} together): set method = nodes"
-        )
-
-
 def _blended(
     lines: ScanLines, intervals_mrad: Vector, nodes: int | None, tolerance: float
 ) -> Blend:
@@ -169,7 +126,6 @@ def _blended(
     if nodes is None:
         nodes, error = _enough(lines, intervals_mrad, tolerance)
     else:
-        _require_few_terms(lines, nodes, 2 * nodes + 1)
         error = _error(lines, intervals_mrad, nodes)
     at = scale_nodes_mrad(intervals_mrad=intervals_mrad, count=nodes)
     weights = scale_weights(nodes_mrad=at, intervals_mrad=intervals_mrad)
@@ -189,8 +145,6 @@ def _blended(
 def _enough(lines: ScanLines, intervals_mrad: Vector, tolerance: float) -> tuple[int, float]:
     """Least number of nodes whose blend of the transfer function keeps to the tolerance."""
     for count in range(1, MOST_NODES + 1):
-        # All numbers so far on few frequencies, this one on all.
-        _require_few_terms(lines, count, 2 * count + 1 + count * (count + 2) // 36)
         if count < MOST_NODES:
             few = _error(lines, intervals_mrad, count, SPARSE)
             if few > 2.0 * tolerance + 1e-12:  # beyond doubt for all that rounding does
@@ -199,18 +153,6 @@ def _enough(lines: ScanLines, intervals_mrad: Vector, tolerance: float) -> tuple
         if error <= tolerance:
             break
     return count, error
-
-
-def _require_few_terms(lines: ScanLines, count: int, planes: int) -> None:
-    terms = lines.chain.product.terms
-    frequencies = FREQUENCIES * (FREQUENCIES if lines.symmetric else 2 * FREQUENCIES - 1)
-    if planes * frequencies * terms > MOST_TRIED:
-        raise DataError(
-            f"checking an interpolation between {count} intervals would take "
-            f"{planes * frequencies * terms:.2g} terms, {terms:,} at each frequency (at most "
-            f"{MOST_TRIED:g}): use fewer nodes, method = direct, less defocus, or fewer bands "
-            "or wavelengths in the non-separable factors"
-        )
 
 
 def _error(

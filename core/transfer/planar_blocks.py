@@ -37,21 +37,10 @@ class RadialTable:
 
     @classmethod
     def of(cls, function: Function, *, reach: float, error: float) -> RadialTable | None:
-        """Tabulate a function of radii up to `reach`.
+        """Tabulate a function of radii up to `reach`; None where too much of it is rough.
 
-        Parameters
-        ----------
-        function : callable
-            What is tabulated.
-        reach : float
-            Largest radius, above 0.
-        error : float
-            Largest error of interpolated values, as that of places halfway between others shows it.
-
-        Returns
-        -------
-        RadialTable or None
-            None where it would have to be evaluated too often.
+        `error` is the largest one of interpolated values, as that of places halfway between others
+        shows.
         """
         for intervals in INTERVALS:
             values = np.asarray(function(np.linspace(0.0, reach, 2 * intervals + 1)), np.float64)
@@ -283,14 +272,8 @@ MARGIN = 1e-9  # of a cutoff: so much further the factor is evaluated, and found
 class Quarter:
     """Frequencies across and along, neither negative, and where a grid's rows are among them.
 
-    Parameters
-    ----------
-    xi, eta : ndarray
-        Ascending, as far as the factor is not 0.
-    places : ndarray
-        For every row of the grid its place in `eta`; beyond the end the row is 0.
-    columns : int
-        Columns of the grid; from ``len(xi)`` on they are 0.
+    Both ascend as far as the factor is not 0. `places` has for every row of the grid its place in
+    `eta`; beyond the end the row is 0, as are the `columns` from ``len(xi)`` on.
     """
 
     xi: Array
@@ -361,20 +344,10 @@ def cross_approximation(
 ) -> tuple[Array, Array] | None:
     """Thin matrices U (rows × r) and V (r × columns) with U·V equal to the plane.
 
-    Parameters
-    ----------
-    evaluate : callable
-        Block of the plane at row indices × column indices.
-    rows, columns : int
-        Size of the plane.
-    tolerance : float
-        Largest absolute error on the probes, which are drawn evenly and include the first rows and
-        columns, where an OTF has its cusp, and on some whole lines between them.
-
-    Returns
-    -------
-    (U, V) or None
-        None where the rank is not low or the plane has zeros: then it is evaluated directly.
+    `evaluate` gives the block of the plane at row indices × column indices. The largest absolute
+    error is kept on the probes, which are drawn evenly and include the first rows and columns,
+    where an OTF has its cusp, and on some whole lines between them. None where the rank is not low
+    or the plane has zeros: then it is evaluated directly.
     """
     highest = min(HIGHEST_RANK, min(rows, columns) // 4)
     every_row, every_column = np.arange(rows), np.arange(columns)

@@ -18,11 +18,8 @@ Array = NDArray[Any]
 class Product:
     """H(xi, eta) = Hx(xi)·Hy(eta)·Π planar factors, evaluated only where needed.
 
-    Parameters
-    ----------
-    factors : sequence of Factor
-        Factors of the magnitude and of the phase wire together; modulus and phase of one law
-        become that complex law again.
+    It is made of the factors of the magnitude and of the phase wire together; modulus and phase of
+    one law become that complex law again.
     """
 
     def __init__(self, factors: Sequence[Factor]) -> None:
@@ -33,11 +30,6 @@ class Product:
     def symmetric(self) -> bool:
         """Whether every planar factor is real and even in xi and in eta."""
         return all(f.symmetric and f.take == "real" for f in self.planar)
-
-    @property
-    def terms(self) -> int:
-        """Values that the planar factors sum for a frequency, about."""
-        return sum(factor.law.terms for factor in self.planar)
 
     @property
     def has_phase_x(self) -> bool:
@@ -74,15 +66,7 @@ class Product:
         return value if plane is None else value * plane
 
     def at_zero(self, work: Work | None, axes: complex | None = None) -> float:
-        """H(0, 0), which is real: 1 for every passive chain.
-
-        Parameters
-        ----------
-        work : Work or None
-            Needed where a law has a recipe bound.
-        axes : complex, optional
-            Hx(0)·Hy(0), where it is known already.
-        """
+        """H(0, 0), real, 1 for every passive chain; `axes` is Hx(0)·Hy(0), where that is known."""
         zero = np.zeros(1)
         if axes is None:
             axes = (self.along(work, zero) * self.across(work, zero))[0]
@@ -131,18 +115,8 @@ Lines = tuple[slice | int, slice | int]
 def nyquist_lines(function: OnPlane, xi: Array, eta: Array) -> Iterator[tuple[Lines, Array]]:
     """Means over both signs of Nyquist's frequencies, on the lines where there are two.
 
-    Parameters
-    ----------
-    function : callable
-        Of xi (columns,) and eta (rows,), gives values of shape (rows, columns).
-    xi, eta : ndarray
-        Frequencies of a plain FFT, in its order.
-
-    Yields
-    ------
-    place : index of a row, or a column, of the plane
-    mean : ndarray
-        Mean of the values there, shape (columns,) or (rows,).
+    The function of xi (columns,) and eta (rows,), which are in the order of a plain FFT, gives
+    values of shape (rows, columns). Yields the index of a row, or a column, and the mean there.
     """
     across, along = _turned(xi), _turned(eta)
     for axis, signs in ((0, along), (1, across)):
@@ -191,18 +165,10 @@ class Skipped:
 def spend(
     work: Work, factors: Sequence[Factor], xi: Array, eta: Array, *, spent: float = 0.0
 ) -> tuple[tuple[Factor, ...], tuple[Skipped, ...]]:
-    """Factors to keep, in their order, and what is left out.
+    """Factors to keep, in their order, and what is left out on the band xi × eta.
 
-    Parameters
-    ----------
-    work : Work
-        Its policy has the tolerance; at 0 everything is kept.
-    factors : sequence of Factor
-        MTFs and PTFs of one chain.
-    xi, eta : ndarray
-        Frequencies of the band across and along, cycles/mrad.
-    spent : float
-        Part of the budget that something else takes already.
+    The policy has the tolerance, of which something else may have `spent` a part; at 0 everything
+    is kept.
     """
     left = work.policy.budget - spent
     if left <= 0.0:

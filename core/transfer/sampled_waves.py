@@ -28,18 +28,7 @@ _BLOCK_SAMPLES = 1 << 18
 def mirrored_waves(size: int, places: Vector, *, odd: bool) -> Array:
     """Cosines k = 0 … size − 1 of the inverse DCT-II at places, or sines of the inverse DST-II.
 
-    Parameters
-    ----------
-    size : int
-        Samples of the frame.
-    places : ndarray, shape (pixels,)
-        Counted in samples from the middle of the first one.
-    odd : bool
-        Sines in place of cosines; sine 0 is 0.
-
-    Returns
-    -------
-    ndarray, shape (size, pixels)
+    Places count in samples from the middle of the first one; shape (size, places). Sine 0 is 0.
     """
     angle = np.outer(np.arange(size), (places + 0.5) / size) * np.pi
     waves = (np.sin(angle) if odd else np.cos(angle)) / size
@@ -48,18 +37,9 @@ def mirrored_waves(size: int, places: Vector, *, odd: bool) -> Array:
 
 
 def periodic_waves(size: int, places: Vector, *, half: bool) -> Array:
-    """Waves of the inverse FFT at places.
+    """Waves of the inverse FFT at places, as for `mirrored_waves`.
 
-    Parameters
-    ----------
-    size, places
-        As for `mirrored_waves`.
-    half : bool
-        Of the half spectrum, of which the real part is taken afterwards.
-
-    Returns
-    -------
-    ndarray, shape (size, pixels), or (size // 2 + 1, pixels) if half
+    `half`: those of the half spectrum, of which the real part is taken afterwards.
     """
     number = np.arange(size)
     number = number[: size // 2 + 1] if half else np.where(2 * number > size, number - size, number)
@@ -93,27 +73,7 @@ def sampled_filter(
     places_x: Vector,
     places_y: Vector,
 ) -> Array:
-    """The filtered frame at places between its samples.
-
-    Parameters
-    ----------
-    work : Work
-        Threads and precision.
-    spectrum : MeanFree
-        From `mirrored_spectrum` or `periodic_spectrum`.
-    product : Product
-        The transfer function.
-    grid : Grid
-        Sampling of the frame.
-    edges : "reflect" or "periodic"
-        How the frame goes on.
-    places_x, places_y : ndarray
-        Columns and rows that are wanted, from the middle of the first sample.
-
-    Returns
-    -------
-    ndarray, shape (len(places_y), len(places_x))
-    """
+    """The filtered frame at columns and rows between its samples, from the first one's middle."""
     made = _mirrored if edges == "reflect" else _periodic
     image = made(work, spectrum.values, product, grid, places_x, places_y)
     require_finite(image)

@@ -26,18 +26,9 @@ Parts = tuple[Array, ...]
 
 
 class ScanLines(ABC):
-    """The spectrum of a frame, multiplied by what acts along the scan.
+    """The spectrum of a frame, whose lines are rows, multiplied by what acts along the scan.
 
-    Parameters
-    ----------
-    work : Work
-        Threads.
-    chain : ScanChain
-        The transfer function.
-    frame : ndarray, shape (lines, samples of a line)
-        The frame, its lines as rows.
-    dtype : data type
-        Of the samples in between; real.
+    `dtype` is the real type of the samples in between.
     """
 
     scan: Array
@@ -231,19 +222,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ScanChain:
-    """H(scan, flight), whichever axis of the frame the scan is along.
-
-    Parameters
-    ----------
-    product : Product
-        The transfer function of (xi, eta).
-    grid : Grid
-        Sampling of the frame.
-    edges : "reflect" or "periodic"
-        How the frame goes on beyond its edges.
-    scan : "x" or "y"
-        Axis along which a line is scanned.
-    """
+    """H(scan, flight), whichever axis of the frame the scan is along."""
 
     product: Product
     grid: Grid

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from core.chain.band_stack import band_mean_otf
-from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.physics.optics.diffraction_otf import Aperture, diffraction_otf
-from core.physics.optics.pupil_otf import defocused_disc_otf
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
 from core.transfer.factors import Grid, Law, Planar
 from core.transfer.mixed_sampling import filter_mixed
@@ -42,11 +40,6 @@ def diffraction(wavelength_um, defocus_waves=0.0):
     )
 
 
-def disc(w20_waves):
-    return Law.of(defocused_disc_otf, diameter_mm=2.0, w20_waves=w20_waves, reference_um=10.0,
-                  wavelengths_um=(10.0,), weights=(1.0,))  # fmt: skip
-
-
 def bands(count, defocus_waves):
     laws = tuple(diffraction(w, defocus_waves) for w in np.linspace(4.0, 12.0, count).tolist())
     return Law.of(band_mean_otf, laws=laws, shares=np.full(count, 1.0 / count))
@@ -65,19 +58,3 @@ def test_a_blend_takes_the_fewest_intervals(law, symmetric, tolerance):
     assert found.response_error <= tolerance
     for fewer in range(1, found.nodes):
         assert filtered(law, symmetric, nodes=fewer).response_error > tolerance
-
-
-@pytest.mark.parametrize(
-    ("law", "nodes"), [(bands(48, 0.3), None), (bands(48, 0.3), 2), (disc(-9000.0), 32)]
-)
-def test_a_blend_that_takes_too_long_to_judge_is_refused(monkeypatch, law, nodes):
-    monkeypatch.setattr("core.transfer.mixed_sampling.MOST_TRIED", 1e7)
-    with pytest.raises(DataError, match=r"between \d+ intervals .* terms.*: use .* defocus"):
-        filtered(law, nodes=nodes)
-
-
-def test_direct_sums_count_the_terms_of_each_frequency(monkeypatch):
-    monkeypatch.setattr("core.transfer.mixed_sampling.MOST_EVALUATIONS", 1e7)
-    filtered(bands(4, 0.3), method="direct")
-    with pytest.raises(DataError, match=r"14 intervals on 126 frequencies of 1\d,\d{3} terms each"):
-        filtered(bands(48, 0.3), method="direct")
