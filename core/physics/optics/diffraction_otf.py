@@ -160,19 +160,6 @@ def diffraction_otf(
     return np.where(radii == 0.0, 1.0, total)
 
 
-def _terms(*, aperture: Aperture, cut_on_um: float, wavelengths: int, **_: object) -> int:
-    """Values that one frequency is summed from, about."""
-    inner, waves = aperture.obscuration_ratio, abs(aperture.defocus_waves)
-    if not waves:
-        return max(1, wavelengths)
-    rate = 8.0 * np.pi * waves * aperture.reference_um / cut_on_um
-    panels = int(rate * (1.0 + inner) / PHASE_PER_PANEL) + 2
-    return max(1, wavelengths) * panels * NODES_PER_PANEL * (5 if inner else 1)
-
-
-diffraction_otf.terms = _terms  # type: ignore[attr-defined]
-
-
 def wavelengths_needed(
     aperture: Aperture, spectrum: Spectrum, tolerance: float
 ) -> tuple[int, float]:
@@ -287,9 +274,10 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
 
 # OTF of a centrally obscured circular aperture out of focus.
 
-MOST_DEFOCUS_WAVES = 100.0
-NODES_PER_PANEL = 24  # Gauss-Legendre nodes of a panel
-PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
+MOST_DEFOCUS_WAVES = 100.0  # over a band
+_MOST_WAVES = 1e4
+_NODES_PER_PANEL = 24  # Gauss-Legendre nodes of a panel
+_PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
 _VALUES_PER_BLOCK = 1 << 19
 
 
@@ -301,9 +289,9 @@ def annular_defocus_otf(
     Parameters
     ----------
     frequency_ratio : array_like
-        Radial frequency over the cutoff (aperture diameter over wavelength), 0 or above.
+        Radial frequency over the cutoff (aperture diameter over wavelength), of either sign.
     w20_waves : array_like
-        Wavefront error at the outer rim [waves], at most 100 in size; broadcasts.
+        Wavefront error at the outer rim [waves], at most 10000 in size; broadcasts.
     obscuration_ratio : float
         Inner over outer radius, 0 up to but not including 1.
 
@@ -333,22 +321,23 @@ def annular_defocus_otf(
             "obscuration_ratio", inner, "0 up to but not including 1 (an opening must remain)"
         )
     v, w20 = np.broadcast_arrays(
-        np.asarray(frequency_ratio, np.float64), np.abs(np.asarray(w20_waves, np.float64))
+        np.abs(np.asarray(frequency_ratio, np.float64)), np.abs(np.asarray(w20_waves, np.float64))
     )
-    if not np.all(np.isfinite(v)) or np.any(v < 0.0):
-        raise DataError("frequency_ratio holds a value that is negative or not finite")
-    if not np.all(w20 <= MOST_DEFOCUS_WAVES):
-        worst = float(w20[~(w20 <= MOST_DEFOCUS_WAVES)][0])
-        allowed = f"from -{MOST_DEFOCUS_WAVES:g} to {MOST_DEFOCUS_WAVES:g}"
+    if not np.all(np.isfinite(v)):
+        raise DataError("frequency_ratio holds a value that is not finite")
+    if not np.all(w20 <= _MOST_WAVES):
+        worst = float(w20[~(w20 <= _MOST_WAVES)][0])
+        allowed = f"from -{_MOST_WAVES:g} to {_MOST_WAVES:g}"
         raise ParameterError("defocus_waves", worst, allowed, unit="waves")
     flat, rate = v.ravel(), (8.0 * np.pi * w20 * v).ravel()
     otf = np.zeros(flat.size)
     inside = np.flatnonzero(flat < 1.0)
-    panels = np.ceil(rate[inside] * (1.0 + inner) / PHASE_PER_PANEL).astype(np.int64) + 1
+    reach = 1.0 + inner if inner else 1.0 - flat[inside]
+    panels = np.ceil(rate[inside] * reach / _PHASE_PER_PANEL).astype(np.int64) + 1
     sizes = 1 << np.ceil(np.log2(panels)).astype(np.int64)
     for size in np.unique(sizes):
         chosen = inside[sizes == size]
-        nodes, weights = panel_rule(int(size))
+        nodes, weights = _panel_rule(int(size))
         step = max(1, _VALUES_PER_BLOCK // len(nodes))
         for start in range(0, chosen.size, step):
             block = chosen[start : start + step]
@@ -385,9 +374,9 @@ def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) 
     return np.asarray(area / (np.pi * (1.0 - inner**2)))
 
 
-def panel_rule(panels: int) -> tuple[Vector, Vector]:
+def _panel_rule(panels: int) -> tuple[Vector, Vector]:
     """Nodes and weights over [0, 1] in equal panels."""
-    nodes, weights = gauss_legendre(NODES_PER_PANEL)
+    nodes, weights = gauss_legendre(_NODES_PER_PANEL)
     places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
     return places.ravel(), np.tile(0.5 * weights / panels, panels)
 

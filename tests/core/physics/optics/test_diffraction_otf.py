@@ -22,7 +22,6 @@ from core.physics.optics.diffraction_otf import (
 )
 from core.physics.optics.overlap_area import disc_overlap_fraction
 from core.physics.optics.polychromatic import Spectrum
-from core.physics.optics.pupil_otf import defocus_otf
 from reference_cases import CAMERA, reference_cases
 
 
@@ -90,12 +89,6 @@ def test_defocus_is_the_pupils_autocorrelation(inner, w20):
     expected = np.array([float(shared_chords(v, w20, inner)) for v in ratio])
     found = annular_defocus_otf(frequency_ratio=ratio, w20_waves=w20, obscuration_ratio=inner)
     assert np.abs(found - expected).max() <= 1e-13 / (1 - inner**2)
-
-
-def test_the_discs_own_form_agrees():
-    ratio = np.linspace(0, 1.1, 57)
-    found = annular_defocus_otf(frequency_ratio=ratio, w20_waves=-2.3)
-    assert np.abs(found - defocus_otf(frequency_ratio=ratio, w20_waves=2.3)).max() <= 3e-15
 
 
 @pytest.mark.parametrize("case", reference_cases("polychromatic_mtf", file=CAMERA))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, ParameterError
-from core.physics.optics.pupil_otf import defocus_otf, geometric_otf
+from core.physics.optics.diffraction_otf import annular_defocus_otf
+from core.physics.optics.pupil_otf import geometric_otf
 from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
 from core.physics.optics.sampled_otf import autocorrelation, complex_pupil, sampled_otf
 from core.physics.optics.wavefront import wavefront_waves
@@ -176,7 +177,7 @@ def defocused(radius, w20, fine):
     pupil = complex_pupil(transmission=flat, wavefront_waves=waves)
     correlation = autocorrelation(pupil)
     x, y = np.meshgrid(np.arange(0, 511, 9), np.arange(0, 511, 9))
-    exact = defocus_otf(frequency_ratio=np.hypot(x, y) / (2 * radius), w20_waves=w20)
+    exact = annular_defocus_otf(frequency_ratio=np.hypot(x, y) / (2 * radius), w20_waves=w20)
     got = sampled_otf(correlation, lag_x=x * fine, lag_y=y * fine)
     estimate = error_estimate(pupil, correlation=correlation, interpolated=False)
     return np.max(np.abs(got - exact)), estimate
