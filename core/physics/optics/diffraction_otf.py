@@ -278,7 +278,7 @@ MOST_DEFOCUS_WAVES = 100.0  # over a band
 _MOST_WAVES = 1e4
 _NODES_PER_PANEL = 24  # Gauss-Legendre nodes of a panel
 _PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
-_VALUES_PER_BLOCK = 1 << 19
+_VALUES_PER_BLOCK = 1 << 15  # to stay in a core's cache
 
 
 def annular_defocus_otf(
