@@ -17,7 +17,7 @@ from core.physics.checks import positive
 from core.physics.detector.charge_diffusion import diffusion_mtf, silicon_absorption_per_um
 from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.detector.focal_plane_array import rule_07_A_per_cm2, solid_angle
-from core.physics.optics.annular_otf import annular_otf
+from core.physics.optics.overlap_area import annular_otf
 from core.physics.radiometry.planck import band_radiance, brightness_temperature, spectral_radiance
 from core.physics.sampling.detector_sampling import field_of_view_deg
 

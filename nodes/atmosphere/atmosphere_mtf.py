@@ -17,10 +17,11 @@ from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf_of_particles,
     fried_mtf,
     fried_r0_at_m,
+    fried_r0_slant_m,
+    fried_r0_uniform_m,
     path_optical_depth,
     turbidity_optical_depth,
 )
-from core.physics.atmosphere.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import at_each_band

@@ -24,7 +24,7 @@ from core.errors import DataError, ParameterError
 from core.physics.checks import positive
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import chebyshev_sum, gauss_legendre
-from core.physics.optics.annular_otf import annular_otf
+from core.physics.optics.overlap_area import annular_otf
 from core.physics.optics.polychromatic import (
     SpectralWeighting,
     Spectrum,
@@ -163,15 +163,7 @@ def diffraction_otf(
 def wavelengths_needed(
     aperture: Aperture, spectrum: Spectrum, tolerance: float
 ) -> tuple[int, float]:
-    """Wavelengths between two kinks that reach a tolerance, and the error left.
-
-    Raises
-    ------
-    ParameterError
-        For a tolerance out of range.
-    DataError
-        If none of the numbers tried reaches it.
-    """
+    """Wavelengths between two kinks that reach a tolerance, and the error left."""
     if not FINEST_TOLERANCE <= tolerance < 1.0:
         raise ParameterError("tolerance", tolerance, f"{FINEST_TOLERANCE:g} or more and below 1")
     return _judged(aperture, spectrum, tolerance)
@@ -300,13 +292,6 @@ def annular_defocus_otf(
     ndarray
         1 at zero, 0 from the cutoff on; absolute error near 1e-15.
 
-    Raises
-    ------
-    ParameterError
-        If defocus or obscuration are out of range.
-    DataError
-        If a frequency is not finite.
-
     Notes
     -----
     Pupils moved by ±v differ in phase by kx, k = 8π·W20·v, so that the OTF is the integral of
@@ -400,22 +385,7 @@ class RadialSeries:
     def of(
         cls, function: Callable[[Vector], Vector], *, ends: tuple[float, ...], tolerance: float
     ) -> RadialSeries:
-        """Fit a function of radii.
-
-        Parameters
-        ----------
-        function : callable
-            What is fitted.
-        ends : tuple of float
-            Where pieces begin and end, rising from 0; beyond the last one the function is 0.
-        tolerance : float
-            Largest error.
-
-        Raises
-        ------
-        DataError
-            If 1024 terms of a piece do not reach it.
-        """
+        """Fit a function of radii between ends that rise from 0; beyond the last one it is 0."""
         pieces = (_fit(function, low, high, tolerance) for low, high in pairwise(ends))
         return cls(ends, tuple(pieces))
 
@@ -462,17 +432,13 @@ def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDA
     frequency_ratio : array_like
         Radial frequency over the cutoff, 0 to 1; beyond there is no contrast left.
     rms_waves : array_like
-        Wavefront error over the pupil [waves rms], 0 to 0.18; broadcasts.
+        Wavefront error over the pupil [waves rms], 0 to 0.18; broadcasts. Beyond, the form gives
+        negative contrast.
 
     Returns
     -------
     ndarray
         1 − (W/0.18)²·(1 − 4(ν − 1/2)²), least at half the cutoff.
-
-    Raises
-    ------
-    ParameterError
-        For an error out of range: beyond 0.18 waves the form gives negative contrast.
 
     Source: Shannon 1994, "Optical specifications", in Handbook of Optics, 2nd ed., vol. I, chapter
     35. An empirical mean over aberrations of low order; a known wavefront belongs to Exit Pupils.

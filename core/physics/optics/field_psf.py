@@ -59,16 +59,10 @@ def field_frequencies(*, xi: Array, eta: Array, x: float, y: float) -> tuple[Arr
 
 
 def blended(*, patch: Array, otfs: Sequence[Array], along: Cell, across: Cell, reach: int) -> Array:
-    """A cell's samples, blurred.
+    """A cell's samples, blurred by the OTFs at its corners, those of the upper ones first.
 
-    Parameters
-    ----------
-    patch : ndarray, shape (n, n)
-        The picture from `reach` samples before the cell on.
-    otfs : sequence of ndarray, shape (n, n // 2 + 1)
-        At the corners, those of the upper ones first, at the frequencies of `rfft2`.
-    along, across : Cell
-        The cell's rows and columns.
+    The patch, of shape (n, n), begins `reach` samples before the cell; the OTFs are at the
+    frequencies of its `rfft2`.
     """
     spectrum = scipy.fft.rfft2(patch)
     weights = [np.multiply.outer(v, h) for v in along.weights for h in across.weights]

@@ -35,17 +35,7 @@ def gaussian_mtf(*, frequency: ArrayLike, sigma_mrad: float) -> NDArray[np.float
 
 
 def fwhm_to_sigma_mrad(*, fwhm_mrad: float) -> float:
-    """Standard deviation of the Gaussian whose full width at half maximum is given.
-
-    Parameters
-    ----------
-    fwhm_mrad : float
-        Full width at half maximum in mrad, zero or above.
-
-    Returns
-    -------
-    float
-        FWHM/(2·√(2·ln 2)), in mrad.
+    """Standard deviation of a Gaussian by its full width at half maximum: FWHM/(2·√(2·ln 2)).
 
     Source: definition of the normal density. Erratum: the width parameter of Tantalo 1996,
     eqs. 4.8-4.9, is damaged in print; this is the relation they stand for.

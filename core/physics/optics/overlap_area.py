@@ -10,28 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.errors import DataError, ParameterError
+
 Floats = NDArray[np.float64]
 
 
 def arc_half_angle(*, radius: ArrayLike, disc_radius: ArrayLike, distance: ArrayLike) -> Floats:
-    """Half the angle of the arc of a circle that lies inside a disc.
+    """Half the angle of the arc of a circle that lies inside a disc, about the disc's direction.
 
-    The arc is centred on the direction from the circle's centre to the disc's.
-
-    Parameters
-    ----------
-    radius, disc_radius, distance : array_like
-        Circle's radius, disc's radius and the distance of their centres, in one unit; they
-        broadcast. For equal radii and zero distance the answer is 0.
-
-    Returns
-    -------
-    ndarray
-        Half angle [rad]: 0 where no point of the circle is inside, pi where all are.
-
-    Notes
-    -----
-    Heron's product replaces the arc cosine, which loses half the digits near tangency.
+    Lengths in one unit, which broadcast; 0 where no point of the circle is inside, π where all are,
+    and 0 for equal radii at zero distance. Heron's product replaces the arc cosine, which loses
+    half the digits near tangency.
     """
     own, disc, apart = (np.asarray(v, dtype=np.float64) for v in (radius, disc_radius, distance))
     adjacent = (own - disc) * (own + disc) + apart * apart
@@ -51,18 +40,7 @@ def _four_triangle_areas(a: Floats, b: Floats, c: Floats) -> Floats:
 
 
 def angle_minus_sine(angle: ArrayLike) -> Floats:
-    """``x - sin(x)`` for x >= 0 at full relative precision, also for small x.
-
-    Parameters
-    ----------
-    angle : array_like
-        Angle [rad], not negative.
-
-    Returns
-    -------
-    ndarray
-        ``x - sin(x)``.
-    """
+    """``x - sin(x)`` for x >= 0 at full relative precision, also for small x."""
     x = np.asarray(angle, dtype=np.float64)
     least = np.minimum(x, 1.0)
     square = least * least
@@ -76,17 +54,9 @@ def angle_minus_sine(angle: ArrayLike) -> Floats:
 
 
 def disc_overlap_fraction(*, distance_ratio: ArrayLike) -> Floats:
-    """Overlap of two equal discs as a fraction of one disc's area.
+    """Overlap of two equal discs over one disc's area, by the distance over the diameter.
 
-    Parameters
-    ----------
-    distance_ratio : array_like
-        Distance of the centres over the diameter, not negative.
-
-    Returns
-    -------
-    ndarray
-        Fraction in [0, 1]; exactly 0 from distance_ratio 1 on, relative precision up to there.
+    Exactly 0 from a `distance_ratio` of 1 on, and of relative precision up to there.
     """
     v = np.minimum(np.atleast_1d(np.asarray(distance_ratio, dtype=np.float64)), 1.0)
     chord = np.sqrt((1.0 - v) * (1.0 + v))
@@ -104,25 +74,12 @@ _SLIGHT = 0.9  # beyond it the segments' angle and sine cancel
 
 
 def annulus_overlap_fraction(*, distance_ratio: ArrayLike, obscuration_ratio: float) -> Floats:
-    """Overlap of two equal annuli as a fraction of one annulus' area.
+    """Overlap of two equal annuli over one annulus' area, by the distance over the outer diameter.
 
-    Parameters
-    ----------
-    distance_ratio : array_like
-        Distance of the centres over the outer diameter, not negative.
-    obscuration_ratio : float
-        Inner over outer radius, in (0, 1).
-
-    Returns
-    -------
-    ndarray
-        Fraction in [0, 1], absolute error near 1e-15 for any ratio up to 1 - 1e-9 and beyond.
-
-    Notes
-    -----
-    The sum of four disc overlaps would lose all of 1/(1 - ratio). Near zero lag what is missing
-    of the full ring is summed instead, and far from it, for thin rings, the two kites in which
-    they cross: the terms are then as small as the result.
+    The absolute error is near 1e-15 for any `obscuration_ratio` up to 1 - 1e-9 and beyond. The sum
+    of four disc overlaps would lose all of 1/(1 - ratio). Near zero lag what is missing of the full
+    ring is summed instead, and far from it, for thin rings, the two kites in which they cross: the
+    terms are then as small as the result.
     """
     s = 2.0 * np.asarray(distance_ratio, dtype=np.float64).ravel()
     r = float(obscuration_ratio)
@@ -203,21 +160,48 @@ def _far_overlap(s: Floats, r: float) -> Floats:
     return area
 
 
-def half_disc_overlap_area(*, radius: float, lag_x: ArrayLike, lag_y: ArrayLike) -> Floats:
-    """Overlap area of the half disc x >= 0 with itself moved by a lag.
+def annular_otf(
+    *, frequency_ratio: ArrayLike, obscuration_ratio: float = 0.0
+) -> NDArray[np.float64]:
+    """OTF of a disc or annulus: the overlap of the aperture with itself moved.
 
     Parameters
     ----------
-    radius : float
-        Radius of the disc, in any length unit.
-    lag_x, lag_y : array_like
-        Lag in the same unit, of either sign; they broadcast.
+    frequency_ratio : array_like
+        Radial frequency over the cutoff (aperture diameter over wavelength), of either sign.
+    obscuration_ratio : float
+        Inner over outer radius, 0 up to but not including 1.
 
     Returns
     -------
     ndarray
-        Area in the square of that unit.
+        Real OTF, shape of `frequency_ratio`: 1 at zero, 0 from the cutoff on.
+
+    Raises
+    ------
+    ParameterError
+        If the obscuration leaves no opening.
+    DataError
+        If a frequency is not finite.
+
+    Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-32 (disc); O'Neill 1956, JOSA 46,
+    285 (annulus). Relative precision holds up to the cutoff, where arc cosine forms cancel.
     """
+    ratio = float(obscuration_ratio)
+    if not 0.0 <= ratio < 1.0:
+        raise ParameterError(
+            "obscuration_ratio", ratio, "0 up to but not including 1 (an opening must remain)"
+        )
+    v = np.abs(np.asarray(frequency_ratio, dtype=np.float64))
+    if not np.all(np.isfinite(v)):
+        raise DataError("frequency_ratio holds a value that is not finite")
+    if ratio == 0.0:
+        return disc_overlap_fraction(distance_ratio=v)
+    return annulus_overlap_fraction(distance_ratio=v, obscuration_ratio=ratio)
+
+
+def half_disc_overlap_area(*, radius: float, lag_x: ArrayLike, lag_y: ArrayLike) -> Floats:
+    """Overlap area of the half disc x >= 0 with itself moved by lags in the unit of its radius."""
     a, b = (np.abs(np.asarray(lag, dtype=np.float64)) / radius for lag in (lag_x, lag_y))
     a, b = np.minimum(a, 1.0), np.minimum(b, 2.0)
     square = a * a + b * b
@@ -286,19 +270,9 @@ class Lens:
 
 
 def lens(*, fixed: float, moved: float, square: Floats) -> Lens:
-    """The lens of two discs.
+    """The lens of two discs, by the square of the distance of their centres.
 
-    Parameters
-    ----------
-    fixed, moved : float
-        Radii.
-    square : ndarray
-        Square of the distance of the centres, in the same unit.
-
-    Returns
-    -------
-    Lens
-        Where one disc lies in the other its circle is the lens, and where they are apart nothing.
+    Where one disc lies in the other its circle is the lens, and where they are apart nothing.
     """
     # Heron: sixteen times the square of the area of the triangle that centres and tip make.
     short, long = (fixed - moved) ** 2, (fixed + moved) ** 2
@@ -394,27 +368,12 @@ class Cut:
 
 
 def lens_in_band(part: Lens, band: Band, cut: Cut) -> Floats:
-    """Area of a lens within a band.
+    """Area of a lens within a band; absolute error about 1e-15 of a disc's.
 
-    Parameters
-    ----------
-    part : Lens
-        The lens; it may rest in the band's middle only if its own disc reaches that far.
-    band : Band
-        The strip.
-    cut : Cut
-        The lens' moved disc in it.
-
-    Returns
-    -------
-    ndarray
-        Area, absolute error about 1e-15 of a disc's.
-
-    Notes
-    -----
-    Where no tip of the lens lies in the band, the same circles bound it throughout: the area is a
-    sum of segments, which depend on one component of the lag. Else it is the difference of what
-    lies left of the band's two edges.
+    The lens may rest in the band's middle only if its own disc reaches that far; `cut` is its moved
+    disc in the band. Where no tip of the lens lies in the band, the same circles bound it
+    throughout: the area is a sum of segments, which depend on one component of the lag. Else it is
+    the difference of what lies left of the band's two edges.
     """
     if part.nested and part.moved < part.fixed:
         return 2.0 * cut.share

@@ -60,18 +60,10 @@ def spectral_weight(
 
 @dataclass(frozen=True)
 class Spectrum:
-    """A band and how much its wavelengths count.
+    """A band, and how much its wavelengths count in it: by a black body's light and responses.
 
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        The band; equal for one wavelength.
-    weighting : "photons", "energy" or "uniform"
-        Of a black body's light, or all alike.
-    temperature_K : float
-        Of that black body; not looked at where all count alike.
-    responses : tuple of ResponseCurve
-        What each wavelength is weighted by besides: of a detector, of a filter.
+    `temperature_K` is of that black body, not looked at where all count alike. `responses` are of a
+    detector or a filter. A band whose ends are equal is one wavelength.
     """
 
     cut_on_um: float
@@ -105,14 +97,7 @@ class Spectrum:
         return (low, *sorted(place for place in corners if low < place < high), high)
 
     def check(self) -> None:
-        """Refuse a band or a temperature that is none, and responses that let nothing through.
-
-        Raises
-        ------
-        ParameterError
-            For a value that is not finite, not above zero, or a band that ends before it begins;
-            for responses that are 0 all over the band.
-        """
+        """Refuse a band or a temperature that is none, and responses that let nothing through."""
         if not (math.isfinite(self.cut_on_um) and self.cut_on_um > 0.0):
             raise ParameterError(
                 "cut_on_um", self.cut_on_um, "a finite number above zero", unit="µm"
@@ -168,22 +153,11 @@ class Spectrum:
 
 @lru_cache(maxsize=32)
 def panel_wavelengths(spectrum: Spectrum, panels: int) -> tuple[Vector, Vector]:
-    """Wavelengths and weights that integrate the spectrum times cubics on panels exactly.
+    """Wavelengths and weights that integrate the spectrum times cubics on equal panels exactly.
 
     However many bends the responses have, the number of wavelengths is that of the panels: each
     has the four nodes of Gauss, weighted by the integrals of the spectrum times Lagrange's basis.
-
-    Parameters
-    ----------
-    spectrum : Spectrum
-        What is integrated; its light must not be 0 everywhere.
-    panels : int
-        Equal parts of the band.
-
-    Returns
-    -------
-    wavelength_um, weight : ndarray
-        Shape (4·panels,); the weights sum to 1.
+    The weights sum to 1.
     """
     low, high = spectrum.ends_um
     ends = np.linspace(low, high, panels + 1)
@@ -214,19 +188,9 @@ MOST_WAVELENGTHS = 256
 def band_wavelengths(
     *, cut_on_um: float, cut_off_um: float, count: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Wavelengths over a uniformly weighted band, with weights.
+    """Wavelengths over a uniformly weighted band, ascending, with weights that sum to 1.
 
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        Ends of the band [µm], cut-on above 0 and not above cut-off.
-    count : int
-        Number of wavelengths, 1 to 256. 1 is the band's mean; more are Gauss-Legendre nodes.
-
-    Returns
-    -------
-    wavelengths_um, weights : ndarray
-        Shape (count,), ascending; the weights sum to 1.
+    One is the band's mean, up to 256 are Gauss-Legendre nodes.
     """
     if not (math.isfinite(cut_on_um) and cut_on_um > 0.0):
         raise ParameterError("cut_on_um", cut_on_um, "above 0", unit="um")

@@ -43,22 +43,10 @@ class PointSpread:
     def of(
         cls, samples: ArrayLike, *, background: float = 0.0, keep_centroid: bool = True
     ) -> PointSpread:
-        """Normalise samples.
+        """Normalise samples, less a background; noise may make some negative.
 
-        Parameters
-        ----------
-        samples : array_like, shape (rows, columns)
-            Finite; noise may make some negative.
-        background : float
-            Subtracted from every sample.
-        keep_centroid : bool
-            Whether the point is at the middle of the array, so that a centroid beside it shifts a
-            picture; else it is at the centroid, and nothing is shifted.
-
-        Raises
-        ------
-        DataError
-            If they do not sum up to more than 0.
+        `keep_centroid`: whether the point is at the middle of the array, so that a centroid beside
+        it shifts a picture; else it is at the centroid, and nothing is shifted.
         """
         values = np.asarray(samples, np.float64) - background
         if values.ndim != 2 or values.size == 0:
@@ -96,8 +84,6 @@ def sampled_psf_otf(
     xi, eta : array_like
         Angular frequencies across and along, cycles/mrad; they broadcast, soonest as one row and
         one column.
-    psf : PointSpread
-        The samples.
     pitch_x_mrad, pitch_y_mrad : float
         From one sample to the next.
 

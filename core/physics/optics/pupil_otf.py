@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError
 from core.physics.checks import positive
-from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.diffraction_otf import annular_defocus_otf
-from core.physics.optics.overlap_area import half_disc_overlap_area
+from core.physics.optics.overlap_area import annular_otf, half_disc_overlap_area
 from core.physics.optics.pupil_shapes import PupilShape, by_tiles, vane_direction
 from core.physics.optics.sampled_otf import sampled_otf
 from core.physics.optics.strip_overlap import (
@@ -79,22 +78,9 @@ def circular_pupil_otf(
     wavelengths_um: tuple[float, ...],
     weights: tuple[float, ...],
 ) -> Array:
-    """OTF of a disc or annulus without wavefront error, exact.
+    """OTF of a disc or annulus without wavefront error at radial frequencies, cycles/mrad; exact.
 
-    Parameters
-    ----------
-    rho : array_like
-        Radial frequency, cycles/mrad.
-    diameter_mm, obscuration_ratio : float
-        Outer diameter, and the inner diameter over it.
-    wavelengths_um, weights : tuple of float
-        Wavelengths of the band and their weights, which sum to 1.
-
-    Returns
-    -------
-    ndarray of float64
-
-    Source: as `geometric_pupil_otf`; Tantalo 1996, appendix E.
+    The band as of `geometric_pupil_otf`. Source: as there; Tantalo 1996, appendix E.
     """
     diameter = positive("diameter_mm", diameter_mm, unit="mm")
 
@@ -122,23 +108,10 @@ def defocused_disc_otf(
     wavelengths_um: tuple[float, ...],
     weights: tuple[float, ...],
 ) -> Array:
-    """OTF of a clear circular pupil with defocus, exact (Hopkins 1955).
+    """OTF of a clear circular pupil with defocus, at radial frequencies in cycles/mrad, exact.
 
-    Parameters
-    ----------
-    rho : array_like
-        Radial frequency, cycles/mrad.
-    diameter_mm : float
-        Diameter of the pupil.
-    w20_waves, reference_um : float
-        Defocus at the rim in waves of the reference wavelength.
-    wavelengths_um, weights : tuple of float
-        Wavelengths of the band and their weights, which sum to 1.
-
-    Returns
-    -------
-    ndarray of float64
-        Real and signed.
+    Real and signed; `w20_waves` is at the rim, in waves of the reference wavelength. The band as of
+    `geometric_pupil_otf`. Source: as `annular_defocus_otf`.
     """
     rho = np.asarray(rho, np.float64)
     diameter = positive("diameter_mm", diameter_mm, unit="mm")
@@ -167,27 +140,11 @@ def sampled_pupil_otf(
     interpolation: str,
     real: bool,
 ) -> Array:
-    """OTF of a sampled pupil from its autocorrelation.
+    """OTF of a sampled pupil from its normalised autocorrelation.
 
-    Parameters
-    ----------
-    xi, eta : array_like
-        Angular frequencies, cycles/mrad; they broadcast.
-    correlations : tuple of ndarray
-        Normalised autocorrelations: one for all wavelengths where there is no wavefront error
-        (the OTF then depends on λ·xi only), else one for each wavelength.
-    pitch_x_mm, pitch_y_mm : float
-        Size of one pupil sample.
-    wavelengths_um, weights : tuple of float
-        Wavelengths of the band and their weights, which sum to 1.
-    interpolation : str
-        "linear" or "bilinear".
-    real : bool
-        Whether the pupil is real, and with it the OTF.
-
-    Returns
-    -------
-    ndarray, float64 or complex128
+    There is one for all wavelengths where there is no wavefront error (the OTF then depends on λ·xi
+    only), else one for each wavelength. `interpolation` is "linear" or "bilinear"; `real` says that
+    the pupil is real, and with it the OTF. Else as `geometric_pupil_otf`.
     """
     xi, eta = np.asarray(xi, np.float64), np.asarray(eta, np.float64)
     if real:
@@ -233,17 +190,10 @@ def geometric_otf(shape: PupilShape, *, lag_x: ArrayLike, lag_y: ArrayLike) -> F
     Returns
     -------
     ndarray
-        Real OTF in [0, 1], even in either lag, exactly 1 at zero lag.
+        Real OTF in [0, 1], even in either lag, exactly 1 at zero lag; absolute error near 1e-15.
 
-    Raises
-    ------
-    DataError
-        If a lag is not finite.
-
-    Notes
-    -----
-    Closed form in arcs and chords, absolute error near 1e-15. Source: Goodman 2005, Introduction
-    to Fourier Optics, eq. 6-31; Tantalo 1996, eqs. 4.15 and 4.16.
+    Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-31; Tantalo 1996, eqs. 4.15 and
+    4.16; closed form in arcs and chords.
     """
     x, y = (np.abs(np.asarray(lag, dtype=np.float64)) for lag in (lag_x, lag_y))
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):

@@ -37,11 +37,6 @@ class PupilShape:
     vane_width : float
         Width of a vane [samples].
 
-    Raises
-    ------
-    ParameterError
-        If a value is out of range or nothing transparent is left.
-
     Source: Tantalo 1996, section 4.3.
     """
 
@@ -111,23 +106,7 @@ def sample_pupil(
 ) -> NDArray[np.float64]:
     """Samples of a pupil at the pixel centres: 1 transparent, 0 opaque.
 
-    Parameters
-    ----------
-    shape : PupilShape
-        The pupil, centred at ((columns - 1) / 2, (rows - 1) / 2).
-    rows, columns : int
-        Size of the array, at least 1.
-    oversampling : int
-        Divides every sample into this many across and along; lags in the finer samples grow
-        likewise. The error of the OTF falls faster than its inverse.
-
-    Returns
-    -------
-    ndarray
-        Shape (rows * oversampling, columns * oversampling), float64.
-
-    Notes
-    -----
+    The array has `rows` × `columns`, each divided by `oversampling`, with the pupil in its middle.
     Pixels are never grey: an autocorrelation squares them, so that area-averaged pixels make
     the normalised OTF worse (error 1/N), not better.
     """
@@ -157,17 +136,7 @@ def edge_offset_samples(
 ) -> float:
     """How far the shape's edges along rows or columns lie from the borders of its samples.
 
-    Parameters
-    ----------
-    shape : PupilShape
-        The pupil.
-    rows, columns, oversampling : int
-        As given to `sample_pupil`.
-
-    Returns
-    -------
-    float
-        Largest offset [samples of the array, the finer ones if oversampled]; 0 without such edges.
+    The largest offset for the arguments of `sample_pupil`, in its samples; 0 without such edges.
     """
     offsets = [0.0]
     rows, columns = rows * oversampling, columns * oversampling
@@ -198,29 +167,12 @@ _SLACK = 1e-9  # of the radius: points as far outside lie on the circle but for 
 
 
 def support_circle(samples: ArrayLike) -> Circle:
-    """Smallest circle round the centres of all samples above 1 % of the largest.
+    """Smallest circle round the centres of all samples above 1 % of the largest: x, y and radius.
 
+    The centre is counted from the array's first sample; half a sample is the least radius.
     Edges are known to about half a sample, which leaves the centre of a half disc's circle loose
     by several: where a circle about the array's centre is at most one sample larger, it is that.
 
-    Parameters
-    ----------
-    samples : array_like, shape (rows, columns)
-        Transmission of a pupil.
-
-    Returns
-    -------
-    x, y, radius : float
-        Its centre across and along, counted from the array's first sample, and its radius, all in
-        samples. Half a sample is the least radius.
-
-    Raises
-    ------
-    ParameterError
-        If all samples are 0.
-
-    Notes
-    -----
     The disc on which Zernike polynomials are orthogonal is the one that just holds the aperture:
     Mahajan 1994, Zernike circle polynomials and optical aberrations of systems with circular
     pupils, Applied Optics 33, 8121. Of a disc, a ring or a half disc it is the outline's own
@@ -300,17 +252,7 @@ COLUMNS = 1 << 8  # nearly square, so that what holds nowhere in a tile can be l
 def by_tiles(function: Callable[..., Floats], *coordinates: Floats) -> Floats:
     """Values of a pointwise function of arrays that broadcast.
 
-    Parameters
-    ----------
-    function : callable
-        Given as many arrays of two axes, of which each may have one row or column only.
-    coordinates : ndarray
-        What it is a function of.
-
-    Returns
-    -------
-    ndarray
-        Values, of the shape to which the coordinates broadcast.
+    It is given as many arrays of two axes, of which each may have one row or column only.
     """
     shape = np.broadcast_shapes(*(coordinate.shape for coordinate in coordinates))
     if len(shape) == 2:

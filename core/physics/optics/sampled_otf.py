@@ -20,19 +20,9 @@ INTERPOLATIONS = ("linear", "bilinear")
 
 
 def complex_pupil(*, transmission: ArrayLike, wavefront_waves: ArrayLike = 0.0) -> Complexes:
-    """Amplitude transmission of a pupil with a wavefront error: t · exp(2πi W).
+    """Amplitude transmission of a pupil with a wavefront error in waves: t · exp(2πi W).
 
-    Parameters
-    ----------
-    transmission : array_like
-        Amplitude transmission, shape (rows, columns).
-    wavefront_waves : array_like
-        Wavefront error [waves], same shape or a scalar; ignored where nothing is transmitted.
-
-    Returns
-    -------
-    ndarray
-        Complex pupil, shape (rows, columns).
+    The wavefront is of the same shape or a scalar, and ignored where nothing is transmitted.
     """
     amplitude = np.asarray(transmission, dtype=np.float64)
     waves = np.where(amplitude != 0.0, np.asarray(wavefront_waves, dtype=np.float64), 0.0)
@@ -54,11 +44,6 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complexe
     ndarray
         Complex, shape (2 rows - 1, 2 columns - 1): lags -(rows - 1) … rows - 1 and likewise across,
         zero lag in the middle. C(s) = Σ P(p + s) P*(p) / Σ |P|², exactly Hermitian.
-
-    Raises
-    ------
-    DataError
-        If the pupil is not a 2-D array of finite samples with some transmission.
 
     Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-28; Tantalo 1996, eq. 4.15.
     """
@@ -113,13 +98,6 @@ def sampled_otf(
     -------
     ndarray
         OTF, complex as the autocorrelation is; Hermitian to the last bit: H(-lag) = conj(H(lag)).
-
-    Raises
-    ------
-    ParameterError
-        If the interpolation is not one of the two.
-    DataError
-        If a lag is not finite.
 
     Source: Tantalo 1996, section 4.3 (the two choices of interpolation).
     """

@@ -82,22 +82,10 @@ def strip_pupil_area(*, pupil: StripPupil) -> float:
 def strip_overlap_area(
     *, pupil: StripPupil, lag_x: Floats, lag_y: Floats, other: StripPupil | None = None
 ) -> Floats:
-    """Overlap area of the pupil with itself, or another one, moved; for nonzero lags.
+    """Overlap area of the pupil with itself, or with another one, moved; for nonzero lags.
 
-    Parameters
-    ----------
-    pupil : StripPupil
-        The pupil.
-    lag_x, lag_y : ndarray
-        Lags, one shape, in the pupil's length unit, nowhere both zero.
-    other : StripPupil, optional
-        What is moved: a pupil of the same circles, of whose strips none has the direction of any of
-        the other's.
-
-    Returns
-    -------
-    ndarray
-        Area, same shape; absolute error about 1e-15 of a disc's.
+    Lags are in the pupil's length unit. Another pupil has the same circles, and none of its strips
+    has the direction of any of this one's. The absolute error is about 1e-15 of a disc's.
     """
     x, y = lag_x.ravel(), lag_y.ravel()
     partner = pupil if other is None else other
@@ -299,22 +287,10 @@ def open_gaps(
 ) -> tuple[Floats, Floats]:
     """Start and end of each gap that a union of intervals leaves in a window.
 
-    Parameters
-    ----------
-    window : (low, high)
-        Arrays of shape (points,), low <= high.
-    opaque : sequence of (low, high)
-        m intervals, arrays of shape (points,) or scalars; an empty one has high <= low.
-
-    Returns
-    -------
-    start, end : ndarray
-        Shape (m + 1, points). A gap that does not exist has end == start.
-
-    Notes
-    -----
-    The k-th gap lies between the k-th smallest end and the (k+1)-th smallest start, each sorted
-    by itself: at a point left open, as many intervals have ended as have begun.
+    The window's ends are of shape (points,), as are those of the m intervals, or scalars; an empty
+    interval has high <= low. Start and end are of shape (m + 1, points); a gap that does not exist
+    has end == start. The k-th gap lies between the k-th smallest end and the (k+1)-th smallest
+    start, each sorted by itself: at a point left open, as many intervals have ended as have begun.
     """
     low, high = window
     starts = np.empty((len(opaque) + 1, low.size))

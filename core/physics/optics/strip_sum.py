@@ -59,20 +59,9 @@ def strip_sum_area(
 ) -> Floats:
     """Overlap area of a pupil for which `strips_add_up` with itself moved.
 
-    Parameters
-    ----------
-    pupil : StripPupil
-        The pupil.
-    lag_x, lag_y : ndarray
-        Lags in its length unit, two axes, nowhere both zero; they broadcast, and what depends on
-        one of them alone is computed once.
-    complete : bool
-        Else give NaN at the few lags that take long: circles of both annuli cut a parallelogram.
-
-    Returns
-    -------
-    ndarray
-        Area, absolute error about 1e-15 of a disc's.
+    Lags in its length unit have two axes, are nowhere both zero and broadcast: what depends on one
+    of them alone is computed once. Unless `complete`, there is NaN at the few lags that take long:
+    circles of both annuli cut a parallelogram. The absolute error is about 1e-15 of a disc's.
     """
     half, bars = pupil.strips[0].high, pupil.symmetric
     square = lag_x * lag_x + lag_y * lag_y
@@ -269,20 +258,12 @@ class Crossing:
         return math.hypot(self.extent, self.half)
 
     def overlap(self, across: tuple[Floats, Floats], *, same_side: bool) -> tuple[Floats, Bools]:
-        """Area in both annuli of one strip's crossing with the other, moved.
+        """Area in both annuli of a strip's crossing with the moved other, and where none is known.
 
-        Parameters
-        ----------
-        across : tuple of ndarray
-            Components of the lag across the second and the first strip. The parallelogram's centre
-            is that over the sine along the first strip and, from the moved centre, the second.
-        same_side : bool
-            Vanes: the signs of both must agree, else the one's half meets not the other's.
-
-        Returns
-        -------
-        area, cut : ndarray
-            Area, and where circles of both annuli cut the parallelogram, so that it is not known.
+        The parallelogram's centre lies the lag's component across the second strip over the sine
+        along the first one and, from the moved centre, likewise for the second. Circles of both
+        annuli may cut the parallelogram: there the area is not known. `same_side` is for vanes:
+        both signs must agree, else the one's half meets not the other's.
         """
         first, second = (np.abs(values) / self.sin for values in across)
         extent = self.extent

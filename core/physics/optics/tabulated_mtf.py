@@ -23,20 +23,8 @@ def tabulated_mtf(*, frequency: ArrayLike, frequencies: Column, values: Column) 
     ----------
     frequency : array_like
         Frequencies of either sign, in the unit of the table.
-    frequencies : tuple of float
-        Those of the table, from 0, rising.
-    values : tuple of float
-        MTF at them.
-
-    Returns
-    -------
-    ndarray of float64
-
-    Raises
-    ------
-    DataError
-        If the table does not begin at frequency 0 or does not rise, or its columns differ in
-        length.
+    frequencies, values : tuple of float
+        Those of the table, from 0, rising, and the MTF at them.
 
     Notes
     -----
@@ -65,22 +53,11 @@ def tabulated_ptf(*, frequency: ArrayLike, frequencies: Column, values: Column) 
 def from_zero(
     frequencies: Column, values: Column, *, at_zero: float, normalised: bool = False
 ) -> tuple[Column, Column]:
-    """A table of which the first point is at frequency 0.
+    """A table, rising in frequency, of which the first point is at frequency 0.
 
-    Parameters
-    ----------
-    frequencies, values : tuple of float
-        The table's points, rising in frequency.
-    at_zero : float
-        What the function is at frequency 0 by its definition: 1 of an MTF, 0 of a PTF. A table
-        that begins above 0 gets that point; one that is within 0.001 of it there, it exactly.
-    normalised : bool
-        Divide by the first value, which has to be at frequency 0.
-
-    Raises
-    ------
-    DataError
-        If the table is something else there.
+    `at_zero` is what the function is there by its definition: 1 of an MTF, 0 of a PTF. A table that
+    begins above 0 gets that point; one that is within 0.001 of it there, it exactly. `normalised`
+    divides by the first value, which has to be at frequency 0.
     """
     if frequencies[0] > 0.0:
         if normalised:

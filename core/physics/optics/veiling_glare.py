@@ -43,7 +43,7 @@ def veiling_glare_mtf(*, rho: ArrayLike, share: float, length_mrad: float) -> ND
 
 
 def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
-    """Share of the light that a surface scatters into the half space.
+    """Share of the light that a surface scatters into the half space, refused above 1.
 
     Parameters
     ----------
@@ -58,11 +58,6 @@ def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
     -------
     float
         2π∫b·[1 + (β/l)²]^(s/2)·β dβ from 0 to 1.
-
-    Raises
-    ------
-    ParameterError
-        If it is above 1.
 
     Source: Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical Scattering, section
     4.5.

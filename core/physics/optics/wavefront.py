@@ -62,26 +62,10 @@ def wavefront_waves(
     coefficients_waves: Sequence[float] = (),
     defocus_waves: float = 0.0,
 ) -> NDArray[np.float64]:
-    """Wavefront error of a pupil from Zernike coefficients and Seidel defocus.
+    """Wavefront error of a pupil in waves, from Zernike coefficients and Seidel defocus.
 
-    Parameters
-    ----------
-    x, y : array_like
-        Position over the pupil's radius; they broadcast.
-    coefficients_waves : sequence of float
-        Coefficients in Noll's order from j = 1 (piston) on [waves rms].
-    defocus_waves : float
-        W20, the defocus at the pupil's rim [waves]: W = W20 (x² + y²).
-
-    Returns
-    -------
-    ndarray
-        Wavefront error [waves].
-
-    Raises
-    ------
-    ParameterError
-        If a coefficient is not finite or there are more than 861.
+    x and y are over the pupil's radius and broadcast; the coefficients are in Noll's order from j =
+    1 (piston) on, in waves rms. `defocus_waves` is W20, the defocus at the rim: W = W20 (x² + y²).
     """
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if not math.isfinite(defocus_waves):
@@ -107,23 +91,9 @@ UNITS = (*_IN_WAVES, *_IN_MICROMETRES)
 def map_scale(unit: str, wavelength_um: float | None) -> tuple[float, float | None]:
     """What a map's numbers are multiplied by, and the wavelength of which they then are waves.
 
-    Parameters
-    ----------
-    unit : str
-        ``waves``, ``rad``, ``um`` or ``nm``.
-    wavelength_um : float or None
-        Of the map, for waves and rad; None for the mean of whatever band it is used in.
-
-    Returns
-    -------
-    factor : float
-    wavelength_um : float or None
-        1 for a path in µm, which is its number of waves of 1 µm.
-
-    Raises
-    ------
-    ParameterError
-        If the unit is none of these.
+    The unit is ``waves``, ``rad``, ``um`` or ``nm``. The wavelength is of the map, for waves and
+    rad; None for the mean of whatever band it is used in. It is 1 for a path in µm, which is its
+    number of waves of 1 µm.
     """
     if unit in _IN_WAVES:
         return _IN_WAVES[unit], wavelength_um
@@ -140,17 +110,8 @@ def known_wavefront(samples: ArrayLike) -> NDArray[np.float64]:
     samples : array_like, shape (rows, columns)
         NaN outside the aperture, as interferometers write it; or, where no sample is NaN, zeros
         from the border of the array up to the aperture, as lens design programs do. Zeros within
-        the outline, on a line where the wavefront changes its sign, stay.
-
-    Returns
-    -------
-    ndarray of float64
-        A map without zeros at its border is known everywhere.
-
-    Raises
-    ------
-    DataError
-        If it is not 2-D, has an infinite sample, or is known nowhere.
+        the outline, on a line where the wavefront changes its sign, stay. A map without zeros at
+        its border is known everywhere.
     """
     values = np.array(samples, np.float64)
     if values.ndim != 2 or values.size == 0:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.physics.optics.annular_otf import annular_otf
+from core.physics.optics.overlap_area import annular_otf
 from core.physics.optics.polychromatic import band_wavelengths
 from core.transfer.planar_blocks import RadialTable
 

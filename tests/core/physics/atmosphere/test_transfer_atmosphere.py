@@ -14,13 +14,11 @@ from core.errors import ParameterError
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
     fried_mtf,
-    path_optical_depth,
-    turbidity_optical_depth,
-)
-from core.physics.atmosphere.turbulence_profile import (
     fried_r0_slant_m,
     fried_r0_uniform_m,
     hufnagel_valley_cn2,
+    path_optical_depth,
+    turbidity_optical_depth,
 )
 
 _RHO = np.array([0.0, 1e-12, 5e-4, 1e-3, 0.2, 1.0, 9.0, 1e6, 1e200])

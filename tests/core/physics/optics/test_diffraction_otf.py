@@ -12,7 +12,6 @@ from mpmath import acos, mp, mpf, pi, sqrt
 
 from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.diffraction_otf import (
     Aperture,
     annular_defocus_otf,
@@ -20,7 +19,7 @@ from core.physics.optics.diffraction_otf import (
     wavefront_factor,
     wavelengths_needed,
 )
-from core.physics.optics.overlap_area import disc_overlap_fraction
+from core.physics.optics.overlap_area import annular_otf, disc_overlap_fraction
 from core.physics.optics.polychromatic import Spectrum
 from reference_cases import CAMERA, reference_cases
 

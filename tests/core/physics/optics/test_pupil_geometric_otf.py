@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, ParameterError
-from core.physics.optics.annular_otf import annular_otf
+from core.physics.optics.overlap_area import annular_otf
 from core.physics.optics.pupil_otf import geometric_otf
 from core.physics.optics.pupil_shapes import PupilShape
 from reference_cases import reference_cases

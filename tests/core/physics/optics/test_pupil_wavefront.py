@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, ParameterError
-from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.diffraction_otf import annular_defocus_otf
+from core.physics.optics.overlap_area import annular_otf
 from core.physics.optics.polychromatic import band_wavelengths
 from core.physics.optics.wavefront import noll_order, wavefront_waves, zernike
 from reference_cases import reference_cases
