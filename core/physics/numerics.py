@@ -15,19 +15,7 @@ from core.physics.checks import Values, positive
 
 @lru_cache(maxsize=128)
 def gauss_legendre(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Nodes in (−1, 1) and weights, read-only.
-
-    Finding them takes 0.1 to 0.7 ms, more than most sums they serve.
-
-    Parameters
-    ----------
-    count : int
-        Number of nodes, 1 or more.
-
-    Returns
-    -------
-    nodes, weights : ndarray, shape (count,)
-        Exact for polynomials of degree 2·count − 1.
+    """Nodes in (−1, 1) and weights, read-only: finding them takes 0.1 to 0.7 ms.
 
     Source: Golub and Welsch 1969, as in numpy.polynomial.legendre.leggauss.
     """
@@ -46,15 +34,6 @@ _FIT_TOLERANCE = 4e-16
 
 def chebyshev_fit(function: Callable[[FloatArray], FloatArray]) -> FloatArray:
     """Coefficients of a smooth function on [-1, 1], as many as double precision can use.
-
-    Parameters
-    ----------
-    function
-        Takes and returns an array of shape (n,).
-
-    Returns
-    -------
-    Array of coefficients of the Chebyshev polynomials T0, T1, …
 
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 3 and 8.
     """
@@ -99,38 +78,15 @@ def chebyshev_sum(coefficients: FloatArray, places: FloatArray) -> FloatArray:
 # A zero of a function between two places where it has opposite signs.
 
 _ROUNDING = 2.220446049250313e-16
+_TOLERANCE = 1e-13
+_MOST_STEPS = 200  # after which the best place so far is taken
 
 
-def brent_root(
-    function: Callable[[float], float],
-    *,
-    low: float,
-    high: float,
-    tolerance: float = 1e-13,
-    most_steps: int = 200,
-) -> float:
-    """A zero by inverse quadratic interpolation, secants and halving.
+def brent_root(function: Callable[[float], float], *, low: float, high: float) -> float:
+    """A zero between places of opposite signs, by inverse interpolation, secants and halving.
 
-    Parameters
-    ----------
-    function : callable
-        Takes and gives a number.
-    low, high : float
-        Two places where it has opposite signs, or is zero.
-    tolerance : float
-        Of the place, relative to the larger of its size and that of the interval.
-    most_steps : int
-        Evaluations after which the best place so far is taken.
-
-    Returns
-    -------
-    float
-        The place.
-
-    Raises
-    ------
-    ParameterError
-        If the function has one sign at both ends.
+    The place is within 1e-13 of the larger of its size and that of the interval. Refused if the
+    function has one sign at both ends (`ParameterError`).
 
     Source: Brent 1973, Algorithms for Minimization without Derivatives, chapter 4.
     """
@@ -143,12 +99,12 @@ def brent_root(
         raise ParameterError("low, high", (low, high), allowed)
     other, at_other = before, at_before  # the zero lies between `best` and `other`
     step = last_step = best - before
-    floor = tolerance * abs(high - low) * 1e-3
-    for _ in range(most_steps):
+    floor = _TOLERANCE * abs(high - low) * 1e-3
+    for _ in range(_MOST_STEPS):
         if abs(at_other) < abs(at_best):
             before, best, other = best, other, best
             at_before, at_best, at_other = at_best, at_other, at_best
-        near = 2.0 * _ROUNDING * abs(best) + 0.5 * max(tolerance * abs(best), floor)
+        near = 2.0 * _ROUNDING * abs(best) + 0.5 * max(_TOLERANCE * abs(best), floor)
         half = 0.5 * (other - best)
         if abs(half) <= near or at_best == 0.0:
             break
@@ -198,20 +154,8 @@ _LARGEST = 2.0**60
 
 
 def sinc(x: ArrayLike) -> NDArray[np.float64]:
-    """Normalised sinc, signed.
+    """Normalised sinc sin(πx)/(πx), signed: 1 at x = 0, 0 at every other integer and at infinity.
 
-    Parameters
-    ----------
-    x : array_like
-        Arguments without unit, any shape; infinite ones give 0.
-
-    Returns
-    -------
-    ndarray of float64
-        sin(πx)/(πx), 1 at x = 0 and 0 at every other integer.
-
-    Notes
-    -----
     The nearest integer is taken off before the sine (an exact subtraction), so the relative
     accuracy holds next to the zeros, where sin(π·x) of the whole argument has none left.
     """
@@ -235,28 +179,12 @@ _PARTS = 17
 def range_for_probability(
     *, probability_at: Callable[[Values], ArrayLike], probability: float
 ) -> float | None:
-    """Range up to which a probability is at least the one wanted.
+    """Range up to which a probability is at least the one wanted, in m, to 1e-13 relative.
 
-    Parameters
-    ----------
-    probability_at
-        Probabilities at an array of ranges in m; must nowhere rise with the range.
-    probability
-        The one wanted, above 0 and below 1.
+    `probability_at` gives probabilities at an array of ranges in m and must nowhere rise with them.
+    None if the one wanted is not reached at any range (looked at from 1 mm), infinity if it never
+    falls below (looked at up to 1e9 m).
 
-    Returns
-    -------
-    float or None
-        m, to 1e-13 relative; None if it is not reached at any range (looked at from 1 mm),
-        infinity if it never falls below (looked at up to 1e9 m).
-
-    Raises
-    ------
-    ParameterError
-        For a probability out of range, or one that is no number at some range.
-
-    Notes
-    -----
     The logarithm of the range is divided into 17 parts, and the part in which the probability
     falls past the wanted one into 17 again, as bisection does with two: where the probability
     jumps, past the wanted one, the range of the jump is given.

@@ -36,15 +36,7 @@ _LARGEST_X = 700.0
 
 @dataclass(frozen=True)
 class PathBand:
-    """What a path does to the radiance of a band.
-
-    Parameters
-    ----------
-    transmission : float
-        Mean over the band.
-    path_radiance : float
-        W/m²/sr, added on the way.
-    """
+    """Mean transmission of a path over a band, and what it adds to the radiance, W/m²/sr."""
 
     transmission: float
     path_radiance: float
@@ -68,7 +60,7 @@ class AirPath:
     points : tuple of (float, float)
         Wavelength in µm, rising, and transmission there, straight between them.
     extinction_per_km : float, optional
-        Extinction coefficient at 0.55 µm, zero or above.
+        Extinction coefficient at 0.55 µm, zero or above; needs a range.
     angstrom_q : float
         The coefficient goes as (0.55/λ)^q.
     radiance : tuple of (float, float)
@@ -76,11 +68,6 @@ class AirPath:
     air_K : float, optional
         Temperature of the air, which emits (1 − τ)·L_BB; without it, and without a table of path
         radiance, there is none.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or an extinction without a range.
 
     Source: Bouguer 1729 and Beer 1852; Ångström 1929 (exponent); Kirchhoff's law for air of one
     temperature that scatters nothing into the path.
@@ -137,13 +124,7 @@ class AirPath:
         return np.asarray(grey * (VISIBLE_UM / wavelength) ** self.angstrom_q)
 
     def depth_per_m(self, wavelength_um: ArrayLike) -> FloatArray:
-        """The same of a metre of it.
-
-        Raises
-        ------
-        ParameterError
-            Where the range is not known for which the transmission holds.
-        """
+        """The same of a metre of it, where the range is known for which the transmission holds."""
         if self.range_m is None:
             raise _no_range()
         return self.depth(wavelength_um) / self.range_m
@@ -160,25 +141,10 @@ class AirPath:
         return np.asarray(emissivity * spectral_radiance(wavelength, self.air_K))
 
     def over_band(self, cut_on_um: float, cut_off_um: float, *, source_K: float | None) -> PathBand:
-        """Mean transmission and path radiance of a band.
+        """Mean transmission ∫τ·L_λ dλ/∫L_λ dλ and path radiance ∫L_path dλ of a band.
 
-        Parameters
-        ----------
-        cut_on_um, cut_off_um : float
-            The band, µm.
-        source_K : float or None
-            Temperature of the black body whose radiance weights the transmission, above zero; None
-            for a weight that is the same all over. Of no account where all wavelengths pass alike.
-
-        Returns
-        -------
-        PathBand
-            ∫τ·L_λ dλ over ∫L_λ dλ, and ∫L_path dλ.
-
-        Raises
-        ------
-        DataError
-            For a table that does not cover the band, or a source that emits nothing in it.
+        A black body of `source_K` weights the transmission; None for a weight that is the same all
+        over. It is of no account where all wavelengths pass alike. A table must cover the band.
         """
         self.require_covered(cut_on_um, cut_off_um)
         wavelength, width = self._nodes(cut_on_um, cut_off_um)
@@ -247,20 +213,9 @@ def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None
 def path_of_bands(
     air: AirPath, centres_um: tuple[float, ...], widths_um: tuple[float, ...]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Mean transmission and mean path radiance, W/m²/sr/µm, of narrow bands.
+    """Mean transmission and mean path radiance, W/m²/sr/µm, of narrow bands of a flat spectrum.
 
-    Parameters
-    ----------
-    air : AirPath
-        The path.
-    centres_um, widths_um : tuple of float
-        The bands, whose own spectrum is taken to be flat; at its centre alone where one has no
-        width.
-
-    Raises
-    ------
-    DataError
-        For a table that does not cover the bands.
+    Where a band has no width its centre alone counts.
     """
     gain, added = [], []
     for centre, width in zip(centres_um, widths_um, strict=True):
@@ -277,18 +232,9 @@ def path_of_bands(
 
 
 def extinction_of_visibility(*, visibility_km: float) -> float:
-    """Extinction coefficient at 0.55 µm of a visibility.
+    """Extinction coefficient at 0.55 µm, 1/km, of a visibility: 3.912/V.
 
-    Parameters
-    ----------
-    visibility_km : float
-        Range at which a black object before the horizon has 2 % of contrast left, km, above zero.
-
-    Returns
-    -------
-    float
-        3.912/V, 1/km.
-
+    At the visibility a black object before the horizon has 2 % of contrast left.
     Source: Koschmieder 1924; the threshold of 2 % is the usual one.
     """
     return KOSCHMIEDER / positive("visibility_km", visibility_km, unit="km")
@@ -307,11 +253,11 @@ def transmission_at_ranges(
     Parameters
     ----------
     paths : sequence of AirPath
-        What the air consists of; each holds along the whole range.
+        What the air consists of; each, of a known range of its own, holds along the whole range.
     range_m : array_like
         Ranges in m, zero or above.
     cut_on_um, cut_off_um : float
-        The band, µm.
+        The band, µm, which a table must cover.
     background_K : float
         Temperature about which the difference is, above zero.
 
@@ -319,13 +265,6 @@ def transmission_at_ranges(
     -------
     float or ndarray
         ∫τ(λ, R)·∂L/∂T dλ over ∫∂L/∂T dλ, of the shape of `range_m`.
-
-    Raises
-    ------
-    ParameterError
-        For a path whose own range is not known.
-    DataError
-        For a table that does not cover the band, or a background that emits nothing in it.
 
     Source: Bouguer 1729, Beer 1852. A table is taken to have no lines narrower than its steps: of
     molecular lines it is exact at the table's own range, and the further from it the less so.

@@ -36,8 +36,6 @@ def fried_mtf(
     ----------
     rho : array_like
         Radial frequencies in cycles/mrad, any shape, finite.
-    wavelength_um : float
-        Wavelength in µm, above zero.
     fried_r0_m : float
         Fried's coherence diameter in m, above zero; infinite for air without turbulence.
     aperture_mm : float, optional
@@ -52,11 +50,6 @@ def fried_mtf(
     -------
     ndarray of float64
         exp(−3.44(λρ/r0)^{5/3}·max(0, 1 − α(λρ/D)^{1/3})), of the shape of `rho`.
-
-    Raises
-    ------
-    ParameterError
-        When a value is out of range, or alpha is above 0 without an aperture.
 
     Source: D. L. Fried, J. Opt. Soc. Am. 56, 1372 (1966). The expansion holds for
     λρ < D only; the factor is kept from going negative, so that the MTF never exceeds 1.
@@ -90,19 +83,7 @@ def _r0_m(fried_r0_m: float) -> float:
 
 
 def fried_r0_at_m(*, fried_r0_m: float, from_wavelength_um: float, wavelength_um: float) -> float:
-    """Fried's r0 of the same air at another wavelength.
-
-    Parameters
-    ----------
-    fried_r0_m : float
-        r0 in m, above zero, or infinite.
-    from_wavelength_um, wavelength_um : float
-        Wavelength at which it holds, and that of the result; µm, above zero.
-
-    Returns
-    -------
-    float
-        r0·(λ/λ₀)^{6/5} in m.
+    """Fried's r0 of the same air at another wavelength: r0·(λ/λ₀)^{6/5}, in m.
 
     Source: Fried 1966: r0 = (0.423 k² ∫Cn² dz)^{−3/5}, k = 2π/λ, in air without dispersion.
     """
@@ -143,19 +124,7 @@ def aerosol_mtf(
 def aerosol_mtf_of_particles(
     *, rho: ArrayLike, optical_depth: float, particle_radius_um: float, wavelength_um: float
 ) -> NDArray[np.float64]:
-    """MTF of small-angle scattering by particles of one radius.
-
-    Parameters
-    ----------
-    rho, optical_depth
-        As of `aerosol_mtf`.
-    particle_radius_um, wavelength_um : float
-        Radius a and wavelength λ in µm, above zero.
-
-    Returns
-    -------
-    ndarray of float64
-        `aerosol_mtf` with the cutoff a/λ cycles/rad.
+    """`aerosol_mtf` of particles of one radius a, whose cutoff is a/λ cycles/rad.
 
     Source: as of `aerosol_mtf`: light scattered by a particle spreads over about λ/a.
     """
@@ -165,18 +134,9 @@ def aerosol_mtf_of_particles(
 
 
 def turbidity_optical_depth(*, level: str) -> float:
-    """Optical depth that gives the plateau of a named turbidity level.
+    """Optical depth −ln(plateau) of the turbidity `none`, `low`, `moderate` or `high`.
 
-    Parameters
-    ----------
-    level : str
-        `none`, `low`, `moderate` or `high`: plateaus 1, 0.99, 0.975 and 0.955.
-
-    Returns
-    -------
-    float
-        −ln(plateau), without unit.
-
+    The plateaus are 1, 0.99, 0.975 and 0.955.
     Source: Tantalo 1996, fig. 4.8a, after Kaufman (1982) and Pearce (1977).
     """
     plateaus = dict(_TURBIDITY_PLATEAUS)
@@ -290,23 +250,10 @@ def hufnagel_valley_cn2(
 def fried_r0_uniform_m(
     *, cn2: float, path_m: float, wavelength_um: float, wave: str = "spherical"
 ) -> float:
-    """Fried's r0 of a path with the same Cn² all along (horizontal view).
+    """Fried's r0 in m of a path with the same Cn² all along (horizontal view).
 
-    Parameters
-    ----------
-    cn2 : float
-        Structure constant in m^(−2/3), zero or above.
-    path_m : float
-        Length of the path in m, zero or above.
-    wavelength_um : float
-        Wavelength in µm, above zero.
-    wave : str
-        `spherical` (a target at the end of the path) or `plane` (one far beyond it).
-
-    Returns
-    -------
-    float
-        r0 in m; infinite without turbulence.
+    `cn2` is in m^(−2/3). The wave is `spherical` (a target at the end of the path) or `plane` (one
+    far beyond it). Infinite without turbulence.
 
     Source: Fried 1966; the spherical wave's mean weight is ∫u^{5/3}du = 3/8.
     """
@@ -334,8 +281,6 @@ def fried_r0_slant_m(
         Heights of the two ends above ground in m, zero or above.
     path_m : float
         Length of the path in m, at least the difference of the heights.
-    wavelength_um : float
-        Wavelength in µm, above zero.
     wave : str
         `spherical` (weight (z/L)^{5/3}, z from the target) or `plane` (weight 1).
     wind_m_per_s, ground_cn2 : float
@@ -345,11 +290,6 @@ def fried_r0_slant_m(
     -------
     float
         (0.423 k² ∫Cn²·weight dz)^{−3/5} in m; infinite without turbulence.
-
-    Raises
-    ------
-    ParameterError
-        When a value is out of range, or the path is shorter than the difference of the heights.
 
     Source: Fried 1966; Andrews and Phillips 2005, chapter 12. Turbulence near the aperture blurs
     most, so looking down through it is better than looking up (Tantalo 1996, fig. 4.9).

@@ -98,16 +98,7 @@ def luminous_efficiency(wavelength_um: ArrayLike) -> FloatArray:
 def relative_air_mass(*, elevation_deg: float) -> float:
     """Length of the sun's way through the air over that from the zenith.
 
-    Parameters
-    ----------
-    elevation_deg : float
-        Of the sun above the horizon, 0 to 90.
-
-    Returns
-    -------
-    float
-        1 at the zenith within 0.03 %, 38 at the horizon.
-
+    1 at the zenith within 0.03 %, 38 at the horizon.
     Source: F. Kasten and A. T. Young, Appl. Opt. 28, 4735 (1989).
     """
     height = within("sun_elevation_deg", elevation_deg, 0.0, 90.0, unit="deg")
@@ -198,13 +189,7 @@ class Sunlight:
         return np.asarray(share * sun + math.pi * self.sky)
 
     def over_band(self, cut_on_um: float, cut_off_um: float) -> float:
-        """Irradiance of a horizontal surface in a band, W/m².
-
-        Raises
-        ------
-        DataError, ParameterError
-            For a table, or a standard spectrum, that does not cover the band.
-        """
+        """Irradiance of a horizontal surface in a band, W/m², which the spectrum must cover."""
         require_covered(self.points, cut_on_um, cut_off_um)
         wavelength, width = band_nodes(cut_on_um, cut_off_um, self._places())
         return float(width @ self.on_surface(wavelength))

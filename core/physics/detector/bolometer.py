@@ -25,25 +25,11 @@ def netd_noise_radiance(
     cut_on_um: float,
     cut_off_um: float,
 ) -> float:
-    """Noise as a radiance of the scene.
+    """Noise of a data sheet's NETD as a radiance of the scene, W/m²/sr: NETD·dL/dT(T₀)·τ₀Ω₀/(τΩ).
 
-    Parameters
-    ----------
-    netd_K : float
-        Of a data sheet.
-    reference_K : float
-        Background of the data sheet.
-    reference_sr, lens_sr : float
-        Light of the data sheet's optics and of the camera's: transmission times solid angle, sr,
-        above 0.
-    cut_on_um, cut_off_um : float
-        The band.
-
-    Returns
-    -------
-    float
-        In W/m²/sr: NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ). A bolometer's own noise does not depend on
-        the scene, so that over dL/dT of another background it is the NETD there.
+    `reference_K` is the background of the data sheet, `reference_sr` the light of its optics and
+    `lens_sr` that of the camera's: transmission times solid angle. A bolometer's own noise does not
+    depend on the scene, so that over dL/dT of another background it is the NETD there.
     """
     netd = non_negative("netd", netd_K, unit="K")
     light = positive("reference_sr", reference_sr, unit="sr") / positive(
@@ -67,18 +53,8 @@ def share_kept(*, time_constant_s: float, frame_rate_Hz: float) -> float:
 def lag_weights(*, kept: float, most: int) -> tuple[float, ...]:
     """Weights of this frame and those before it in what a first-order lag shows.
 
-    Parameters
-    ----------
-    kept : float
-        Share left after a frame, 0 to below 1.
-    most : int
-        No more frames than these are counted.
-
-    Returns
-    -------
-    tuple of float
-        (1 − kept)·kept^k, down to `SETTLED`; the last one takes all that is older, so that they add
-        to 1.
+    (1 − kept)·kept^k with the share `kept` of a frame, down to `SETTLED` and over `most` frames;
+    the last one takes all that is older, so that they add to 1.
     """
     if not 0.0 <= kept < 1.0:
         raise ParameterError("share of a change that remains", kept, "from 0 to below 1")

@@ -137,11 +137,6 @@ def silicon_absorption_per_um(*, wavelength_um: ArrayLike) -> Floats:
     ndarray
         1/µm; its logarithm is straight between the points of the table, 10 nm apart.
 
-    Raises
-    ------
-    ParameterError
-        For a wavelength beyond the table.
-
     Source: Schinke et al. 2015, AIP Advances 5, 067168 (uncertainty 11 % at 0.6 µm, 1.4 % at 1 µm).
     """
     wavelength = np.asarray(wavelength_um, np.float64)
@@ -166,21 +161,9 @@ def band_diffusion_mtf(
 ) -> Floats:
     """Mean over the wavelengths of a band, weighted by the carriers that each gives.
 
-    Parameters
-    ----------
-    rho : array_like
-        Radial frequency, cycles/mrad.
-    focal_length_mm : float
-        Above 0: a mrad is as many µm on the detector.
-    absorptions_per_um, weights : tuple of float
-        Absorption coefficient and number of photons of every wavelength.
-    depletion_um, diffusion_length_um, side, thickness_um
-        As of `diffusion_mtf`.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of the frequencies, 1 at 0.
+    Radial frequencies are in cycles/mrad; at the focal length a mrad is as many µm on the detector.
+    `weights` are the photons of every wavelength, whose absorption coefficients are given. Else as
+    `diffusion_mtf`.
     """
     per_um = all_from_zero("rho", rho) / positive("focal_length_mm", focal_length_mm, unit="mm")
     how = _checked(depletion_um, diffusion_length_um, side, thickness_um)

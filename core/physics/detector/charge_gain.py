@@ -62,15 +62,9 @@ def multiplied_charge(
 ) -> Array:
     """Charge behind a noisy gain, over the mean gain: gamma deviates.
 
-    Parameters
-    ----------
-    electrons, deviates : ndarray
-        Charge before, and standard normal deviates of its shape and type, float32 or float64.
-        Charge that is not above 0 stays.
-    excess_noise_factor : float
-        F, above 1: n electrons give a deviate of mean n and variance (F − 1)·n.
-    out : ndarray, optional
-        Where to put the result; contiguous, and neither of the two.
+    Standard normal deviates are of the shape and type of the electrons, float32 or float64; `out`
+    is contiguous, and neither of the two. With F above 1, n electrons give a deviate of mean n and
+    variance (F − 1)·n; charge that is not above 0 stays.
 
     Source: Basden, Haniff and Mackay 2003, Photon counting strategies with low-light-level CCDs,
     Mon. Not. R. Astron. Soc. 345, 985: at F = 2 each electron gives an exponential number. For

@@ -18,21 +18,8 @@ _SUM_TOLERANCE = 1e-6
 def crosstalk_kernel(text: str) -> Kernel:
     """Kernel of numbers, rows separated by semicolons, as "0 0.02 0; 0.02 0.92 0.02; 0 0.02 0".
 
-    Parameters
-    ----------
-    text : str
-        3 × 3 or 5 × 5 numbers, 0 or above, that add up to 1 (within 1e-6): of a lit pixel's signal,
-        what the pixels round it get; row 0 is above it, column 0 left of it.
-
-    Returns
-    -------
-    tuple of tuple of float
-        The rows, divided by their sum.
-
-    Raises
-    ------
-    ParameterError
-        For anything else.
+    3 × 3 or 5 × 5 numbers, 0 or above, that add up to 1 (within 1e-6) and are divided by their sum:
+    of a lit pixel's signal, what the pixels round it get; row 0 is above it, column 0 left of it.
     """
     rows = [row.replace(",", " ").split() for row in text.strip().strip(";").split(";")]
     size = len(rows)

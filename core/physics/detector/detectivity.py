@@ -45,18 +45,7 @@ _PANEL_RATIO = 1.5
 
 
 def quantum_efficiency(wavelength_um: ArrayLike, *, material: Material) -> FloatArray:
-    """Electrons per incident photon.
-
-    Parameters
-    ----------
-    wavelength_um
-        µm, above 0, any shape.
-    material
-        One of `core.physics.radiometry.spectra`.
-
-    Returns
-    -------
-    0 to 1, of the shape of `wavelength_um`; 0 beyond the cut-off.
+    """Electrons per incident photon of a material, 0 beyond its cut-off.
 
     Source: ideal photon detector (Rogalski 2011, Infrared Detectors, chapter 3); Schottky
     barrier: Fowler 1931, as C1 (hν − ψ)²/hν = C1·hν·(1 − λ/λc)².
@@ -95,18 +84,14 @@ def d_star(
     material
         One of `core.physics.radiometry.spectra`.
     background_K
-        Temperature of the background, K, 1 or above.
+        Temperature of the background, K, 1 or above, and not so cold that nothing limits the
+        detector.
     half_angle_deg
         Half the cone that the cold shield leaves open, degrees, above 0 and at most 90.
 
     Returns
     -------
     cm √Hz/W, of the shape of `wavelength_um`; 0 beyond the cut-off.
-
-    Raises
-    ------
-    ParameterError
-        For values out of range, and for a background so cold that nothing limits the detector.
 
     Source: Dereniak and Boreman 1996, Infrared Detectors and Systems; Rogalski 2011, Infrared
     Detectors, chapter 3. Stands in for the curves of Tantalo 1996, figs. D.1-D.2.
@@ -357,13 +342,7 @@ class ResponseCurve:
         return self.integral(low_um, high_um) / (high_um - low_um)
 
     def mean_of_body(self, cut_on_um: float, cut_off_um: float, *, source_K: float) -> float:
-        """Mean over a band by the radiance of a black body.
-
-        Raises
-        ------
-        DataError
-            For a source that emits nothing in the band.
-        """
+        """Mean over a band by the radiance of a black body."""
         inside = tuple(place for place in self.bends_um if cut_on_um < place < cut_off_um)
         wavelength, width = band_nodes(cut_on_um, cut_off_um, inside)
         weight = width * spectral_radiance(wavelength, source_K)

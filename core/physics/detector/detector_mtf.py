@@ -58,12 +58,8 @@ def charge_transfer_ptf(
 
     Parameters
     ----------
-    phase_per_transfer : array_like
-        w = 2π·xi·Δ in radians, any shape, finite; π at Nyquist.
-    transfers : float
-        Number N of transfers, zero or above.
-    efficiency : float
-        Share ε of the charge that moves on at each transfer, 0 to 1.
+    phase_per_transfer, transfers, efficiency
+        As of `charge_transfer_mtf`.
     model : str
         `exact`: −N·arctan((1−ε)sin w/(1 − (1−ε)cos w)). `published`: −N(1−ε)(w − sin w).
         `leading`: −N(1−ε)·sin w, the first term of `exact`.
@@ -214,17 +210,9 @@ def _mean_of_shifts(turns: NDArray[np.float64], count: int) -> NDArray[np.float6
 def smear_mrad(
     *, pitch_mrad: float, stages: int, phases: int, velocity_mismatch: float
 ) -> tuple[float, float]:
-    """Smear of one step of the charge, and how far image and charge part over all stages.
+    """Smear of one step of the charge, and how far image and charge part over all stages, mrad.
 
-    Parameters
-    ----------
-    pitch_mrad, stages, phases, velocity_mismatch
-        As in `tdi_mtf`.
-
-    Returns
-    -------
-    (float, float)
-        In mrad; the second has the sign of the mismatch.
+    The second has the sign of the mismatch; arguments as of `tdi_mtf`.
     """
     pitch = positive("pitch", pitch_mrad, unit="mrad")
     step = (1.0 + velocity_mismatch) * pitch / phases if phases else 0.0
@@ -259,16 +247,6 @@ def aperture_mtf(*, frequency: ArrayLike, effective_ifov_mrad: float) -> NDArray
 
 def first_zero_cyc_per_mrad(*, effective_ifov_mrad: float) -> float:
     """Frequency at which the element averages one whole cycle: 1/IFOV.
-
-    Parameters
-    ----------
-    effective_ifov_mrad : float
-        pitch·fill/focal length, above zero.
-
-    Returns
-    -------
-    float
-        First zero of the detector MTF in cycles/mrad.
 
     Source: Tantalo 1996, eqs. 4.45-4.46 and 4.49-4.50 (the "sinc width").
     """

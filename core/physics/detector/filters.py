@@ -51,19 +51,9 @@ def lowpass_ptf(
     time_constant_s: float,
     poles: int = 1,
 ) -> NDArray[np.float64]:
-    """Phase of the low-pass H = 1/(1 + 2πi·τ·v·frequency)^n.
+    """Phase of the low-pass of `lowpass_mtf`: −n·arctan(2πτv·frequency), radians.
 
-    Parameters
-    ----------
-    frequency, scan_velocity_mrad_per_s, time_constant_s, poles
-        As in `lowpass_mtf`.
-
-    Returns
-    -------
-    ndarray of float64
-        −n·arctan(2πτv·frequency) in radians: a lag to +x when the scan runs to +x.
-
-    Source: Tantalo 1996, section 4.9.2 (one pole).
+    A lag to +x when the scan runs to +x. Source: Tantalo 1996, section 4.9.2 (one pole).
     """
     count = pole_count(poles)
     size = _phase_size(frequency, scan_velocity_mrad_per_s, time_constant_s)
@@ -71,39 +61,15 @@ def lowpass_ptf(
 
 
 def noise_bandwidth_hz(*, time_constant_s: float) -> float:
-    """Bandwidth of the detector noise: 1/(2τ).
-
-    Parameters
-    ----------
-    time_constant_s : float
-        Time constant τ in s, above zero.
-
-    Returns
-    -------
-    float
-        Bandwidth in Hz.
-
-    Source: Tantalo 1996, section 4.6.
-    """
+    """Bandwidth of the detector noise, Hz: 1/(2τ) (Tantalo 1996, section 4.6)."""
     return 0.5 / positive("time_constant_s", time_constant_s, unit="s")
 
 
 def dwell_time_s(*, interval_mrad: float, scan_velocity_mrad_per_s: float) -> float:
-    """Time the scan stays on one sample: the time constant where none is given.
+    """Time the scan stays on one sample, interval/velocity: the time constant where none is given.
 
-    Parameters
-    ----------
-    interval_mrad : float
-        Sampling interval along the scan in mrad, above zero.
-    scan_velocity_mrad_per_s : float
-        Scan velocity in mrad/s, of either sign, not zero.
-
-    Returns
-    -------
-    float
-        interval/velocity in s, positive.
-
-    Source: Tantalo 1996, section 4.9.2: 30° in 512 samples at 16 Hz have a bandwidth of 49152 Hz.
+    The velocity is of either sign, not zero. Source: Tantalo 1996, section 4.9.2: 30° in 512
+    samples at 16 Hz have a bandwidth of 49152 Hz.
     """
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
     if velocity == 0.0:
@@ -113,20 +79,7 @@ def dwell_time_s(*, interval_mrad: float, scan_velocity_mrad_per_s: float) -> fl
 
 
 def mirror_scan_velocity_mrad_per_s(*, scan_mirror_rate_Hz: float) -> float:
-    """Angular velocity of a mirror that turns once per line: 2π·1000·rate.
-
-    Parameters
-    ----------
-    scan_mirror_rate_Hz : float
-        Turns per second, zero or above.
-
-    Returns
-    -------
-    float
-        Scan velocity in mrad/s.
-
-    Source: Tantalo 1996, section 4.9.2.
-    """
+    """Angular velocity of a mirror that turns once per line: 2π·1000·rate (Tantalo 1996, 4.9.2)."""
     rate = non_negative("scan_mirror_rate_Hz", scan_mirror_rate_Hz, unit="Hz")
     return 2.0 * math.pi * 1000.0 * rate
 
@@ -205,20 +158,10 @@ def post_filter_mtf(
 def post_filter_ptf(
     *, frequency: ArrayLike, kind: str, corner_cyc_per_mrad: float, poles: int = 1
 ) -> NDArray[np.float64]:
-    """Phase of a post filter.
+    """Phase of a post filter in radians, odd in frequency, the scan running towards +x.
 
-    Parameters
-    ----------
-    frequency, kind, corner_cyc_per_mrad, poles
-        As in `post_filter_mtf`, the scan running towards +x.
-
-    Returns
-    -------
-    ndarray of float64
-        Phase of H in radians, odd in frequency and 0 at 0: −n·arctan(u) for `lowpass`,
-        n·(±π/2 − arctan(u)) for `highpass`, 0 for `none` and `boost`.
-
-    Source: linear network theory.
+    −n·arctan(u) for `lowpass`, n·(±π/2 − arctan(u)) for `highpass`, and 0 at frequency 0; 0 for
+    `none` and `boost`. Arguments as of `post_filter_mtf`. Source: linear network theory.
     """
     ratio = _ratio(frequency, kind, corner_cyc_per_mrad)
     count = pole_count(poles)
@@ -231,22 +174,7 @@ def post_filter_ptf(
 
 
 def corner_in_cyc_per_mrad(*, corner_Hz: float, scan_velocity_mrad_per_s: float) -> float:
-    """Corner along the scan of a filter whose corner is given in time.
-
-    Parameters
-    ----------
-    corner_Hz : float
-        Corner frequency in Hz, above zero.
-    scan_velocity_mrad_per_s : float
-        Scan velocity in mrad/s, above zero.
-
-    Returns
-    -------
-    float
-        corner/velocity in cycles/mrad.
-
-    Source: frequency in time = velocity × frequency in angle.
-    """
+    """Corner along the scan of a filter whose corner is given in time: corner/velocity."""
     velocity = positive("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
     return positive("corner_Hz", corner_Hz, unit="Hz") / velocity
 

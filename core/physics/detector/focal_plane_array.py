@@ -42,11 +42,6 @@ def solid_angle(
     float
         Ω = π·sin²θ·(1 − ε²), sr: π/(4F² + 1)·(1 − ε²) or π/(4F²)·(1 − ε²).
 
-    Raises
-    ------
-    ParameterError
-        For an F-number or obscuration out of range.
-
     Source: Dereniak and Boreman 1996, Infrared Detectors and Systems, chapter 2 (`disc`); Kingslake
     1983, Optical System Design, chapter 6 (sine condition, T-number).
     """
@@ -76,17 +71,8 @@ def open_share(*, obscuration_ratio: float) -> float:
 def housing_sr(*, solid_angle_sr: float, cold_shield_efficiency: float) -> float:
     """Projected solid angle in which a pixel sees its warm housing past the cold shield.
 
-    Parameters
-    ----------
-    solid_angle_sr : float
-        Ω of the optics, as `solid_angle` gives it.
-    cold_shield_efficiency : float
-        Share of the half space outside the cone of the optics that the shield covers, 0 to 1.
-
-    Returns
-    -------
-    float
-        (π − Ω)(1 − η), sr.
+    (π − Ω)(1 − η), sr, with Ω of the optics as `solid_angle` gives it, and η the share of the half
+    space outside the optics' cone that the shield covers, 0 to 1.
 
     Source: Dereniak and Boreman 1996, chapter 2.
     """
@@ -103,23 +89,10 @@ def exposure_m2_s(
     integration_time_s: float,
     tdi_stages: int = 1,
 ) -> float:
-    """Light-sensitive area times the time in which it collects, m² s.
+    """Light-sensitive area times the time in which it collects, t·n·A·FF, m² s.
 
-    Parameters
-    ----------
-    pitch_x_um, pitch_y_um : float
-        Of the pixels, above 0.
-    fill_x, fill_y : float
-        Share of the pitch that is sensitive, above 0, at most 1.
-    integration_time_s : float
-        Of one stage, above 0.
-    tdi_stages : int
-        Stages that add their charge, 1 or more.
-
-    Returns
-    -------
-    float
-        t·n·A·FF. Times a photon radiance and a solid angle it is a number of photons.
+    Times a photon radiance and a solid angle it is a number of photons. The fill is the share of
+    the pitch that is sensitive, the time that of one of the stages, which add their charge.
 
     Source: Holst and Lomheim 2007, CMOS/CCD Sensors and Camera Systems, chapter 4.
     """
@@ -136,20 +109,7 @@ def exposure_m2_s(
 def dark_electrons(
     *, dark_current_e_per_s: float, integration_time_s: float, tdi_stages: int = 1
 ) -> float:
-    """Electrons of the dark current in an exposure, of all its stages.
-
-    Parameters
-    ----------
-    dark_current_e_per_s : float
-        Of one pixel, 0 or above.
-    integration_time_s, tdi_stages : float, int
-        As in `exposure_m2_s`.
-
-    Returns
-    -------
-    float
-        i·t·n.
-    """
+    """Electrons of a pixel's dark current in an exposure, of all its stages: i·t·n."""
     current = non_negative("dark_current_e_per_s", dark_current_e_per_s, unit="e/s")
     time = positive("integration_time_s", integration_time_s, unit="s")
     return current * time * positive("tdi_stages", tdi_stages)
@@ -201,19 +161,7 @@ def netd_of_electrons_K(  # noqa: N802
 def nei_photons_per_cm2(*, temporal_e: float, quantum_efficiency: float, area_cm2: float) -> float:
     """Noise equivalent irradiation: photons/cm² in an exposure that make one noise of electrons.
 
-    Parameters
-    ----------
-    temporal_e : float
-        Noise, electrons.
-    quantum_efficiency : float
-        Mean over the photons of the band, above 0.
-    area_cm2 : float
-        Light-sensitive area of the pixel.
-
-    Returns
-    -------
-    float
-        σ/(QE·A).
+    σ/(QE·A), of the mean efficiency over the photons of the band and the pixel's sensitive area.
     """
     efficiency = positive("quantum_efficiency", quantum_efficiency)
     return temporal_e / (efficiency * positive("area_cm2", area_cm2, unit="cm²"))
@@ -248,8 +196,6 @@ def bent_response(
     ----------
     electrons : float or ndarray
         Collected.
-    full_well_e : float
-        Above 0.
     nonlinearity_percent : float
         0 to 25.
     out : ndarray, optional
@@ -294,21 +240,10 @@ def bad_pixel_places(
 ) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
     """Where the dead and the hot pixels are.
 
-    Parameters
-    ----------
-    rows, columns : int
-        Of the detector.
-    percent : float
-        Share of its pixels that are bad, 0 to 100; their number is rounded.
-    generator : Generator
-        Decides where they are.
-
-    Returns
-    -------
-    ndarray, ndarray
-        Place of each bad pixel in the rows one after the other, no place twice, in no order; and
-        whether it is `DEAD` or `HOT`. Seven in ten clusters are single pixels, the others up to
-        nine neighbours; the pixels of a cluster are of one kind, which is either with equal chance.
+    `percent` of all pixels, rounded to a number, are bad. Gives the place of each in the rows one
+    after the other, no place twice, in no order; and whether it is `DEAD` or `HOT`. Seven in ten
+    clusters are single pixels, the others up to nine neighbours; the pixels of a cluster are of one
+    kind, which is either with equal chance.
     """
     wanted = round(within("bad_pixel_percent", percent, 0.0, 100.0) / 100.0 * rows * columns)
     if wanted > rows * columns // 4:
@@ -457,21 +392,9 @@ def one_point_offset(*, low: Array) -> Array:
 def two_point_gain(*, low: Array, high: Array) -> Array:
     """Factor by which an element's response between two references becomes the mean one.
 
-    Parameters
-    ----------
-    low, high : ndarray
-        What the elements give of a cooler and of a warmer uniform reference.
-
-    Returns
-    -------
-    ndarray of float64
-        (mean of high − mean of low)/(high − low); 1 where an element's response is below
-        `LEAST_RESPONSE` of the mean one.
-
-    Raises
-    ------
-    DataError
-        If both references give the same on average.
+    (mean of high − mean of low)/(high − low) of a cooler and a warmer uniform reference; 1 where an
+    element's response is below `LEAST_RESPONSE` of the mean one. Refused where both references give
+    the same on average (`DataError`).
 
     Source: Perry and Dereniak 1993; Schulz and Caldwell 1995, Infrared Phys. Technol. 36.
     """

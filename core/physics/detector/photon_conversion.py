@@ -52,14 +52,8 @@ _HORNER = 10  # terms up to which powers are as accurate as the recurrence
 class FilteredBody:
     """What a detector receives of black bodies.
 
-    Parameters
-    ----------
-    windows : tuple of (float, float)
-        Parts of the band whose light comes, µm; where two overlap it counts twice.
-    efficiency : QuantumEfficiency
-        Of the detector within its filter.
-    responses : tuple of ResponseCurve
-        What the light has passed.
+    The light comes in the `windows`, parts of the band in µm, twice where two overlap, and has
+    passed the responses; the efficiency is that of the detector within its filter.
     """
 
     windows: tuple[tuple[float, float], ...]
@@ -88,13 +82,7 @@ class FilteredBody:
         return self._sum(temperature_K, self._passing, slope=True)
 
     def temperature(self, radiance: ArrayLike) -> FloatArray:
-        """Temperatures whose `radiance` is this; by Newton's steps in ln L over 1/T.
-
-        Raises
-        ------
-        DataError
-            For a radiance of no black body from 1 K to 1 000 000 K.
-        """
+        """Temperatures whose `radiance` is this; by Newton's steps in ln L over 1/T."""
         wanted = np.asarray(radiance, np.float64)
         target = np.log(wanted)
         inverse = np.full(wanted.shape, 1.0 / 300.0)
@@ -337,12 +325,7 @@ class CountedPhotons(PhotonWeights):
 class SmoothRatio:
     """A ratio over the logarithm of what it multiplies; beyond its limits as at them.
 
-    Parameters
-    ----------
-    coefficients : ndarray
-        Of Chebyshev polynomials.
-    middle, half : float
-        Of the logarithm; a half of 0 where the ratio is one number.
+    Chebyshev's polynomials have the coefficients; `half` is 0 where the ratio is one number.
     """
 
     coefficients: FloatArray
@@ -426,23 +409,10 @@ def conversion_between(
     high: float,
     tolerance: float = _FINEST,
 ) -> Conversion:
-    """The conversion for radiances from `low` to `high`, W/m²/sr.
+    """The conversion for radiances from `low` to `high`, W/m²/sr; exact where there is only one.
 
-    Parameters
-    ----------
-    weights : PhotonWeights
-        Photons of a radiance.
-    electrons_per_photon : float
-        What ∫ QE·L_q dλ is multiplied by, m² sr s.
-    low, high : float
-        Least and greatest radiance; what is below 1e-9 of the greatest is taken in proportion.
-    tolerance : float
-        Largest relative error between the limits.
-
-    Returns
-    -------
-    Conversion
-        Exact at the one radiance where there is only one.
+    `electrons_per_photon` multiplies ∫ QE·L_q dλ, m² sr s. What is below 1e-9 of the greatest
+    radiance is taken in proportion; `tolerance` is the largest relative error between the limits.
     """
     if not high > 0.0:
         low = high = 1.0  # a picture without light

@@ -51,13 +51,6 @@ def quantize(
         low + k·q, q = (high − low)/(2^b − 1), clipped to the range; ties to even k. The work is
         done in float64, so that a float32 sample is rounded once.
 
-    Raises
-    ------
-    ParameterError
-        When the bits or the range are out of range.
-    DataError
-        When `out` has another shape or dtype.
-
     Source: Tantalo 1996, section 4.7 (2^m levels for m bits).
     """
     samples = np.asarray(array)
@@ -85,22 +78,7 @@ def quantize(
 
 
 def quantization_rms(*, original: NDArray[Any], quantized: NDArray[Any]) -> float:
-    """Root mean square of what the quantizer changed.
-
-    Parameters
-    ----------
-    original, quantized : ndarray
-        Samples before and after, of the same shape, finite.
-
-    Returns
-    -------
-    float
-        Root mean square difference in the unit of the samples.
-
-    Raises
-    ------
-    DataError
-        When the shapes differ or there are no samples.
+    """Root mean square of what the quantizer changed, in the unit of the samples.
 
     Source: Tantalo 1996, eq. 4.56. Erratum: the root there is of a sum; the mean is meant.
     """
@@ -184,23 +162,10 @@ def _range(low: float, high: float, dtype: np.dtype[Any]) -> tuple[float, float]
 def rounding_variances(*, step: float, noise_variance: float) -> tuple[float, float]:
     """Variance of the rounding error that temporal noise stirs, and of that it leaves in place.
 
-    Parameters
-    ----------
-    step : float
-        From one level to the next, above zero.
-    noise_variance : float
-        Of the temporal noise before the quantizer, normal, in the unit of the step squared; 0 or
-        above.
+    Their sum is step²/12; the noise before the quantizer is normal, in the unit of the step
+    squared. What is rounded is taken to lie anywhere between two levels with equal chance, as of a
+    picture with many levels; a picture of one level only has one fixed error.
 
-    Returns
-    -------
-    temporal, fixed : float
-        Their sum is step²/12. What is rounded is taken to lie anywhere between two levels with
-        equal chance, as of a picture with many levels; a picture of one level only has one fixed
-        error.
-
-    Notes
-    -----
     The mean error of s + noise over the noise is a Fourier series in s; its mean square is
     step²/(2π²)·Σ exp(−4π²k²σ²/step²)/k². Source: Widrow and Kollár 2008, Quantization Noise,
     chapters 4 and 19 (the characteristic function method); for small σ the sum is

@@ -47,14 +47,9 @@ def smear(
 ) -> Array:
     """Charge that rows collect while they pass the rows above them, or below, or both.
 
-    Parameters
-    ----------
-    charge : ndarray, shape (rows, columns)
-        What some rows collect in the exposure.
-    passed, total : ndarray, shape (columns,)
-        Sum of the rows above these, and of all rows.
-    ratio : float
-        Time of one transfer over the exposure.
+    `charge` is what some rows collect in the exposure, shape (rows, columns); `passed` is the sum
+    of the rows above these, `total` that of all rows, shape (columns,). `ratio` is the time of one
+    transfer over the exposure.
 
     Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 1 (frame transfer): packets
     stay under every row that they pass for the time of one transfer.
@@ -129,17 +124,10 @@ def trailed(
 ) -> Array:
     """Packets as they are read through one amplifier, each with what earlier ones left behind.
 
-    Parameters
-    ----------
-    charge : ndarray, shape (pixels, lines)
-        The pixels along the first axis, the nearest to the amplifier first. It may be complex.
-    efficiency, length : float, int
-        Of each transfer, and of the trails (`trail_length`).
-    nearest : int
-        Pixels between these and the amplifier.
-    skip : int
-        How many of the first pixels only trail. With `length` of them, the others are to the bit
-        what they are in the whole line.
+    The pixels are along the first axis, the nearest to the amplifier first, with `nearest` pixels
+    between; the charge may be complex. `length` is that of the trails (`trail_length`). The first
+    `skip` pixels only trail: with `length` of them, the others are to the bit what they are in the
+    whole line.
     """
     pixels = len(charge)
     made = np.zeros_like(charge[skip:], np.result_type(charge, np.float64))  # laid out as these

@@ -32,17 +32,9 @@ _LARGEST_X = 700.0
 def efficiency_of_responsivity(
     *, responsivity_A_per_W: float, wavelength_um: float, gain: float = 1.0
 ) -> float:
-    """Electrons per photon of a current responsivity at a wavelength: R·hc/(G·q·λ).
+    """Electrons per photon of a current responsivity at a wavelength: R·hc/(G·q·λ), at most 1.
 
-    Parameters
-    ----------
-    responsivity_A_per_W : float
-        Above 0; at most G·q·λ/(hc), where every photon gives an electron.
-    wavelength_um : float
-        Above 0.
-    gain : float
-        Charge gain G that the current includes, above 0.
-
+    The current includes the charge gain G.
     Source: Rogalski 2011, Infrared Detectors, 2nd ed., chapter 3, R = G·η·q·λ/(hc).
     """
     wavelength = positive("responsivity_um", wavelength_um, unit="µm")
@@ -58,19 +50,8 @@ def efficiency_of_responsivity(
 class QuantumEfficiency:
     """Electrons per photon in a band: one number, or points joined by straight lines.
 
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        The band; outside it nothing is counted.
-    value : float
-        Efficiency in the whole band, 0 to 1, where there are no points.
-    points : tuple of (float, float)
-        Wavelength in µm, rising, and efficiency there. Beyond the first and last it is 0.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or points that do not rise or lie outside the band.
+    Outside the band, and beyond the first and last point, nothing is counted. Points are (µm,
+    efficiency), rising; `value` holds in the whole band where there are none.
     """
 
     cut_on_um: float

@@ -28,13 +28,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class FlickerBand:
-    """Frequencies of a 1/f noise.
-
-    Parameters
-    ----------
-    low_Hz, high_Hz : float
-        Ends of the spectrum.
-    """
+    """Ends of the spectrum of a 1/f noise."""
 
     low_Hz: float
     high_Hz: float
@@ -46,13 +40,7 @@ class FlickerBand:
 
 
 def flicker_band(*, frame_rate_Hz: float, longest_period_s: float) -> FlickerBand:
-    """Frequencies from one over the longest period to Nyquist's of the frames.
-
-    Raises
-    ------
-    ParameterError
-        If the longest period does not exceed two frames.
-    """
+    """Frequencies from one over the longest period, over two frames, to the frames' Nyquist."""
     rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
     longest = positive("longest_period_s", longest_period_s, unit="s")
     if not longest * rate > 2.0:
@@ -64,19 +52,8 @@ def flicker_band(*, frame_rate_Hz: float, longest_period_s: float) -> FlickerBan
 def flicker_sigma(*, white_sigma: float, corner_Hz: float, band: FlickerBand) -> float:
     """Standard deviation of the 1/f noise that equals a white one's density at the corner.
 
-    Parameters
-    ----------
-    white_sigma : float
-        Of the white noise of a frame, whose density is white_sigma²/high_Hz up to high_Hz.
-    corner_Hz : float
-        Where both densities are equal; 0 for no 1/f noise.
-    band : FlickerBand
-        Frequencies of the 1/f noise.
-
-    Returns
-    -------
-    float
-        white_sigma·√(corner/high·ln(high/low)), the root of the integral of the density.
+    white_sigma·√(corner/high·ln(high/low)), the root of the integral of the density: that of the
+    white noise of a frame is white_sigma²/high_Hz up to high_Hz.
     """
     corner = non_negative("corner_Hz", corner_Hz, unit="Hz")
     share = corner / band.high_Hz * log(band.high_Hz / band.low_Hz)
@@ -86,12 +63,7 @@ def flicker_sigma(*, white_sigma: float, corner_Hz: float, band: FlickerBand) ->
 def filtered_flicker(*, kept: float, band: FlickerBand) -> float:
     """Standard deviation of 1/f noise behind a recursive filter over frames, over that before.
 
-    Parameters
-    ----------
-    kept : float
-        Share a of the last result that stays: y = a·y₋₁ + (1 − a)·x. 0 to below 1.
-    band : FlickerBand
-        Frequencies of the noise, to half the frame rate r.
+    `kept` is the share a of the last result that stays: y = a·y₋₁ + (1 − a)·x. 0 to below 1.
 
     Source: the integral of |H|²/f over that of 1/f, |H(f)|² = (1 − a)²/(1 − 2a·cos(2πf/r) + a²)
     (Oppenheim and Schafer 2010, Discrete-Time Signal Processing, chapter 5).
@@ -108,24 +80,11 @@ def filtered_flicker(*, kept: float, band: FlickerBand) -> float:
 def flicker_wave(
     *, band: FlickerBand, stratum: int, time_s: float, place: Array, level: Array, phase: Array
 ) -> Array:
-    """One stratum's waves at a time; all strata together have the variance of their number.
+    """One stratum's waves at a time, standard normal; all strata have the variance of their number.
 
-    Parameters
-    ----------
-    band : FlickerBand
-        Frequencies of the noise.
-    stratum : int
-        From 0, the slowest.
-    time_s : float
-        When, of either sign.
-    place, level, phase : ndarray
-        Uniform deviates in [0, 1) of the samples, in double: where in its stratum the frequency is,
-        the amplitude's, and the phase. `place` may be the same for all strata.
-
-    Returns
-    -------
-    ndarray
-        Standard normal deviates.
+    Uniform deviates in [0, 1) of the samples, in double, tell where in its stratum the frequency
+    is, the amplitude and the phase; `place` may be the same for all strata. Stratum 0 is the
+    slowest.
     """
     return wave_at(
         time_s=time_s,
@@ -172,28 +131,8 @@ def periodic_pattern(
 ) -> NDArray[np.float64]:
     """Sinusoidal pattern A·(1 + m·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ).
 
-    Parameters
-    ----------
-    x_mrad, y_mrad : array_like
-        Positions in mrad, of shapes that broadcast: a row of columns and a column of rows make a
-        frame at the cost of vectors.
-    amplitude : float
-        Amplitude A in the unit of the image, of either sign.
-    xi, eta : float
-        Frequency of the pattern in x and y in cycles/mrad.
-    phase_rad : float
-        Phase φ at the origin in radians.
-    modulation : float
-        Depth m of the amplitude modulation, 0 (none) to 1.
-    modulation_xi, modulation_eta : float
-        Frequency of the modulation in cycles/mrad.
-    modulation_phase_rad : float
-        Phase φₘ of the modulation in radians.
-
-    Returns
-    -------
-    ndarray of float64
-        The pattern, of the common shape, to be added to an image.
+    Positions broadcast: a row of columns and a column of rows make a frame at the cost of vectors.
+    The depth m of the modulation is 0 to 1; frequencies are in cycles/mrad.
 
     Source: Tantalo 1996, chapter 3 ("simple sinusoidal noise models and modified periodic noise").
     """

@@ -55,13 +55,7 @@ class NoiseVariances:
         return NoiseVariances(*(getattr(self, n) + getattr(other, n) for n in COMPONENTS))
 
     def variance(self, name: str) -> float:
-        """Variance of one component.
-
-        Raises
-        ------
-        ParameterError
-            For a name that is none of the seven.
-        """
+        """Variance of one component."""
         if name not in COMPONENTS:
             raise ParameterError("component", name, f"one of {', '.join(COMPONENTS)}")
         return float(getattr(self, name))
@@ -92,17 +86,7 @@ COMPONENTS = tuple(field.name for field in fields(NoiseVariances))
 
 @dataclass(frozen=True)
 class Moments:
-    """Expected variances of a noise field and of its averages.
-
-    Parameters
-    ----------
-    sample : float
-        Of a sample, averaged over the frame.
-    row_mean, column_mean : float
-        Of the mean of a row, of a column, averaged over these.
-    frame_mean : float
-        Of the mean of the frame.
-    """
+    """Expected variances of a noise field and of its averages: of a row, a column and the frame."""
 
     sample: float
     row_mean: float
@@ -119,29 +103,10 @@ def components_of_moments(
 ) -> NoiseVariances:
     """Components that unbiased estimates have on average, for a noise of any correlation.
 
-    Parameters
-    ----------
-    moments : Moments
-        Variances about zero: over the frames if `temporal`, else over all the patterns a sensor of
-        this kind may have.
-    rows, columns : int
-        Size of the frame, 2 or more.
-    temporal : bool
-        Whether the noise is drawn anew with every frame, or stays.
+    Variances are about zero: over the frames if `temporal`, else over all the patterns a sensor of
+    this kind may have. Gives tvh, tv, th and t of a temporal noise; vh, v and h of a fixed one,
+    whose mean over the frame counts as none.
 
-    Returns
-    -------
-    NoiseVariances
-        tvh, tv, th and t of a temporal noise; vh, v and h of a fixed one, whose mean over the
-        frame counts as none.
-
-    Raises
-    ------
-    DataError
-        For a frame of a single row or column.
-
-    Notes
-    -----
     The variances of sample, row mean, column mean and frame mean are linear in the four components
     (Searle, Casella and McCulloch 1992, Variance Components, table 4.1), and this solves them:
     sample = t + v + h + vh, row mean = t + v + (h + vh)/columns, column mean = t + h +
@@ -184,20 +149,8 @@ class MeasuredNoise:
 
 
 class NoiseCube:
-    """Takes frames one by one and keeps sums alone.
+    """Takes frames one by one, each best less the noise-free picture, and keeps sums alone.
 
-    Parameters
-    ----------
-    rows, columns : int
-        Size of the frames, 2 or more.
-
-    Raises
-    ------
-    DataError
-        For a single row or column.
-
-    Notes
-    -----
     The components are those of an analysis of variance with three crossed random factors and one
     sample a cell. The directional averages of D'Agostino and Webb 1991 are biased: of purely random
     noise they also show σ/√n in the averages of n samples; the mean squares here take that out.
@@ -219,13 +172,7 @@ class NoiseCube:
         self._column_means: list[Vector] = []
 
     def add(self, frame: NDArray[Any]) -> None:
-        """Take another frame, shape (rows, columns), best less the noise-free picture.
-
-        Raises
-        ------
-        DataError
-            For a frame of another size.
-        """
+        """Take another frame, shape (rows, columns)."""
         if frame.shape != (self.rows, self.columns):
             raise DataError(
                 f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not match the "
@@ -241,13 +188,7 @@ class NoiseCube:
         self._column_means.append(samples.mean(axis=0))
 
     def measured(self) -> MeasuredNoise:
-        """The components of the frames so far.
-
-        Raises
-        ------
-        DataError
-            With fewer than two frames.
-        """
+        """The components of the frames so far, two or more."""
         frames, rows, columns = len(self._row_means), self.rows, self.columns
         if frames < 2:
             raise DataError(f"components of noise need 2 frames or more, not {frames}")

@@ -27,12 +27,10 @@ def g_number(
 
     Parameters
     ----------
-    f_number
-        Focal length over aperture, above 0.
+    f_number, obscuration_ratio, irradiance
+        As of `solid_angle`.
     filter_transmission, optics_transmission
         Above 0, at most 1.
-    obscuration_ratio, irradiance
-        As of `solid_angle`.
 
     Returns
     -------
@@ -71,25 +69,9 @@ def detector_area_cm2(
 def nep_W(  # noqa: N802
     *, area_cm2: float, bandwidth_Hz: float, d_star: float
 ) -> float:
-    """Noise-equivalent power √(A·Δf)/D*.
+    """Noise-equivalent power √(A·Δf)/D*, W, of the light-sensitive area and the noise bandwidth.
 
-    Parameters
-    ----------
-    area_cm2
-        Light-sensitive area, cm².
-    bandwidth_Hz
-        Noise bandwidth, Hz.
-    d_star
-        Specific detectivity of the band, cm √Hz/W, above 0.
-
-    Returns
-    -------
-    W.
-
-    Raises
-    ------
-    ParameterError
-        For a value that is not above 0; a D* of 0 means no response in the band.
+    A D* of 0, cm √Hz/W, means no response in the band and is refused.
 
     Source: Tantalo 1996, eq. 4.52 (power in W; the text says W/sr).
     """
@@ -114,25 +96,10 @@ def ner_W_m2_sr(  # noqa: N802
 def netd_K(  # noqa: N802
     *, noise_radiance: float, cut_on_um: float, cut_off_um: float, background_K: float
 ) -> float:
-    """Noise-equivalent temperature difference: noise over the slope dL/dT of the background.
+    """Noise-equivalent temperature difference, K: noise over the slope dL/dT of the background.
 
-    Parameters
-    ----------
-    noise_radiance
-        Standard deviation of the noise, W m⁻² sr⁻¹, 0 or above.
-    cut_on_um, cut_off_um
-        The band, µm.
-    background_K
-        K.
-
-    Returns
-    -------
-    K.
-
-    Raises
-    ------
-    ParameterError
-        For values out of range, and for a background too cold to have a slope.
+    The noise is a standard deviation in W m⁻² sr⁻¹; a background too cold to have a slope is
+    refused.
 
     Source: Tantalo 1996, eq. 4.63.
     """
@@ -183,24 +150,7 @@ def _require_positive(name: str, value: float, unit: str = "") -> None:
 def loss(*, mtf: float) -> float:
     """What a transfer function takes from a frequency: −ln |MTF|.
 
-    Parameters
-    ----------
-    mtf : float
-        Its value there, signed.
-
-    Returns
-    -------
-    float
-        0 for what passes whole, infinite for what lets nothing through, below 0 for what
-        amplifies.
-
-    Raises
-    ------
-    DataError
-        For a value that is not finite.
-
-    Notes
-    -----
+    0 for what passes whole, infinite for what lets nothing through, below 0 for what amplifies.
     Moduli of stages multiply, so their losses add. That of a Gaussian blur of deviation σ is
     2π²σ²f²: at one frequency Gaussian blurs share as their variances.
     """
@@ -212,19 +162,11 @@ def loss(*, mtf: float) -> float:
 
 
 def shares_of_losses(*, losses: Sequence[float]) -> list[float]:
-    """Share of each stage in all that is lost.
+    """Share of each stage in all that is lost, of their losses −ln |MTF|.
 
-    Parameters
-    ----------
-    losses : sequence of float
-        Of each stage, −ln |MTF|.
-
-    Returns
-    -------
-    list of float
-        Those of stages that lose add up to 1. What amplifies has a share below 0: how much of the
-        loss it makes up for. Where nothing is lost, shares are those of all that is amplified, and
-        add up to −1. Stages that let nothing through share all of it alike.
+    Those of stages that lose add up to 1. What amplifies has a share below 0: how much of the
+    loss it makes up for. Where nothing is lost, shares are those of all that is amplified, and
+    add up to −1. Stages that let nothing through share all of it alike.
     """
     if math.inf in losses:
         opaque = list(losses).count(math.inf)

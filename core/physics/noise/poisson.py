@@ -21,7 +21,7 @@ def published_means(local_mean: Floats, *, percent: float, out: Floats | None = 
     Parameters
     ----------
     local_mean
-        Gaussian-weighted local mean of the picture, (rows, columns), in the picture's unit.
+        Gaussian-weighted local mean of the picture, (rows, columns), 0 or above, in its unit.
     percent
         0 or above; 1 means 0.01.
     out
@@ -29,15 +29,8 @@ def published_means(local_mean: Floats, *, percent: float, out: Floats | None = 
 
     Returns
     -------
-    Means of the same shape and type, 0 or above. The deviate is added to the picture as it is,
-    which ties the strength of the noise to the unit.
-
-    Raises
-    ------
-    ParameterError
-        For a percentage out of range.
-    DataError
-        For a local mean below 0 beyond rounding.
+    Means of the same shape and type. The deviate is added to the picture as it is, which ties the
+    strength of the noise to the unit.
 
     Source: Tantalo 1996, section 4.3 (Poisson noise module).
     """
@@ -48,27 +41,9 @@ def published_means(local_mean: Floats, *, percent: float, out: Floats | None = 
 
 
 def photon_means(radiance: Floats, *, photons_per_unit: float, out: Floats | None = None) -> Floats:
-    """Mean photon count of each sample: radiance times the photons one unit of it stands for.
+    """Mean photon count of each sample: radiance times photons per sample for 1 W m⁻² sr⁻¹.
 
-    Parameters
-    ----------
-    radiance
-        Picture, (rows, columns), 0 or above.
-    photons_per_unit
-        Photons per sample for 1 W m⁻² sr⁻¹, above 0.
-    out
-        Where to put the means, if not in a new array.
-
-    Returns
-    -------
-    Means of the same shape and type.
-
-    Raises
-    ------
-    ParameterError
-        For `photons_per_unit` out of range.
-    DataError
-        For radiance below 0 beyond rounding.
+    Of the picture's shape and type. Radiance below 0 beyond rounding is refused (`DataError`).
     """
     _require_photons(photons_per_unit)
     unit = radiance.dtype.type(photons_per_unit)
@@ -122,24 +97,11 @@ SMALL_MEAN = 16.0
 
 
 def poisson_of_normal(mean: Array, deviates: Array, *, out: Array | None = None) -> Array:
-    """Poisson counts, one for each mean and standard normal deviate.
+    """Poisson counts, one for each mean and standard normal deviate of the same shape and type.
 
-    Parameters
-    ----------
-    mean : ndarray
-        float32 or float64; what is not above 0 gives no count.
-    deviates : ndarray
-        Standard normal, of the same shape and type.
-    out : ndarray, optional
-        Where to put the counts; contiguous, and neither of the two.
+    float32 or float64; a mean that is not above 0 gives no count. `out` is contiguous, and neither
+    of the two. Counts are whole as far as the type counts that far.
 
-    Returns
-    -------
-    ndarray
-        Whole numbers, as far as the type counts that far.
-
-    Notes
-    -----
     The quantile is floor(m + √m·z + (z² + 2)/6 − (z/36 + z³/72)/√m + …); the distance to the true
     distribution is tabulated by `imagechain bench`. Source: Giles 2016, Algorithm 955:
     approximation of the inverse Poisson cumulative distribution function, ACM Transactions on

@@ -22,13 +22,7 @@ _OFFSETS_K = {"K": 0.0, "kelvin": 0.0, "°C": 273.15, "C": 273.15, "degC": 273.1
 
 
 def in_kelvin(samples: NDArray[Any], *, unit: str) -> FloatArray:
-    """Temperatures in a unit as kelvin.
-
-    Raises
-    ------
-    DataError
-        For a unit that is none of a temperature.
-    """
+    """Temperatures in a unit as kelvin."""
     values, unit = np.asarray(samples, np.float64), unit.strip()
     if unit == "mK":
         return values * 1e-3
@@ -57,18 +51,11 @@ def grey_radiance(
         0 to 1, the same over the band; what it lacks is reflected. Broadcasts.
     surroundings_K : float or None
         Temperature of what is reflected, a black body all round; None for none.
-    cut_on_um, cut_off_um : float
-        The band.
 
     Returns
     -------
     ndarray
         ε·L(T) + (1 − ε)·L(surroundings), W/m²/sr.
-
-    Raises
-    ------
-    ParameterError, DataError
-        For temperatures, a band or emissivities out of range.
 
     Source: Kirchhoff's law; Holst 2000, Common Sense Approach to Thermal Imaging, chapter 3.
     """
@@ -88,14 +75,7 @@ def grey_temperature(
     cut_on_um: float,
     cut_off_um: float,
 ) -> FloatArray:
-    """Temperature of opaque surfaces that give a band radiance: the inverse of `grey_radiance`.
-
-    Raises
-    ------
-    ParameterError, DataError
-        For a band or emissivities out of range, an emissivity of 0, or a radiance that is less
-        than what the surroundings alone give.
-    """
+    """Temperature of opaque surfaces that give a band radiance: the inverse of `grey_radiance`."""
     band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
     share = _emissivity(emissivity)
     if not np.all(share > 0.0):
@@ -142,18 +122,11 @@ _SUN_K = 5772.0
 
 
 def brightest_surface_radiance(*, band_um: tuple[float, float] | None) -> float:
-    """Radiance that no natural surface of the Earth exceeds in a band.
+    """Radiance, W m⁻² sr⁻¹, that no natural surface of the Earth exceeds in a band.
 
-    Parameters
-    ----------
-    band_um
-        The band, µm; None for all wavelengths together.
-
-    Returns
-    -------
-    W m⁻² sr⁻¹: a blackbody at the hottest land surface, and on top of it a white matt surface in
-    overhead sun without an atmosphere. Either alone is more than any surface gives. Flames, lamps,
-    engines, glints and the Sun itself may be brighter.
+    A blackbody at the hottest land surface, and on top of it a white matt surface in overhead sun
+    without an atmosphere. Either alone is more than any surface gives. Flames, lamps, engines,
+    glints and the Sun itself may be brighter. A band of None is all wavelengths together.
 
     Source: Planck's law; the Sun as a blackbody of its nominal effective temperature.
     """

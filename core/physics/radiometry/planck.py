@@ -306,25 +306,40 @@ class BandIntegral:
     def _logs_by_octaves(self, temperature_K: FloatArray) -> FloatArray:
         coldest = SECOND_RADIATION_CONSTANT_UM_K / (self.cut_off_um * _ZERO_X)
         warm = np.maximum(temperature_K, coldest)
-        fits: dict[int, FloatArray] = {}
-        result = np.empty(warm.size)
-        for start in range(0, warm.size, _BLOCK):
-            fractions, octaves = np.frexp(warm[start : start + _BLOCK])
-            part = result[start : start + _BLOCK]
-            for octave in range(int(octaves.min()), int(octaves.max()) + 1):
-                chosen = np.flatnonzero(octaves == octave)
-                if not chosen.size:
-                    continue
-                if octave not in fits:
-                    fits[octave] = chebyshev_fit(self._log_over(octave))
-                part[chosen] = chebyshev_sum(fits[octave], 4.0 * fractions[chosen] - 3.0)
-        return result
+        _, (first, last) = np.frexp([warm.min(), warm.max()])
+        edges = np.ldexp(1.0, np.arange(first - 1, last + 1))
+        return _by_fits(
+            lambda kelvin: np.log(self.scaled(kelvin)),
+            warm,
+            edges,
+            lambda kelvin: np.frexp(kelvin)[1] - first,
+        )
 
-    def _log_over(self, octave: int) -> Callable[[FloatArray], FloatArray]:
-        def log_scaled(places: FloatArray) -> FloatArray:
-            return cast(FloatArray, np.log(self.scaled(np.ldexp((places + 3.0) / 4.0, octave))))
 
-        return log_scaled
+def _by_fits(
+    function: Callable[[FloatArray], FloatArray],
+    values: FloatArray,
+    edges: FloatArray,
+    piece_of: Callable[[FloatArray], NDArray[np.intp]],
+) -> FloatArray:
+    """A smooth function of many values, by one Chebyshev fit between every two edges."""
+    fits: dict[int, FloatArray] = {}
+    result = np.empty(values.size)
+    for start in range(0, values.size, _BLOCK):
+        block, part = values[start : start + _BLOCK], result[start : start + _BLOCK]
+        pieces = piece_of(block)
+        for piece in range(int(pieces.min()), int(pieces.max()) + 1):
+            chosen = np.flatnonzero(pieces == piece)
+            if not chosen.size:
+                continue
+            middle = (edges[piece] + edges[piece + 1]) / 2.0
+            half = (edges[piece + 1] - edges[piece]) / 2.0
+            if piece not in fits:
+                fits[piece] = chebyshev_fit(
+                    lambda places, m=middle, h=half: function(m + h * places)
+                )
+            part[chosen] = chebyshev_sum(fits[piece], (block[chosen] - middle) / half)
+    return result
 
 
 def reduced(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> FloatArray:
@@ -354,31 +369,14 @@ def temperature_from_log(
     lowest, highest = _solve(radiance, np.array([logs.min(), logs.max()]))
     octaves = np.arange(np.floor(np.log2(lowest)) - 1.0, np.ceil(np.log2(highest)) + 2.0)
     edges = radiance.log(np.exp2(octaves))
-    fits: dict[int, FloatArray] = {}
-    result = np.empty(logs.size)
-    for start in range(0, logs.size, _BLOCK):
-        block = logs[start : start + _BLOCK]
-        part = result[start : start + _BLOCK]
-        pieces = np.searchsorted(edges, block, side="right") - 1
-        for piece in range(int(pieces.min()), int(pieces.max()) + 1):
-            chosen = np.flatnonzero(pieces == piece)
-            if not chosen.size:
-                continue
-            middle = (edges[piece] + edges[piece + 1]) / 2.0
-            half = (edges[piece + 1] - edges[piece]) / 2.0
-            if piece not in fits:
-                fits[piece] = chebyshev_fit(_log_temperature_over(radiance, middle, half))
-            part[chosen] = np.exp(chebyshev_sum(fits[piece], (block[chosen] - middle) / half))
-    return result
-
-
-def _log_temperature_over(
-    radiance: BandIntegral, middle: float, half: float
-) -> Callable[[FloatArray], FloatArray]:
-    def log_temperature(places: FloatArray) -> FloatArray:
-        return cast(FloatArray, np.log(_solve(radiance, middle + half * places)))
-
-    return log_temperature
+    return np.exp(
+        _by_fits(
+            lambda places: np.log(_solve(radiance, places)),
+            logs,
+            edges,
+            lambda places: np.searchsorted(edges, places, side="right") - 1,
+        )
+    )
 
 
 def _solve(radiance: BandIntegral, logs: FloatArray) -> FloatArray:

@@ -54,16 +54,9 @@ _HEADING = re.compile(r"(?:spectral\s+|band\s+|in-band\s+)*radiance\b\s*[:,=]?\s
 class RadianceUnit:
     """What a unit of radiance is.
 
-    Attributes
-    ----------
-    factor
-        What turns its samples into `name`.
-    photons
-        Photons per second instead of watts.
-    spectral
-        Per µm of wavelength or per cm⁻¹ of wavenumber; empty for the radiance of a band.
-    per_um
-        How many of its own units of wavelength a µm has: 1000 where it is per nm.
+    `factor` turns its samples into `name`; `photons` per second may stand instead of watts.
+    `spectral` is per µm of wavelength or per cm⁻¹ of wavenumber, empty for the radiance of a band;
+    `per_um` is how many of its own units of wavelength a µm has: 1000 where it is per nm.
     """
 
     factor: float
@@ -84,18 +77,10 @@ class RadianceUnit:
 
 
 def radiance_unit(text: str) -> RadianceUnit | None:
-    """Parse a unit in full.
+    """Parse a unit in full; None for what is no radiance: K, DN, counts, an empty text.
 
-    Returns
-    -------
-    RadianceUnit or None
-        None for what is no radiance at all: K, DN, counts, reflectance, an empty text.
-
-    Raises
-    ------
-    DataError
-        The text speaks of steradians, or of watts or photons per area, but is no unit of radiance
-        or one that is not understood.
+    Refused if the text speaks of steradians, or of watts or photons per area, but is no unit of
+    radiance or one that is not understood (`DataError`).
     """
     body = _body(text)
     try:

@@ -131,11 +131,6 @@ def find_material(*, region: str, material: str, cut_off_um: float | None = None
 
     A material the region does not have is looked for in the others: of several compositions the
     one with the shortest cut-off that reaches `cut_off_um`, else the longest.
-
-    Raises
-    ------
-    ParameterError
-        For an unknown region, and for a material that no region has.
     """
     if region not in MATERIALS_BY_REGION:
         raise ParameterError("region", region, f"must be one of {', '.join(MATERIALS_BY_REGION)}")
@@ -167,21 +162,9 @@ numbers: IAU 2015, resolution B3 (nominal values); IAU 2012, resolution B2."""
 def white_surface_radiance(
     *, cut_on_um: float, cut_off_um: float, sun_elevation_deg: float
 ) -> float:
-    """Band radiance of a level, white, matt surface in direct sunlight.
+    """Band radiance, W m⁻² sr⁻¹, of a level, white, matt surface in direct sunlight.
 
     L = E·sin(elevation)/π with E = Ω·L_band(5800 K), Ω/π = (radius/distance)² of the Sun.
-
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        Band [µm].
-    sun_elevation_deg : float
-        Of the Sun above the horizon, 0 to 90.
-
-    Returns
-    -------
-    float
-        Radiance [W m⁻² sr⁻¹]; 0 where the Sun is on the horizon.
 
     Source: Planck's law; Lambert's cosine law. Over all wavelengths E is 1390 W m⁻², where 1361
     are measured (Kopp and Lean 2011, Geophysical Research Letters 38, L01706).
@@ -200,18 +183,7 @@ _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 @dataclass(frozen=True)
 class CoarseSpectrum:
-    """A quantity at a few wavelengths.
-
-    Parameters
-    ----------
-    points : tuple of (wavelength, value)
-        Wavelengths ascending [µm]; straight between them, and constant beyond the ends.
-
-    Raises
-    ------
-    ParameterError
-        If there are no points, or their wavelengths do not ascend.
-    """
+    """A quantity at a few ascending wavelengths, µm: straight between, constant beyond the ends."""
 
     points: tuple[tuple[float, float], ...]
 
@@ -232,21 +204,8 @@ def mean_by_planck(
     """Mean of a spectrum, or of a product of several, by the light of black bodies in a band.
 
     ∫ s(λ)·L(λ, T) dλ / ∫ L(λ, T) dλ by Gauss's rule between the points: with the band's radiance,
-    the light that a surface of that emissivity gives, however wide the band is.
-
-    Parameters
-    ----------
-    *spectra : CoarseSpectrum
-        Whose product is averaged.
-    cut_on_um, cut_off_um : float
-        Band [µm].
-    temperature_K : array_like
-        Of the black bodies [K], (temperatures,).
-
-    Returns
-    -------
-    ndarray, (temperatures,)
-        The plain mean where a black body gives no light that a number can hold.
+    the light that a surface of that emissivity gives, however wide the band is. Of the shape
+    (temperatures,); the plain mean where a black body gives no light that a number can hold.
     """
     points = {wavelength for spectrum in spectra for wavelength, _ in spectrum.points}
     inside = sorted(point for point in points if cut_on_um < point < cut_off_um)

@@ -27,11 +27,6 @@ def interval_mrad(*, fov_deg: float, samples: int, name: str = "fov_deg") -> flo
     name : str
         Of the parameter, for people.
 
-    Returns
-    -------
-    float
-        Sampling interval in mrad.
-
     Source: Tantalo 1996, eq. 4.1: the angle itself is divided, not its tangent.
     """
     angle = positive(name, fov_deg, unit="deg")
@@ -42,19 +37,10 @@ def interval_mrad(*, fov_deg: float, samples: int, name: str = "fov_deg") -> flo
 
 
 def field_of_view_deg(*, pixels: int, pixel_mrad: float) -> float:
-    """Field of view of a row or column of pixels behind a rectilinear lens.
+    """Field of view of a row or column of pixels behind a rectilinear lens: 2·atan(N·p/(2f)).
 
-    Parameters
-    ----------
-    pixels : int
-        Above 0.
-    pixel_mrad : float
-        Pitch over focal length, the angle of a pixel on the axis, mrad, above 0.
-
-    Returns
-    -------
-    float
-        2·atan(N·p/(2f)), degrees. N·p/f itself is 5° too wide at 57°.
+    A pixel's angle is pitch over focal length, that on the axis. N·p/f itself is 5° too wide at
+    57°.
 
     Source: Holst 2008, Electro-Optical Imaging System Performance, chapter 2.
     """
@@ -63,56 +49,20 @@ def field_of_view_deg(*, pixels: int, pixel_mrad: float) -> float:
 
 
 def nyquist_cyc_per_mrad(*, interval_mrad: float) -> float:
-    """Highest frequency the samples carry: 1/(2·interval) (Tantalo 1996, eq. 4.2).
-
-    Parameters
-    ----------
-    interval_mrad : float
-        Sampling interval in mrad, above zero.
-
-    Returns
-    -------
-    float
-        Nyquist frequency in cycles/mrad.
-    """
+    """Highest frequency the samples carry: 1/(2·interval) (Tantalo 1996, eq. 4.2)."""
     return 0.5 / positive("interval_mrad", interval_mrad, unit="mrad")
 
 
 def frequency_interval_cyc_per_mrad(*, interval_mrad: float, samples: int) -> float:
-    """Step from one frequency to the next: 1/(samples·interval) (Tantalo 1996, eq. 4.3).
-
-    Parameters
-    ----------
-    interval_mrad : float
-        Sampling interval in mrad, above zero.
-    samples : int
-        Samples along this axis.
-
-    Returns
-    -------
-    float
-        Frequency interval in cycles/mrad.
-    """
+    """Step from one frequency to the next: 1/(samples·interval) (Tantalo 1996, eq. 4.3)."""
     return 1.0 / (positive("interval_mrad", interval_mrad, unit="mrad") * _count(samples))
 
 
 def ifov_mrad(*, pitch_um: float, focal_length_mm: float, fill: float = 1.0) -> float:
-    """Instantaneous field of view of one detector element.
+    """Instantaneous field of view of one detector element: pitch·fill/focal length.
 
-    Parameters
-    ----------
-    pitch_um : float
-        Detector pitch along this axis, above zero.
-    focal_length_mm : float
-        Focal length, above zero.
-    fill : float
-        Sensitive share of the pitch along this axis, above 0 and up to 1; 1 gives the plain IFOV,
-        less the effective one.
-
-    Returns
-    -------
-    float
-        pitch·fill/focal length, in mrad.
+    The fill is the sensitive share of the pitch along this axis, above 0 and up to 1; 1 gives the
+    plain IFOV, less the effective one.
 
     Source: Tantalo 1996, eqs. 4.41-4.42 (IFOV) and 4.48 (effective IFOV).
     """
@@ -141,11 +91,7 @@ _STAIR_FACTOR = 1.2
 
 
 def error_estimate(
-    pupil: ArrayLike,
-    *,
-    correlation: Complexes,
-    interpolated: bool = True,
-    edge_uncertainty_samples: float = 0.5,
+    pupil: ArrayLike, *, correlation: Complexes, edge_uncertainty_samples: float = 0.5
 ) -> float:
     """Estimate that covers the largest error of a sampled pupil's OTF over all lags.
 
@@ -155,24 +101,17 @@ def error_estimate(
         Amplitude transmission, real or complex, shape (rows, columns).
     correlation : ndarray
         Its raw autocorrelation, from `autocorrelation`.
-    interpolated : bool
-        Whether fractional lags are evaluated.
     edge_uncertainty_samples : float
         How far the true edges along rows or columns may lie from the pixel borders: half a sample
         when nothing is known, 0 when the edges are the pixels' own.
-
-    Returns
-    -------
-    float
-        Estimated largest absolute error.
 
     Notes
     -----
     The sum of: straight edges along the grid, whose position is known to half a sample only (the
     largest term by far where there are any); stairs round curves and slants, which average out;
     what the samples of a wavefront miss, from the four half-resolution pupils; and the curvature
-    between lags where interpolated. A feature narrower than a sample may leave no trace in the
-    samples: no estimate from them can cover its loss.
+    between lags, as they are interpolated. A feature narrower than a sample may leave no trace in
+    the samples: no estimate from them can cover its loss.
     """
     samples = np.asarray(pupil)
     samples = samples / np.max(np.abs(samples))
@@ -186,8 +125,7 @@ def error_estimate(
     total = (edges + stairs) / area
     if np.iscomplexobj(samples) and np.any(samples.imag):
         total += _half_resolution_spread(samples, correlation)
-    if interpolated:
-        total += _curvature(correlation) + _curvature(correlation.T)
+    total += _curvature(correlation) + _curvature(correlation.T)
     return min(total, 2.0)
 
 

@@ -50,31 +50,23 @@ def footprint_means(
     for_each: ForEach = in_turn,
     empty: Empty = np.empty,
 ) -> Array:
-    """Mean of the scene over each footprint.
+    """Mean of the scene over each footprint; a uniform scene stays as it is, to the bit.
 
     Parameters
     ----------
-    scene : ndarray, shape (rows, columns)
-        The scene.
     laid : Footprints
         On a scene of that shape.
     between_samples : "area", "bilinear" or "cubic"
-        What the scene is between its samples: see `sample_sums`.
+        What the scene is between its samples: see `running_sums`.
     dtype : dtype
         Of the result; sums are in double.
     coverage : ndarray, optional
         From `footprint_coverage`, where footprints leave the scene; None: none does.
     fill : float
         What is seen outside the scene.
-    for_each : callable
-        Takes some columns at a time, perhaps in threads.
-    empty : callable
-        Makes the arrays to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    ndarray, shape of `laid`
-        A uniform scene stays as it is, to the bit.
+    for_each, empty : callable
+        Takes some columns at a time, perhaps in threads; makes the arrays to be filled in, perhaps
+        on disk.
     """
     seen = empty((laid.lines, laid.columns), np.dtype(dtype))
     middle = 0.5 * (float(scene.min()) + float(scene.max()))
@@ -295,17 +287,7 @@ def strips_error(
 ) -> float:
     """Largest change that finer strips make, as a share of the scene's range, in some columns.
 
-    Parameters
-    ----------
-    scene, laid, between_samples
-        As for `footprint_means`.
-    finer : Footprints
-        The same with more strips.
-
-    Returns
-    -------
-    float
-        0 where nothing lies askew: there are no strips then.
+    `finer` is the same with more strips; 0 where nothing lies askew: there are no strips then.
     """
     span = float(scene.max()) - float(scene.min())
     if laid.level or span == 0.0:
@@ -393,26 +375,9 @@ def footprints(
 ) -> Footprints:
     """Lay footprints on a scene.
 
-    Parameters
-    ----------
-    matrix : ndarray, shape (3, 3)
-        From (a, b, 1) to the scene's x and y, counted in its samples.
-    across : ndarray, shape (columns + 1,)
-        a at the borders of columns.
-    along : ndarray, shape (rows + 1,)
-        b at the borders of lines.
-    middles : ndarray, shape (rows,)
-        b at the middles of lines.
-    widths : ndarray, shape (columns,)
-        Extent of each column's samples, in lines.
-    scene : (int, int)
-        Rows and columns of the scene.
-    strips : int
-        Strips to cut a footprint into where it lies askew.
-
-    Returns
-    -------
-    Footprints
+    The matrix leads from (a, b, 1) to the scene's x and y, counted in its samples. a is known at
+    the borders of columns, b at those of lines and at their middles; `widths` is the extent of each
+    column's samples, in lines. Where a footprint lies askew it is cut into strips.
     """
     even = bool(np.all(np.abs(widths - 1.0) < 1e-12))
     ways = [way for way in product((False, True), (False, True)) if even or not way[0]]

@@ -89,16 +89,7 @@ class GroundSample(NamedTuple):
 def view_angles(*, camera: Camera, u: ArrayLike) -> Vector:
     """Angle of columns from nadir across, in rad; from the optical axis for a framing camera.
 
-    Parameters
-    ----------
-    camera : Camera
-        The camera; its roll is added, but for a framing camera.
-    u : array_like
-        Columns, 0 to `columns`.
-
-    Returns
-    -------
-    ndarray, shape of u
+    Columns are 0 to `columns`; the camera's roll is added, but for a framing camera.
     """
     away = np.asarray(u, np.float64) - 0.5 * camera.columns
     angle = away * (camera.step_x_mrad / 1000.0)
@@ -124,21 +115,10 @@ def along(*, camera: Camera, v: ArrayLike) -> Vector:
 def ground_matrix(*, camera: Camera) -> Vector:
     """From (a, b, 1) to ground coordinates in m, up to the third component.
 
-    Parameters
-    ----------
-    camera : Camera
-        The camera.
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        X = M₀·r/M₂·r, Y = M₁·r/M₂·r with r = (a, b, 1).
-
-    Notes
-    -----
-    Framing: the collinearity equations, X = x₀ + h·d_x/d_z with d = R_z(yaw)·R_x(pitch)·R_y(roll)·r
-    (Wolf and Dewitt). The rays of a line scanner or pushbroom lie in one plane, so that with a
-    pitch of p they meet the ground at (h·a/cos p, h·tan p), and the next line is a spacing further.
+    X = M₀·r/M₂·r, Y = M₁·r/M₂·r with r = (a, b, 1). Framing: the collinearity equations, X = x₀ +
+    h·d_x/d_z with d = R_z(yaw)·R_x(pitch)·R_y(roll)·r (Wolf and Dewitt). The rays of a line scanner
+    or pushbroom lie in one plane, so that with a pitch of p they meet the ground at (h·a/cos p,
+    h·tan p), and the next line is a spacing further.
     """
     roll, pitch, yaw = (
         math.radians(angle) for angle in (camera.roll_deg, camera.pitch_deg, camera.yaw_deg)
@@ -160,19 +140,9 @@ def ground_matrix(*, camera: Camera) -> Vector:
 def line_widths(*, camera: Camera, u: ArrayLike) -> Vector:
     """Extent of samples along the flight, in lines.
 
-    Parameters
-    ----------
-    camera : Camera
-        The camera.
-    u : array_like
-        Columns.
-
-    Returns
-    -------
-    ndarray, shape of u
-        1 for a framing camera. Else step_y·h·g/spacing with the cosine of the pitch squared below:
-        g is the secant of the view angle for a line scanner, whose range grows by that, and 1 for
-        an upright pushbroom, whose samples have the same size in the focal plane.
+    1 for a framing camera. Else step_y·h·g/spacing with the cosine of the pitch squared below:
+    g is the secant of the view angle for a line scanner, whose range grows by that, and 1 for
+    an upright pushbroom, whose samples have the same size in the focal plane.
     """
     columns = np.asarray(u, np.float64)
     if camera.kind == "framing":
@@ -186,19 +156,9 @@ def line_widths(*, camera: Camera, u: ArrayLike) -> Vector:
 
 
 def ground_points(*, camera: Camera, u: ArrayLike, v: ArrayLike) -> tuple[Vector, Vector]:
-    """Where places in the frame lie on the ground.
+    """Where places in the frame lie on the ground, m from the middle of the scene.
 
-    Parameters
-    ----------
-    camera : Camera
-        The camera; `check_horizon` tests that it sees the ground everywhere.
-    u, v : array_like
-        Columns and lines, which broadcast.
-
-    Returns
-    -------
-    x_m, y_m : ndarray
-        From the middle of the scene.
+    `check_horizon` tests that the camera sees the ground everywhere.
     """
     a, b = np.broadcast_arrays(across(camera=camera, u=u), along(camera=camera, v=v))
     x, y, z = np.tensordot(ground_matrix(camera=camera), np.stack([a, b, np.ones(a.shape)]), 1)
@@ -231,15 +191,7 @@ def ground_bounds(*, camera: Camera) -> Bounds:
 
 
 def check_horizon(*, camera: Camera) -> None:
-    """Refuse a camera that sees past the horizon.
-
-    Raises
-    ------
-    ParameterError
-        When the scan alone, or with its roll, reaches 90° from nadir.
-    DataError
-        When a corner of a tilted frame does.
-    """
+    """Refuse a camera that sees past the horizon, by its scan or a tilted frame's corner."""
     if camera.kind == "framing":
         corners = [
             [a, b, 1.0]

@@ -17,20 +17,7 @@ Vector = NDArray[np.float64]
 def block_mean_mtf(*, frequency: ArrayLike, interval_mrad: float, samples: int) -> Vector:
     """Mean of neighbouring samples, about the middle of the block.
 
-    Parameters
-    ----------
-    frequency : array_like
-        Cycles/mrad.
-    interval_mrad : float
-        From one sample to the next, above zero.
-    samples : int
-        Samples of a block, 1 or more.
-
-    Returns
-    -------
-    ndarray
-        sin(πnfd)/(n·sin(πfd)), signed, 1 at zero frequency.
-
+    sin(πnfd)/(n·sin(πfd)) of n samples, signed, 1 at zero frequency.
     Source: Bracewell 1986, The Fourier Transform and Its Applications, the row of n impulses.
     """
     if samples < 1:
@@ -80,16 +67,8 @@ def interpolation_ptf(
 ) -> Vector:
     """Phase of the same mean: 0 but for nearest samples that lie half-way between two.
 
-    Parameters
-    ----------
-    frequency, interval_mrad, order, old, new
-        As for `interpolation_mtf`.
-
-    Returns
-    -------
-    ndarray
-        Radians, between −π and π. Of every second, fourth, … sample it is πf·interval: the picture
-        moves by half an old sample to −x, and loses nothing of its contrast.
+    Radians, between −π and π. Of every second, fourth, … sample it is πf·interval: the picture
+    moves by half an old sample to −x, and loses nothing of its contrast.
     """
     response = _mean_response(frequency, interval_mrad, order, old, new)
     if takes_the_later(order=order, old=old, new=new):
@@ -171,14 +150,10 @@ def resampling_response(
     share : ndarray, shape (new,), optional
         How much each new sample counts in the mean; all alike if not given.
 
-    Returns
-    -------
-    ndarray
-        1 at zero. Where new samples lie evenly between old ones it is the transform of the
-        interpolation's kernel, sinc² if linear; the fewer their places, the more it may differ.
-
     Notes
     -----
+    1 at zero. Where new samples lie evenly between old ones it is the transform of the
+    interpolation's kernel, sinc² if linear; the fewer their places, the more it may differ.
     The mean is what an edge shows that crosses samples at all their places: what differs from
     place to place averages out. Source: Park & Schowengerdt 1982, Image sampling, reconstruction,
     and the effect of sample-scene phasing, Applied Optics 21, 3142.
@@ -208,24 +183,9 @@ _WHOLE = 1e-6  # of a pixel that may lack at the frame's end: ratios come of rou
 
 
 def pixel_count(*, samples: int, ratio: float) -> int:
-    """Whole pixels that fit a frame.
+    """Whole pixels of `ratio` samples, which need not be whole, that fit a frame.
 
-    Parameters
-    ----------
-    samples : int
-        Samples of the frame along this axis.
-    ratio : float
-        Samples a pixel, above zero; need not be whole.
-
-    Returns
-    -------
-    int
-        At least 1; a millionth of the last pixel may lie beyond the frame.
-
-    Raises
-    ------
-    DataError
-        If not one pixel fits.
+    At least 1; a millionth of the last pixel may lie beyond the frame. Refused where not one fits.
     """
     count = math.floor(samples / positive("ratio", ratio) + _WHOLE)
     if count < 1:
@@ -236,18 +196,8 @@ def pixel_count(*, samples: int, ratio: float) -> int:
 def pixel_places(*, samples: int, ratio: float, offset: float = 0.0) -> Vector:
     """Middles of the pixels, counted in samples from the middle of the first sample.
 
-    Parameters
-    ----------
-    samples, ratio
-        As for `pixel_count`.
-    offset : float
-        How far the pixels lie from where the frame's edge would have them, in pixels.
-
-    Returns
-    -------
-    ndarray
-        (m + 1/2 + offset)·ratio − 1/2. Without an offset pixel m covers the same part of the frame
-        as a block of samples, so that the picture does not move.
+    (m + 1/2 + offset)·ratio − 1/2, the offset in pixels. Without one pixel m covers the same part
+    of the frame as a block of samples, so that the picture does not move.
     """
     number = np.arange(pixel_count(samples=samples, ratio=ratio))
     return np.asarray((number + 0.5 + offset) * ratio - 0.5, np.float64)
@@ -256,16 +206,6 @@ def pixel_places(*, samples: int, ratio: float, offset: float = 0.0) -> Vector:
 def shifted_samples_ptf(*, frequency: ArrayLike, shift_mrad: float) -> Vector:
     """Phase of samples that lie `shift_mrad` further to +x than they are taken for.
 
-    Parameters
-    ----------
-    frequency : array_like
-        Cycles/mrad.
-    shift_mrad : float
-        The shift.
-
-    Returns
-    -------
-    ndarray
-        2π·frequency·shift, radians: the picture moves to −x. By the shift theorem.
+    2π·frequency·shift, radians: the picture moves to −x. By the shift theorem.
     """
     return np.asarray(2.0 * np.pi * shift_mrad * np.asarray(frequency, np.float64), np.float64)

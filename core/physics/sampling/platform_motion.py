@@ -13,21 +13,9 @@ from core.physics.numerics import sinc
 
 
 def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> float:
-    """Angle the scene moves through during one exposure.
+    """Angle the scene moves through during one exposure: 1000·v·t/range.
 
-    Parameters
-    ----------
-    velocity_m_per_s : float
-        Velocity across the line of sight in m/s, of either sign: platform − image.
-    time_s : float
-        Integration time in s, zero or above.
-    range_m : float
-        Distance to the target in m, above zero.
-
-    Returns
-    -------
-    float
-        1000·v·t/range in mrad, with the sign of the velocity.
+    The velocity is that of the platform less that of the image, of either sign, and gives the sign.
 
     Source: Tantalo 1996, eqs. 4.24-4.35. Erratum: the widths 134, 160 and 201 there are
     cycles/rad, not cycles/mrad: the blur is 1000 times what they give.
@@ -41,22 +29,7 @@ def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> floa
 
 
 def scan_blur_mrad(*, scan_velocity_mrad_per_s: float, dwell_time_s: float) -> float:
-    """Angle a scan moves through during one dwell time.
-
-    Parameters
-    ----------
-    scan_velocity_mrad_per_s : float
-        Angular velocity in mrad/s, of either sign.
-    dwell_time_s : float
-        Dwell time in s, zero or above.
-
-    Returns
-    -------
-    float
-        v·t in mrad.
-
-    Source: Tantalo 1996, section 4.4.1 and eq. 4.26.
-    """
+    """Angle a scan moves through in one dwell time (Tantalo 1996, section 4.4.1 and eq. 4.26)."""
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
     blur = velocity * non_negative("dwell_time_s", dwell_time_s, unit="s")
     return finite("scan blur", blur, unit="mrad")
@@ -127,26 +100,9 @@ Vector = NDArray[np.float64]
 
 
 def view_angles_rad(*, columns: int, interval_mrad: float, look_angle_rad: float = 0.0) -> Vector:
-    """Angle from nadir of each sample of a scan line.
+    """Angle from nadir of each sample of a scan line, whose middle is at the look angle.
 
-    Parameters
-    ----------
-    columns : int
-        Samples of a scan line, 1 or more.
-    interval_mrad : float
-        Angle from one to the next, above zero.
-    look_angle_rad : float
-        Angle from nadir of the line's middle.
-
-    Returns
-    -------
-    ndarray, shape (columns,)
-        Angles in rad, within ±π/2.
-
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the scan reaches the horizon.
+    Refused where the scan reaches the horizon.
     """
     if columns < 1:
         raise ParameterError("columns", columns, "1 or more")
@@ -168,24 +124,7 @@ def line_intervals_mrad(
 ) -> Vector:
     """Angle between neighbouring scan lines as seen from the sensor, over flat ground.
 
-    Parameters
-    ----------
-    line_spacing_m : float
-        Distance flown from one scan line to the next, above zero.
-    altitude_m : float
-        Height above the ground, above zero.
-    view_angle_rad : array_like
-        Angles from nadir, within ±π/2.
-
-    Returns
-    -------
-    ndarray
-        1000·spacing/range in mrad of the angles' shape; the range is altitude/cos(view angle).
-
-    Raises
-    ------
-    ParameterError
-        When a length is not above zero or an angle does not meet the ground.
+    1000·spacing/range of the view angles' shape; the range is altitude/cos(view angle).
     """
     spacing = positive("line_spacing_m", line_spacing_m, unit="m")
     altitude = positive("altitude_m", altitude_m, unit="m")
@@ -199,18 +138,7 @@ def line_intervals_mrad(
 def scale_nodes_mrad(*, intervals_mrad: ArrayLike, count: int) -> Vector:
     """Intervals for which whole frames are filtered, so that `scale_weights` can blend them.
 
-    Parameters
-    ----------
-    intervals_mrad : array_like
-        Intervals of the columns, above zero.
-    count : int
-        Number of nodes, 1 or more.
-
-    Returns
-    -------
-    ndarray, shape (count,)
-        Chebyshev nodes between the smallest and largest of the scales 1/interval, as intervals in
-        mrad.
+    `count` Chebyshev nodes between the smallest and largest of the scales 1/interval.
     """
     if count < 1:
         raise ParameterError("count", count, "1 or more")
@@ -223,17 +151,7 @@ def scale_nodes_mrad(*, intervals_mrad: ArrayLike, count: int) -> Vector:
 def scale_weights(*, nodes_mrad: ArrayLike, intervals_mrad: ArrayLike) -> Vector:
     """Weights of whole frames, each filtered at one node's interval, in each column.
 
-    Parameters
-    ----------
-    nodes_mrad : array_like, shape (nodes,)
-        From `scale_nodes_mrad`, all different.
-    intervals_mrad : array_like, shape (columns,)
-        Intervals of the columns, above zero.
-
-    Returns
-    -------
-    ndarray, shape (nodes, columns)
-        Lagrange's polynomials in the scale 1/interval; each column adds to 1.
+    Lagrange's polynomials in the scale 1/interval, shape (nodes, columns); each column adds to 1.
 
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 5 and 8: for
     a transfer function smooth in frequency the error falls geometrically with the nodes.

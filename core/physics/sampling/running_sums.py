@@ -39,15 +39,6 @@ def between(sums: Vector, places: Vector, kind: Between, axis: int) -> Vector:
     places : ndarray
         Counted in samples from the first border, `PAD` within the first and last; of length 1
         along the other axis where they are the same there.
-    kind : "area", "bilinear" or "cubic"
-        What lies between samples.
-    axis : 0 or 1
-        Along which.
-
-    Returns
-    -------
-    ndarray
-        As many values as places, for each row or column.
     """
     base, weights = taps(places, kind, sums.shape[axis] - 1)
     return weighted(sums, base, weights, axis)

@@ -73,16 +73,7 @@ def vibration_otf(
 ) -> NDArray[np.complex128]:
     """Transfer function of a sinusoidal vibration that starts at phase 0 with the exposure.
 
-    Parameters
-    ----------
-    frequency, amplitude_mrad, vibration_frequency_Hz, integration_time_s
-        As in `vibration_mtf`.
-
-    Returns
-    -------
-    ndarray of complex128
-        The mean of exp(−2πi·A·frequency·sin(2πf·t')) over the exposure; real for whole periods.
-
+    The mean of exp(−2πi·A·frequency·sin(2πf·t')) over the exposure; real for whole periods.
     Source: time average of a displaced image. n whole periods give J0, the remainder its own
     integral, each weighted by its time.
     """
@@ -269,20 +260,9 @@ def _quadrature(spectrum: MotionSpectrum, exposure_s: float) -> tuple[Vector, Ve
 def within_exposure(
     *, spectrum: MotionSpectrum, exposure_s: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Variance about the centroid through an exposure.
+    """Variance about the centroid through an exposure, at Gauss–Legendre points of it, and weights.
 
-    Parameters
-    ----------
-    spectrum : MotionSpectrum
-        Of the motion.
-    exposure_s : float
-        Length of the exposure, zero or above.
-
-    Returns
-    -------
-    (tuple, tuple)
-        Variances in mrad² at Gauss–Legendre points of the exposure, and their weights, which add
-        to 1.
+    The variances are in mrad², the weights add to 1.
     """
     exposure = non_negative("integration_time_s", exposure_s, unit="s")
     nodes, weights = np.polynomial.legendre.leggauss(_TIMES)
@@ -311,19 +291,9 @@ def between_exposures_mrad(*, spectrum: MotionSpectrum, exposure_s: float) -> fl
 def exposure_mtf(
     *, frequency: ArrayLike, variances: tuple[float, ...], weights: tuple[float, ...]
 ) -> Vector:
-    """MTF of motion about the centroid of an exposure.
+    """MTF of motion about the centroid of an exposure: mean of exp(−2π²·v·frequency²).
 
-    Parameters
-    ----------
-    frequency : array_like
-        In cycles/mrad, any shape.
-    variances, weights : tuple of float
-        Of `within_exposure`.
-
-    Returns
-    -------
-    ndarray of float64
-        Mean of exp(−2π²·v·frequency²), 1 at frequency 0.
+    Variances and weights are those of `within_exposure`.
     """
     place = np.asarray(frequency, np.float64)
     square = -2.0 * np.pi**2 * place**2
@@ -335,13 +305,7 @@ def exposure_mtf(
 
 @dataclass(frozen=True, eq=False)
 class MotionWaves:
-    """Waves that make one motion: its centroids at any time, in any order.
-
-    Parameters
-    ----------
-    frequencies, amplitudes, phases : ndarray
-        In Hz, mrad and turns.
-    """
+    """Waves that make one motion: its centroids at any time; in Hz, mrad and turns."""
 
     frequencies: Vector
     amplitudes: Vector
@@ -355,23 +319,11 @@ class MotionWaves:
 
 
 def motion_waves(*, spectrum: MotionSpectrum, exposure_s: float, uniform: Any) -> MotionWaves:
-    """Draw a motion, as its centroids over exposures.
+    """Draw a motion, as its centroids over exposures, by uniform deviates of shape (3, n).
 
-    Parameters
-    ----------
-    spectrum : MotionSpectrum
-        Of the motion.
-    exposure_s : float
-        Length of the exposures, zero or above.
-    uniform : ndarray, shape (3, n)
-        Uniform deviates in [0, 1), n best `WAVES`: a wave in each of n parts of the spectrum of
-        equal ratio has a frequency within its part, an amplitude of Rayleigh's distribution and a
-        phase.
-
-    Returns
-    -------
-    MotionWaves
-        Over all draws the spectrum of its centroids is S·sinc²(fT).
+    Best n is `WAVES`. A wave in each of n parts of the spectrum of equal ratio has a frequency
+    within its part, an amplitude of Rayleigh's distribution and a phase. Over all draws the
+    spectrum of the centroids is S·sinc²(fT).
     """
     place, level, phase = np.asarray(uniform, np.float64)
     exposure = non_negative("integration_time_s", exposure_s, unit="s")

@@ -165,7 +165,7 @@ def test_estimate_covers_small_pupils(size):
             y, x = np.mgrid[0:size, 0:size][:, :: max(1, size // 24), :: max(1, size // 24)]
             exact = geometric_otf(shape, lag_x=x, lag_y=y)
             error = np.max(np.abs(sampled_otf(correlation, lag_x=x, lag_y=y) - exact))
-            assert error < error_estimate(pupil, correlation=correlation, interpolated=False)
+            assert error < error_estimate(pupil, correlation=correlation)
 
 
 def defocused(radius, w20, fine):
@@ -179,7 +179,7 @@ def defocused(radius, w20, fine):
     x, y = np.meshgrid(np.arange(0, 511, 9), np.arange(0, 511, 9))
     exact = annular_defocus_otf(frequency_ratio=np.hypot(x, y) / (2 * radius), w20_waves=w20)
     got = sampled_otf(correlation, lag_x=x * fine, lag_y=y * fine)
-    estimate = error_estimate(pupil, correlation=correlation, interpolated=False)
+    estimate = error_estimate(pupil, correlation=correlation)
     return np.max(np.abs(got - exact)), estimate
 
 
