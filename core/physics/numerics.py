@@ -32,13 +32,15 @@ _FIT_SIZES = (24, 48, 96)
 _FIT_TOLERANCE = 4e-16
 
 
-def chebyshev_fit(function: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Coefficients of a smooth function on [-1, 1], as many as double precision can use.
+def chebyshev_fit(
+    function: Callable[[FloatArray], FloatArray], *, middle: float = 0.0, half: float = 1.0
+) -> FloatArray:
+    """Coefficients of a smooth function on middle ± half, as many as double precision can use.
 
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 3 and 8.
     """
     for size in _FIT_SIZES:
-        coefficients = chebyshev_coefficients(function, size)
+        coefficients = chebyshev_coefficients(lambda x: function(middle + half * x), size)
         floor = _FIT_TOLERANCE * max(np.max(np.abs(coefficients)), np.finfo(float).tiny)
         used = np.flatnonzero(np.abs(coefficients) > floor)
         length = int(used[-1]) + 1 if used.size else 1

@@ -343,18 +343,13 @@ class ColumnFold:
 # Cosine and sine transforms along one axis of a picture, in place, block by block.
 #
 # The lines of a picture whose width is a power of two fall on the same places of the cache, so
-# that
-# a transform along columns waits for memory. Blocks of columns are therefore copied together
-# first:
-# at 1024² that takes 2.0 ms for 3.4, at 8192² 200 ms for 310 (one thread). Blocks do not depend
-# on
-# the number of threads, and neither do the values.
+# that a transform along columns waits for memory. Blocks of columns are therefore copied together
+# first: at 1024² that takes 2.0 ms for 3.4, at 8192² 200 ms for 310 (one thread). Blocks do not
+# depend on the number of threads, and neither do the values.
 #
 # No other library is clearly better: on one thread of an AMD processor, single precision, at
-# 512²,
-# 1024², 2048² and 4096², ducc0 took 0.64, 1.28, 1.12 and 0.97 of this time, FFTW 1.4, 1.7, 1.9
-# and
-# 3.4, and the cosine transform on MKL's real one of the same length 1.9, 2.5, 2.7 and 2.5.
+# 512², 1024², 2048² and 4096², ducc0 took 0.64, 1.28, 1.12 and 0.97 of this time, FFTW 1.4, 1.7,
+# 1.9 and 3.4, and the cosine transform on MKL's real one of the same length 1.9, 2.5, 2.7 and 2.5.
 
 Kind = Literal["dct", "idct", "dst", "idst"]
 

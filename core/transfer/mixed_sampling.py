@@ -26,7 +26,6 @@ Method = Literal["nodes", "direct"]
 MOST_NODES = 32
 BLOCK_SAMPLES = 1 << 18
 FREQUENCIES = 24  # along the scan and in flight, at which blended factors are tried
-SPARSE = slice(5, None, 6)  # of these, at which most numbers of nodes fail already
 LAW_NODES = (4, 8, 12, 16, 24, 32)  # tried in turn
 LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line of the cache
 
@@ -145,23 +144,17 @@ def _blended(
 def _enough(lines: ScanLines, intervals_mrad: Vector, tolerance: float) -> tuple[int, float]:
     """Least number of nodes whose blend of the transfer function keeps to the tolerance."""
     for count in range(1, MOST_NODES + 1):
-        if count < MOST_NODES:
-            few = _error(lines, intervals_mrad, count, SPARSE)
-            if few > 2.0 * tolerance + 1e-12:  # beyond doubt for all that rounding does
-                continue
         error = _error(lines, intervals_mrad, count)
         if error <= tolerance:
             break
     return count, error
 
 
-def _error(
-    lines: ScanLines, intervals_mrad: Vector, count: int, some: slice = slice(None)
-) -> float:
-    """Largest error of the whole transfer function between the nodes, on some frequencies."""
+def _error(lines: ScanLines, intervals_mrad: Vector, count: int) -> float:
+    """Largest error of the whole transfer function between the nodes."""
     work, chain = lines.work, lines.chain
-    scan = np.linspace(0.0, float(np.abs(lines.scan).max()), FREQUENCIES)[some]
-    flight = np.linspace(0.0, 0.5, FREQUENCIES)[some]
+    scan = np.linspace(0.0, float(np.abs(lines.scan).max()), FREQUENCIES)
+    flight = np.linspace(0.0, 0.5, FREQUENCIES)
     if not lines.symmetric:
         flight = np.concatenate([flight, -flight[flight > 0.0]])
     nodes = scale_nodes_mrad(intervals_mrad=intervals_mrad, count=count)

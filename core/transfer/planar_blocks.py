@@ -325,10 +325,8 @@ def _sliced(places: Array) -> slice | Array:
 # Low-rank approximation of a planar factor on a grid, from a few of its rows and columns.
 #
 # In the central band a disc's OTF is smooth but for the cusp at zero, and numerically of low
-# rank: 20
-# at 1e-8. Complete pivoting on a coarse grid of probes chooses rows and columns that span the
-# plane,
-# which is then the product of two thin matrices (Bebendorf 2000, Numer. Math. 86, 565).
+# rank: 20 at 1e-8. Complete pivoting on a coarse grid of probes chooses rows and columns that span
+# the plane, which is then the product of two thin matrices (Bebendorf 2000, Numer. Math. 86, 565).
 
 Evaluate = Callable[[Array, Array], Array]  # (row indices, column indices) → block
 

@@ -328,12 +328,11 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if self.scattering_per_km == 0:
             return 0.0
         return path_optical_depth(
-            absorption_per_km=0.0,
             scattering_per_km=self.scattering_per_km,
             path_m=of_context("range_m", context),
             view=self.view,
             scale_height_km=self.scale_height_km,
-        ).scattering
+        )
 
     @readout()
     def largest_change(self, outputs: MtfOutputs) -> Step | float:

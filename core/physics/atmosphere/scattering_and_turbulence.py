@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -145,53 +144,26 @@ def turbidity_optical_depth(*, level: str) -> float:
     return abs(math.log(plateaus[level]))
 
 
-@dataclass(frozen=True, slots=True)
-class PathOpticalDepth:
-    """Optical depth of a path, by cause; both without unit."""
-
-    absorption: float
-    scattering: float
-
-    @property
-    def extinction(self) -> float:
-        """Absorption and scattering together: exp(−extinction) is the direct transmission."""
-        return self.absorption + self.scattering
-
-
 def path_optical_depth(
-    *,
-    absorption_per_km: float,
-    scattering_per_km: float,
-    path_m: float,
-    view: str = "horizontal",
-    scale_height_km: float = 1.0,
-) -> PathOpticalDepth:
-    """Optical depth from the ground coefficients and the length of the path.
+    *, scattering_per_km: float, path_m: float, view: str = "horizontal", scale_height_km: float
+) -> float:
+    """Optical depth of a path by its aerosols' scattering at ground level.
+
+    Absorption dims every frequency alike, zero included, so that it has no part in an MTF.
 
     Parameters
     ----------
-    absorption_per_km, scattering_per_km : float
-        Aerosol coefficients at ground level in km⁻¹, zero or above.
     path_m : float
         Length of the path in m, zero or above: range, or height when looking down or up.
     view : str
         `horizontal`: the same air all along, coefficient × path. `vertical` (down) and `up`, which
         have the same depth: coefficients that fall as exp(−height/scale height) from the ground to
         the height `path_m`.
-    scale_height_km : float
-        Scale height of the aerosol in km, above zero; not used by `horizontal`.
-
-    Returns
-    -------
-    PathOpticalDepth
-        Absorption and scattering apart. Absorption dims every frequency alike, zero included, so
-        the depth of an MTF is `scattering`; `extinction` is that of the path's transmission.
 
     Source: horizontal, Sadot and Kopeika 1992. Vertical: exponential profile, L. Elterman, Appl.
     Opt. 9, 1804 (1970); an effective height of 1 km in the visible, falling to 0.2-0.3 km in 8 to
     12 µm, is reported by N. N. Shchelkanov, Proc. SPIE 5397 (2004).
     """
-    absorption = non_negative("absorption_per_km", absorption_per_km, unit="1/km")
     scattering = non_negative("scattering_per_km", scattering_per_km, unit="1/km")
     path_km = non_negative("path_m", path_m, unit="m") / 1000.0
     height = positive("scale_height_km", scale_height_km, unit="km")
@@ -199,10 +171,9 @@ def path_optical_depth(
         path_km = -height * math.expm1(-path_km / height)
     elif view != "horizontal":
         raise ParameterError("view", view, "one of horizontal, vertical, up")
-    depth = PathOpticalDepth(absorption * path_km, scattering * path_km)
-    if not math.isfinite(depth.extinction):
+    if not math.isfinite(scattering * path_km):
         raise ParameterError("path_m", path_m, "a path with a finite optical depth", unit="m")
-    return depth
+    return scattering * path_km
 
 
 # Strength of turbulence along a path, and Fried's coherence diameter from it.

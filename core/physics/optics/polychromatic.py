@@ -98,18 +98,12 @@ class Spectrum:
 
     def check(self) -> None:
         """Refuse a band or a temperature that is none, and responses that let nothing through."""
-        if not (math.isfinite(self.cut_on_um) and self.cut_on_um > 0.0):
-            raise ParameterError(
-                "cut_on_um", self.cut_on_um, "a finite number above zero", unit="µm"
-            )
+        positive("cut_on_um", self.cut_on_um, unit="µm")
         if not (math.isfinite(self.cut_off_um) and self.cut_off_um >= self.cut_on_um):
             allowed = f"a finite number from cut_on_um = {self.cut_on_um:g}"
             raise ParameterError("cut_off_um", self.cut_off_um, allowed, unit="µm")
-        if self.weighting != "uniform" and not (
-            math.isfinite(self.temperature_K) and self.temperature_K > 0.0
-        ):
-            what = "a finite number above zero"
-            raise ParameterError("temperature_K", self.temperature_K, what, unit="K")
+        if self.weighting != "uniform":
+            positive("temperature_K", self.temperature_K, unit="K")
         if self.responses and self.cut_on_um < self.cut_off_um and not self._lets_light_through():
             whole = f"{self.cut_on_um:g} to {self.cut_off_um:g} µm"
             met = "a response above 0 somewhere in the band"

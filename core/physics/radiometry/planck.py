@@ -332,12 +332,10 @@ def _by_fits(
             chosen = np.flatnonzero(pieces == piece)
             if not chosen.size:
                 continue
-            middle = (edges[piece] + edges[piece + 1]) / 2.0
-            half = (edges[piece + 1] - edges[piece]) / 2.0
+            middle = float(edges[piece] + edges[piece + 1]) / 2.0
+            half = float(edges[piece + 1] - edges[piece]) / 2.0
             if piece not in fits:
-                fits[piece] = chebyshev_fit(
-                    lambda places, m=middle, h=half: function(m + h * places)
-                )
+                fits[piece] = chebyshev_fit(function, middle=middle, half=half)
             part[chosen] = chebyshev_sum(fits[piece], (block[chosen] - middle) / half)
     return result
 

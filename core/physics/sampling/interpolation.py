@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
 from core.physics.checks import positive
+from core.physics.sampling.running_sums import cubic_weights
 
 Vector = NDArray[np.float64]
 
@@ -112,14 +113,7 @@ def _weights(t: float, order: int) -> tuple[tuple[int, float], ...]:
     """Old samples, counted from the one before, and what each weighs at t from it."""
     if order == 0:
         return ((0 if t < 0.5 else 1, 1.0),)
-    if order == 1:
-        return (0, 1.0 - t), (1, t)
-    return (
-        (-1, t * (-0.5 + t * (1.0 - 0.5 * t))),
-        (0, 1.0 + t * t * (-2.5 + 1.5 * t)),
-        (1, t * (0.5 + t * (2.0 - 1.5 * t))),
-        (2, t * t * (-0.5 + 0.5 * t)),
-    )
+    return ((0, 1.0 - t), (1, t)) if order == 1 else cubic_weights(t)
 
 
 # What samples made of other samples do to a wave, on average over where they lie.

@@ -89,9 +89,17 @@ def taps(
     t = places - base
     if kind == "area":
         return base, [(0, 1.0 - t), (1, t)]
-    return base, [
+    return base, list(cubic_weights(t))
+
+
+def cubic_weights(t: Any) -> tuple[tuple[int, Any], ...]:
+    """Samples, counted from the one before a place, and their weights at t from it.
+
+    Source: Catmull and Rom 1974; Keys 1981, IEEE Trans. ASSP 29, with a = −1/2.
+    """
+    return (
         (-1, t * (-0.5 + t * (1.0 - 0.5 * t))),
         (0, 1.0 + t * t * (-2.5 + 1.5 * t)),
         (1, t * (0.5 + t * (2.0 - 1.5 * t))),
         (2, t * t * (-0.5 + 0.5 * t)),
-    ]
+    )
