@@ -219,33 +219,22 @@ def _annular_otf(hole: float, x: Floats, y: Floats) -> Floats:
 
 def _strip_otf(pupil: StripPupil, x: Floats, y: Floats) -> Floats:
     whole = strip_pupil_area(pupil=pupil)
-    if not strips_add_up(pupil=pupil):
-        otf = by_tiles(_otf_outside_lens, x, y)
-        left = np.isnan(otf)
-        x, y = (np.broadcast_to(lag, otf.shape)[left] for lag in (x, y))
-        area = strip_overlap_area(pupil=pupil, lag_x=x, lag_y=y)
-        otf[left] = np.minimum(area / whole, 1.0)
-        return otf
-    # The few lags that take long are done together.
-    otf = by_tiles(partial(_sum_otf, pupil, whole, complete=False), x, y)
-    left = np.isnan(otf)
-    if left.any():
-        x, y = (np.broadcast_to(lag, otf.shape)[left] for lag in (x, y))
-        otf[left] = by_tiles(partial(_sum_otf, pupil, whole, complete=True), x, y)
+    if strips_add_up(pupil=pupil):
+        return by_tiles(partial(_sum_otf, pupil, whole), x, y)
+    x, y = np.broadcast_arrays(x, y)
+    square = x * x + y * y
+    otf = np.where(square == 0.0, 1.0, 0.0)
+    apart = (square > 0.0) & (square < 4.0)
+    area = strip_overlap_area(pupil=pupil, lag_x=x[apart], lag_y=y[apart])
+    otf[apart] = np.minimum(area / whole, 1.0)
     return otf
 
 
-def _otf_outside_lens(x: Floats, y: Floats) -> Floats:
-    """1 at zero lag, 0 beyond the diameter, NaN between."""
-    square = x * x + y * y
-    return np.where(square < 4.0, np.where(square == 0.0, 1.0, np.nan), 0.0)
-
-
-def _sum_otf(pupil: StripPupil, whole: float, x: Floats, y: Floats, *, complete: bool) -> Floats:
+def _sum_otf(pupil: StripPupil, whole: float, x: Floats, y: Floats) -> Floats:
     square = x * x + y * y
     if square.min() >= 4.0:
         return np.zeros(square.shape)
-    area = strip_sum_area(pupil=pupil, lag_x=x, lag_y=y, complete=complete)
+    area = strip_sum_area(pupil=pupil, lag_x=x, lag_y=y)
     otf = np.where(square < 4.0, np.minimum(area / whole, 1.0), 0.0)
     otf[square == 0.0] = 1.0
     return otf

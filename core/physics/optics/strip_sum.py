@@ -54,14 +54,11 @@ def strips_add_up(*, pupil: StripPupil) -> bool:
     return 3.0 * inner >= hole and pupil.radius - inner <= outer + inner
 
 
-def strip_sum_area(
-    *, pupil: StripPupil, lag_x: Floats, lag_y: Floats, complete: bool = True
-) -> Floats:
+def strip_sum_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats:
     """Overlap area of a pupil for which `strips_add_up` with itself moved.
 
     Lags in its length unit have two axes, are nowhere both zero and broadcast: what depends on one
-    of them alone is computed once. Unless `complete`, there is NaN at the few lags that take long:
-    circles of both annuli cut a parallelogram. The absolute error is about 1e-15 of a disc's.
+    of them alone is computed once. The absolute error is about 1e-15 of a disc's.
     """
     half, bars = pupil.strips[0].high, pupil.symmetric
     square = lag_x * lag_x + lag_y * lag_y
@@ -82,7 +79,7 @@ def strip_sum_area(
         first, second = (seen[index][0] for index in crossing.pair)
         part, cut = crossing.overlap((second, first), same_side=not bars)
         if cut.any():
-            part[cut] = _cut_area(pupil, crossing, cut, lag_x, lag_y) if complete else np.nan
+            part[cut] = _cut_area(pupil, crossing, cut, lag_x, lag_y)
         area += twice * part
     return np.maximum(area, 0.0)
 

@@ -104,22 +104,6 @@ def test_lags_one_by_one_have_the_bits_of_all_at_once(shape):
         assert alone == together[index]
 
 
-def test_only_lags_that_cut_a_crossing_twice_are_left_open():
-    pupil = strips_of(SHAPES[4])
-    x, y = np.random.default_rng(6).uniform(0.0, 1.4, (2, 1, 4000))
-    quick = strip_sum_area(pupil=pupil, lag_x=x, lag_y=y, complete=False)
-    whole = strip_sum_area(pupil=pupil, lag_x=x, lag_y=y)
-    left = np.isnan(quick)
-    assert 0 < np.count_nonzero(left) < 0.05 * left.size
-    np.testing.assert_array_equal(quick[~left], whole[~left])
-    # Two bars cross at (x, 0) and, from the moved centre, at (0, -y).
-    near = (
-        np.minimum(np.abs(x - 1 / 3), np.abs(x - 1)),
-        np.minimum(np.abs(y - 1 / 3), np.abs(y - 1)),
-    )
-    assert np.all(np.maximum(*near)[left] < 0.08)
-
-
 @pytest.mark.parametrize(
     "shape",
     [
