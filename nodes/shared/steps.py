@@ -15,7 +15,7 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.physics.detector.quantization import quantize, rounding_variances
 from core.transfer.factors import Grid
-from core.transfer.line_filter import filter_lines
+from core.transfer.scan_lines import filter_lines
 
 _STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
 

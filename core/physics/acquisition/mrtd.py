@@ -100,7 +100,7 @@ def mrtd_ratches_K(  # noqa: N802
     line = positive("detector_along_mrad", detector_along_mrad, unit="mrad") / positive(
         "overscan", overscan
     )
-    flat = [[1.0]] if spectrum is None else np.mean(_rectangle(spectrum), axis=0, keepdims=True)
+    flat = [[1.0]] if spectrum is None else np.mean(spectrum, axis=0, keepdims=True)
     over_width = coloured_share(
         length_x_mrad=0.5 / at,
         length_y_mrad=np.zeros_like(at),
@@ -186,7 +186,7 @@ def mrtd_flir92_K(  # noqa: N802
             length_y_mrad=0.5 * BARS_LENGTH / at,
             noise_bandwidth_x_cyc_per_mrad=across_cyc_per_mrad,
             noise_bandwidth_y_cyc_per_mrad=along_cyc_per_mrad,
-            spectrum=_rectangle(spectrum),
+            spectrum=spectrum,
         )
     mrtd = _threshold(transfer, positive("snr_threshold", snr_threshold) * np.sqrt(left))
     if sampled:
@@ -242,13 +242,6 @@ def mrtd_two_dimensional(
     # Where both stay at a frequency, such as that of their ends, the least temperature counts.
     least = np.concatenate([[True], both[1:] > np.maximum.accumulate(both)[:-1]])
     return both[least], levels[least]
-
-
-def _rectangle(spectrum: ArrayLike) -> Vector:
-    power = all_from_zero("spectrum", spectrum)
-    if power.ndim != 2:
-        raise ParameterError("spectrum", f"an array of shape {power.shape}", "two axes")
-    return power
 
 
 def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:

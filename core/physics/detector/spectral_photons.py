@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.checks import positive, within
+from core.physics.detector.detectivity import ResponseCurve
 from core.physics.radiometry.constants import (
     ELEMENTARY_CHARGE_C,
     PLANCK_J_S,
@@ -76,12 +77,10 @@ class QuantumEfficiency:
     def at(self, wavelength_um: ArrayLike) -> FloatArray:
         """Efficiency at wavelengths, µm."""
         wavelength = np.asarray(wavelength_um, np.float64)
-        if not self.points:
-            inside = (wavelength >= self.cut_on_um) & (wavelength <= self.cut_off_um)
-            return np.where(inside, self.value, 0.0)
-        known, efficiency = np.array(self.points).T
         inside = (wavelength >= self.cut_on_um) & (wavelength <= self.cut_off_um)
-        return np.where(inside, np.interp(wavelength, known, efficiency, left=0.0, right=0.0), 0.0)
+        if not self.points:
+            return np.where(inside, self.value, 0.0)
+        return np.where(inside, ResponseCurve("file", points=self.points).at(wavelength), 0.0)
 
     def photon_radiance(self, temperature_K: ArrayLike) -> FloatArray:
         """∫ QE·L_q dλ of black bodies, s⁻¹ m⁻² sr⁻¹."""
@@ -116,13 +115,7 @@ class QuantumEfficiency:
             return 0.0
         if not self.points:
             return self.value * (high - low)
-        known = np.array([place for place, _ in self.points])
-        low, high = max(low, known[0]), min(high, known[-1])
-        if not low < high:
-            return 0.0
-        ends = np.array([low, *known[(known > low) & (known < high)], high])
-        values = np.interp(ends, known, [value for _, value in self.points])
-        return float(np.sum((values[1:] + values[:-1]) / 2.0 * np.diff(ends)))
+        return ResponseCurve("file", points=self.points).integral(low, high)
 
     def mean(self) -> float:
         """Mean over the wavelengths of the band."""

@@ -160,22 +160,18 @@ def diffraction_otf(
     return np.where(radii == 0.0, 1.0, total)
 
 
-def wavelengths_needed(
-    aperture: Aperture, spectrum: Spectrum, tolerance: float
-) -> tuple[int, float]:
-    """Wavelengths between two kinks that reach a tolerance, and the error left."""
-    if not FINEST_TOLERANCE <= tolerance < 1.0:
-        raise ParameterError("tolerance", tolerance, f"{FINEST_TOLERANCE:g} or more and below 1")
-    return _judged(aperture, spectrum, tolerance)
-
-
 def has_many_bends(spectrum: Spectrum) -> bool:
     """Whether responses have more corners than series are parted at."""
     return len(spectrum.corners_um) > MOST_PARTED
 
 
 @lru_cache(maxsize=32)
-def _judged(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> tuple[int, float]:
+def wavelengths_needed(
+    aperture: Aperture, spectrum: Spectrum, tolerance: float
+) -> tuple[int, float]:
+    """Wavelengths between two kinks that reach a tolerance, and the error left."""
+    if not FINEST_TOLERANCE <= tolerance < 1.0:
+        raise ParameterError("tolerance", tolerance, f"{FINEST_TOLERANCE:g} or more and below 1")
     last = _ends(aperture, spectrum)[-1]
     probes = last * (np.arange(_PROBES) + 0.37) / _PROBES
     counts = PANELS if has_many_bends(spectrum) else COUNTS

@@ -7,7 +7,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.transfer.factors import Grid, Law, Separable
-from core.transfer.line_filter import filter_lines
+from core.transfer.scan_lines import filter_lines
 from slow_reference.filtering import filtered_lines
 
 TOLERANCE = {"double": 1e-12, "single": 2e-6}
