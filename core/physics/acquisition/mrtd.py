@@ -100,13 +100,13 @@ def mrtd_ratches_K(  # noqa: N802
     line = positive("detector_along_mrad", detector_along_mrad, unit="mrad") / positive(
         "overscan", overscan
     )
-    flat = [[1.0]] if spectrum is None else np.mean(spectrum, axis=0, keepdims=True)
+    power = np.ones((1, 1)) if spectrum is None else np.asarray(spectrum, np.float64)
     over_width = coloured_share(
         length_x_mrad=0.5 / at,
         length_y_mrad=np.zeros_like(at),
         noise_bandwidth_x_cyc_per_mrad=noise_bandwidth_cyc_per_mrad,
         noise_bandwidth_y_cyc_per_mrad=1.0,
-        spectrum=flat,
+        spectrum=power.mean(axis=0, keepdims=True),
     )
     over_length = line * 2.0 * at / BARS_LENGTH
     left = np.sqrt(over_width * over_length / frame_count(frames))

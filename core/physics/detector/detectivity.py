@@ -330,12 +330,8 @@ class ResponseCurve:
         first, last = self.ends_um
         if first > low_um * (1.0 + _NEAR) or last < high_um * (1.0 - _NEAR):
             return False
-        if self.shape == "file":
-            # Between two points both count, also where neither lies in the band.
-            ends = self.at(np.clip([low_um, high_um], first, last))
-            inside = (value for place, value in self.points if low_um <= place <= high_um)
-            return bool(np.all(ends == 1.0)) and all(value == 1.0 for value in inside)
-        return self.shape == "rectangle" and self.peak == 1.0
+        places = np.clip([low_um, *self.bends_um, high_um], low_um, high_um)
+        return bool(np.all(self.at(np.clip(places, first, last)) == 1.0))
 
     def mean(self, low_um: float, high_um: float) -> float:
         """Mean over a band whose spectrum is flat."""
