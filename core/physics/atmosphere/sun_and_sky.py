@@ -112,8 +112,6 @@ class Sunlight:
 
     Parameters
     ----------
-    elevation_deg : float
-        Of the sun, 0 to 90.
     irradiance : float, optional
         Of the sun above the air, W/m²/µm, on a surface that faces it; at all wavelengths.
     points : tuple of (float, float)

@@ -244,18 +244,10 @@ _PIECES = 48  # of a Gaussian on which a quadrature of 24 nodes or 8 is exact
 
 @dataclass(frozen=True)
 class ResponseCurve:
-    """Response over wavelength.
+    """Response over wavelength: points joined by straight lines, or one of two forms.
 
-    Parameters
-    ----------
-    shape : "file", "rectangle" or "gaussian"
-        Points joined by straight lines, or one of the two forms.
-    centre_um, width_um : float
-        Of a form: its middle, and its whole width or its full width at half maximum; above 0.
-    peak : float
-        Of a form, 0 to 1.
-    points : tuple of (float, float)
-        Wavelength in µm, rising, and response; beyond the first and last it is 0.
+    Points are (µm, response), rising; beyond the first and last it is 0. A form has a middle, a
+    whole width or a full width at half maximum, above 0, and a peak of 0 to 1.
     """
 
     shape: Shape

@@ -144,20 +144,11 @@ class FilteredBody:
 class PhotonWeights:
     """The spectrum by which a band's radiance is counted in photons.
 
-    Parameters
-    ----------
-    weighting : Weighting
-        As wanted; `scene` gives way to `source` where the band begins below 2.5 µm.
-    band_um : (float, float)
-        Of the radiance.
-    efficiency : QuantumEfficiency
-        Of the detector within its filter.
-    source_K : float
-        Temperature of the source.
-    responses : tuple of ResponseCurve
-        What has dimmed the radiance before: that of a black body has come through these.
-    windows : tuple of (float, float)
-        Where a known spectrum has gaps, the parts of the band in which it is known; empty: all.
+    `scene` gives way to `source` where the band begins below 2.5 µm. The band is that of the
+    radiance, the efficiency that of the detector within its filter, and `source_K` the temperature
+    of the source. The `responses` have dimmed the radiance before: that of a black body has come
+    through these. Where a known spectrum has gaps, `windows` are the parts of the band in which it
+    is known; empty: all.
     """
 
     weighting: Weighting

@@ -45,18 +45,9 @@ _PROBES = 24  # frequencies at which the number of wavelengths is judged
 class Aperture:
     """A circular aperture and its wavefront error.
 
-    Parameters
-    ----------
-    diameter_mm : float
-        Outer diameter, above 0.
-    obscuration_ratio : float
-        Inner over outer diameter, 0 up to but not including 1.
-    defocus_waves : float
-        W20 at the outer rim, at the reference wavelength; at most 100 waves at any wavelength.
-    rms_waves : float
-        Random wavefront error, waves rms at the reference wavelength; at most 0.18 at any.
-    reference_um : float
-        That wavelength.
+    The obscuration is inner over outer diameter, 0 up to but not including 1. The defocus is W20 at
+    the outer rim and the rms a random wavefront error, both in waves of `reference_um`; at any
+    wavelength they are at most 100 and 0.18.
     """
 
     diameter_mm: float

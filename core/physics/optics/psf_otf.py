@@ -18,18 +18,11 @@ _PAIRS = 1 << 20  # complex numbers held at a time where frequencies come in pai
 
 @dataclass(frozen=True)
 class PointSpread:
-    """A point spread function whose samples sum up to 1.
+    """A point spread function whose samples sum up to 1, shape (rows, columns), row 0 at the top.
 
-    Attributes
-    ----------
-    weights
-        Samples, shape (rows, columns), row 0 at the top.
-    column, row
-        Where the point is, counted from the first sample; between samples if need be.
-    centroid_column, centroid_row
-        Its centre of gravity, likewise.
-    total
-        Sum of the samples as they were.
+    `column`, `row` are where the point is, counted from the first sample and between samples if
+    need be; the centroid is its centre of gravity, likewise. `total` is the sum of the samples as
+    they were.
     """
 
     weights: NDArray[np.float64]

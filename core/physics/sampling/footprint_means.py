@@ -52,21 +52,10 @@ def footprint_means(
 ) -> Array:
     """Mean of the scene over each footprint; a uniform scene stays as it is, to the bit.
 
-    Parameters
-    ----------
-    laid : Footprints
-        On a scene of that shape.
-    between_samples : "area", "bilinear" or "cubic"
-        What the scene is between its samples: see `running_sums`.
-    dtype : dtype
-        Of the result; sums are in double.
-    coverage : ndarray, optional
-        From `footprint_coverage`, where footprints leave the scene; None: none does.
-    fill : float
-        What is seen outside the scene.
-    for_each, empty : callable
-        Takes some columns at a time, perhaps in threads; makes the arrays to be filled in, perhaps
-        on disk.
+    `between_samples` is what the scene is between its samples (see `running_sums`). Sums are in
+    double, the result in `dtype`. Where footprints leave the scene there is a `coverage`, from
+    `footprint_coverage`, and `fill` is seen beyond. `for_each` takes some columns at a time,
+    perhaps in threads; `empty` makes the arrays to be filled in, perhaps on disk.
     """
     seen = empty((laid.lines, laid.columns), np.dtype(dtype))
     middle = 0.5 * (float(scene.min()) + float(scene.max()))
@@ -314,31 +303,15 @@ SQUARE = 1e-7  # samples by which a border may leave the scene's rows, too few t
 
 @dataclass(frozen=True, eq=False)
 class Footprints:
-    """Footprints on a scene, counted in its samples: the first reaches from 0 to 1.
+    """Footprints of a frame on a scene, both of (rows, columns), counted in the scene's samples.
 
-    Parameters
-    ----------
-    shape : (int, int)
-        Rows and columns of the frame.
-    scene : (int, int)
-        Rows and columns of the scene.
-    turned : bool
-        Whether what follows holds with lines and columns of the frame exchanged.
-    level : bool
-        Whether all strips of a line end at the same rows of the scene, or columns if `swapped`.
-    swapped : bool
-        Whether rows and columns of the scene are exchanged; of those not level, as is best for
-        each strip.
-    matrix : ndarray, shape (3, 3)
-        From (a, b, 1) to the scene's x and y, before they are exchanged.
-    edges : ndarray, shape (columns·strips + 1,)
-        a at the borders of strips.
-    ends : ndarray, shape (ends,)
-        b at the borders of lines; with `widths`, at their middles.
-    widths : ndarray, shape (columns,), or None
-        Extent of each column's samples in b.
-    strips : int
-        Strips a footprint is cut into; 1 where they are level.
+    `turned`: what follows holds with lines and columns of the frame exchanged. `level`: all strips
+    of a line end at the same rows of the scene, or columns if `swapped`, where its rows and columns
+    are exchanged; of those not level, as is best for each strip. The 3 × 3 `matrix` leads from (a,
+    b, 1) to the scene's x and y, before they are exchanged. `edges` are a at the borders of strips,
+    shape (columns·strips + 1,); `ends` are b at the borders of lines or, with `widths`, the extent
+    of each column's samples in b, at their middles. A footprint is cut into `strips`, 1 where they
+    are level.
     """
 
     shape: tuple[int, int]

@@ -36,24 +36,12 @@ Kind = Literal["line", "pushbroom", "framing"]
 class Camera:
     """A camera over flat ground.
 
-    Parameters
-    ----------
-    kind : "line", "pushbroom" or "framing"
-        What is sampled in equal steps: angles across and lines flown; the focal plane across and
-        lines flown; the focal plane both ways.
-    altitude_m : float
-        Height above the ground.
-    columns, rows : int
-        Samples across and lines along.
-    step_x_mrad, step_y_mrad : float
-        Size of a sample across and along: an angle (across, of a line scanner), or thousandths of
-        the focal length.
-    line_spacing_m : float
-        Distance flown from one line to the next; nothing to a framing camera.
-    roll_deg, pitch_deg, yaw_deg : float
-        Attitude, the same for all lines.
-    offset_x_m, offset_y_m : float
-        Where it is when the middle of the frame is taken.
+    The kind says what is sampled in equal steps: "line", angles across and lines flown;
+    "pushbroom", the focal plane across and lines flown; "framing", the focal plane both ways. A
+    sample's size across and along is an angle (across, of a line scanner), or thousandths of the
+    focal length. The line spacing is the distance flown from one line to the next; nothing to a
+    framing camera. The attitude is the same for all lines; the offset is where it is when the
+    middle of the frame is taken.
     """
 
     kind: Kind

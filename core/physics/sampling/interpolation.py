@@ -129,25 +129,14 @@ def resampling_response(
     further: Sequence[tuple[Indices, Vector]],
     share: Vector | None = None,
 ) -> Vector:
-    """Modulus of the mean response of samples made of others.
+    """Modulus of the mean response of samples made of others, 1 at zero.
 
-    Parameters
-    ----------
-    frequency : ndarray
-        Cycles per old sample.
-    places : ndarray, shape (new,)
-        Where the new samples lie, in old samples.
-    base : ndarray of int, shape (new,)
-        Old sample that each new one starts from.
-    further : sequence of (index, weight)
-        What is added: weight·(old sample at index − old sample at base).
-    share : ndarray, shape (new,), optional
-        How much each new sample counts in the mean; all alike if not given.
+    New samples lie at `places` of the old ones, in whose sampling frequency is `frequency`. Each
+    starts from the old sample `base`; `further` adds weight·(old sample at index − old sample at
+    base). All count alike in the mean, or by their `share`. Where new samples lie evenly between
+    old ones it is the transform of the interpolation's kernel, sinc² if linear; the fewer their
+    places, the more it may differ.
 
-    Notes
-    -----
-    1 at zero. Where new samples lie evenly between old ones it is the transform of the
-    interpolation's kernel, sinc² if linear; the fewer their places, the more it may differ.
     The mean is what an edge shows that crosses samples at all their places: what differs from
     place to place averages out. Source: Park & Schowengerdt 1982, Image sampling, reconstruction,
     and the effect of sample-scene phasing, Applied Optics 21, 3142.

@@ -30,15 +30,10 @@ def running_sums(samples: Array, axis: int) -> Vector:
 
 
 def between(sums: Vector, places: Vector, kind: Between, axis: int) -> Vector:
-    """Integral from the first border up to places along one axis.
+    """Integral from the first border up to places along one axis of (rows, columns).
 
-    Parameters
-    ----------
-    sums : ndarray, shape (rows, columns)
-        Running sums along the axis.
-    places : ndarray
-        Counted in samples from the first border, `PAD` within the first and last; of length 1
-        along the other axis where they are the same there.
+    The running sums are along that axis. Places count in samples from the first border, `PAD`
+    within the first and last; of length 1 along the other axis where they are the same there.
     """
     base, weights = taps(places, kind, sums.shape[axis] - 1)
     return weighted(sums, base, weights, axis)

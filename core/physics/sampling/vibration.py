@@ -194,12 +194,8 @@ _FAST = 64.0  # periods in an exposure beyond which its centroid is nothing
 class MotionSpectrum:
     """One-sided power density of an angle, by a law or by points.
 
-    Parameters
-    ----------
-    rms_mrad, corner_Hz : float
-        Of the law S = rms²·(2/π)/(corner·(1 + (f/corner)²)), a first-order Gauss–Markov motion.
-    points : tuple of (Hz, mrad²/Hz)
-        In place of the law: a power of the frequency between two of them, nothing beyond.
+    The law is S = rms²·(2/π)/(corner·(1 + (f/corner)²)), a first-order Gauss–Markov motion. Points
+    (Hz, mrad²/Hz) take its place: a power of the frequency between two of them, nothing beyond.
     """
 
     rms_mrad: float = 0.0
