@@ -40,7 +40,7 @@ class FlickerBand:
 
 
 def flicker_band(*, frame_rate_Hz: float, longest_period_s: float) -> FlickerBand:
-    """Frequencies from one over the longest period, over two frames, to the frames' Nyquist."""
+    """From 1/longest period, which must exceed two frames, to the frames' Nyquist frequency."""
     rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
     longest = positive("longest_period_s", longest_period_s, unit="s")
     if not longest * rate > 2.0:

@@ -131,11 +131,11 @@ def resampling_response(
 ) -> Vector:
     """Modulus of the mean response of samples made of others, 1 at zero.
 
-    New samples lie at `places` of the old ones, in whose sampling frequency is `frequency`. Each
-    starts from the old sample `base`; `further` adds weight·(old sample at index − old sample at
-    base). All count alike in the mean, or by their `share`. Where new samples lie evenly between
-    old ones it is the transform of the interpolation's kernel, sinc² if linear; the fewer their
-    places, the more it may differ.
+    `frequency` is in cycles per old sample, and the new samples lie at `places` counted in old
+    ones. Each starts from the old sample `base`; `further` adds weight·(old sample at index − old
+    sample at base). All count alike in the mean, or by their `share`. Where new samples lie evenly
+    between old ones it is the transform of the interpolation's kernel, sinc² if linear; the fewer
+    their places, the more it may differ.
 
     The mean is what an edge shows that crosses samples at all their places: what differs from
     place to place averages out. Source: Park & Schowengerdt 1982, Image sampling, reconstruction,
@@ -179,8 +179,8 @@ def pixel_count(*, samples: int, ratio: float) -> int:
 def pixel_places(*, samples: int, ratio: float, offset: float = 0.0) -> Vector:
     """Middles of the pixels, counted in samples from the middle of the first sample.
 
-    (m + 1/2 + offset)·ratio − 1/2, the offset in pixels. Without one pixel m covers the same part
-    of the frame as a block of samples, so that the picture does not move.
+    (m + 1/2 + offset)·ratio − 1/2, the offset in pixels. Without an offset, pixel m covers the same
+    part of the frame as a block of samples, so that the picture does not move.
     """
     number = np.arange(pixel_count(samples=samples, ratio=ratio))
     return np.asarray((number + 0.5 + offset) * ratio - 0.5, np.float64)
