@@ -18,6 +18,8 @@ from core.modules.declaration import Formula, Module, NodeContext, Param, Sectio
 from core.modules.preview import Axis, Plot, Preview, brief, pair
 from core.modules.preview import Curve as DrawnCurve
 from core.physics.sampling.footprint_means import (
+    Array,
+    Between,
     Footprints,
     footprint_coverage,
     footprint_means,
@@ -39,7 +41,6 @@ from core.physics.sampling.ground_geometry import (
     step_of_field_mrad,
     view_angles,
 )
-from core.physics.sampling.running_sums import Array, Between
 from nodes.shared.module_ports import TableFigures
 
 FINER = 4  # times as many strips, to estimate the error

@@ -42,11 +42,9 @@ def spatial_share(*, length_mrad: ArrayLike, noise_bandwidth_cyc_per_mrad: float
     -------
     ndarray of float64
         (1/B)·∫₀ᴮ sinc²(L·ξ) dξ, sinc(x) = sin(πx)/(πx): 1 for a short length, 1/(2·B·L), the
-        inverse of the number of samples, for a long one.
+        inverse of the number of samples, for a long one. By the sine integral, Si(2πBL)/(πL) −
+        sin²(πBL)/(π²BL²).
 
-    Notes
-    -----
-    The integral is Si(2πBL)/(πL) − sin²(πBL)/(π²BL²), Si the sine integral.
     Source: Ratches et al. 1975, ECOM-7043, the noise bandwidth Q(f) after the eye's filter of a
     bar's width; Scott and D'Agostino 1992, Proc. SPIE 1689, 194, the integrators E_h and E_v. Both
     have the filters behind the noise under the integral as well: `coloured_share`. The equations'

@@ -309,8 +309,6 @@ def perceived_share(
         Frequencies up to which the spectrum goes, above zero.
     magnification
         Angle on the display over angle in the scene, above zero.
-    luminance_cd_m2
-        Mean luminance of the display.
     spectrum
         Power of the noise in equal cells from 0 to these, shape (along, across); white if not
         given.

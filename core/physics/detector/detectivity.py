@@ -121,8 +121,6 @@ def band_d_star(
     ----------
     material
         A material, or a function from wavelengths (µm, 1-D) to D* (cm √Hz/W).
-    cut_on_um, cut_off_um
-        The band, µm.
     background_K
         K, 1 or above: of the weight and, for a material, of what limits it.
     half_angle_deg

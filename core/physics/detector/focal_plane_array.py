@@ -333,8 +333,9 @@ def rule_07_A_per_cm2(*, cutoff_um: float, detector_K: float) -> float:  # noqa:
     if cutoff < _THRESHOLD_UM:
         left = 1.0 - (_SCALE_UM / cutoff - _SCALE_UM / _THRESHOLD_UM) ** _POWER
         if left <= 0.0:
+            shortest = _SCALE_UM / (1.0 + _SCALE_UM / _THRESHOLD_UM)
             raise ParameterError(
-                "material_cutoff_um", cutoff_um, f"above {_shortest_um():.3g}", unit="µm"
+                "material_cutoff_um", cutoff_um, f"above {shortest:.3g}", unit="µm"
             )
         effective = cutoff / left
     energy = _PHOTON_EV_UM * ELEMENTARY_CHARGE_C / (BOLTZMANN_J_K * effective * temperature)
@@ -367,10 +368,6 @@ def dark_factor(*, detector_K: float, reference_K: float, doubling_K: float) -> 
         allowed = f"at least {least:.3g} for temperatures {abs(away):g} K apart"
         raise ParameterError("dark_doubling_K", doubling_K, allowed, unit="K")
     return float(2.0**doublings)
-
-
-def _shortest_um() -> float:
-    return _SCALE_UM / (1.0 + _SCALE_UM / _THRESHOLD_UM)
 
 
 # Correction of the unlike gains and offsets of detector elements by uniform references.

@@ -95,18 +95,9 @@ class Distortion:
 def samples_at(*, picture: Array, x: Array, y: Array) -> Array:
     """A picture between its samples: Lagrange's polynomial of 8 samples along each axis.
 
-    Parameters
-    ----------
-    picture : ndarray, shape (rows, columns)
-        Only the part around the places is read. Beyond it, its outermost samples continue.
-    x, y : ndarray
-        Columns and rows, counted from the middle of the first sample.
-
-    Returns
-    -------
-    ndarray
-        Of the picture's type and the shape of `x`. A wave of f cycles/sample comes out displaced by
-        less than 1e-3 sample up to f = 0.2, and its amplitude within 6e-4 up to f = 0.15.
+    Columns x and rows y count from the middle of the first sample; only the part around them is
+    read. Beyond the picture its outermost samples continue. A wave of f cycles/sample comes out
+    displaced by less than 1e-3 sample up to f = 0.2, and its amplitude within 6e-4 up to f = 0.15.
 
     Source: Hamming 1986, Numerical Methods for Scientists and Engineers, chapter 14.
     """

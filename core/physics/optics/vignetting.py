@@ -37,11 +37,6 @@ def relative_illumination(
     coefficients : tuple of float
         c₁, c₂, … of a factor 1 + c₁h² + c₂h⁴ + …, h the height.
 
-    Returns
-    -------
-    ndarray
-        Product of the factors, of the shape of `tangent`.
-
     Source: Kingslake 1983, Optical System Design, chapter 6 (cos⁴ law).
     """
     t = all_from_zero("tangent", tangent)

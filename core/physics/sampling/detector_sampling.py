@@ -16,17 +16,9 @@ LEAST_FIELD_DEG = 1e-30
 
 
 def interval_mrad(*, fov_deg: float, samples: int, name: str = "fov_deg") -> float:
-    """Angle from one sample to the next.
+    """Angle from one sample to the next, of a field of view from 1e-30° and below 180°.
 
-    Parameters
-    ----------
-    fov_deg : float
-        Field of view of the whole frame along this axis, from 1e-30° and below 180°.
-    samples : int
-        Samples along this axis.
-    name : str
-        Of the parameter, for people.
-
+    `name` is that of the parameter, for people.
     Source: Tantalo 1996, eq. 4.1: the angle itself is divided, not its tangent.
     """
     angle = positive(name, fov_deg, unit="deg")

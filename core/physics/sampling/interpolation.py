@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
 from core.physics.checks import positive
-from core.physics.sampling.running_sums import cubic_weights
 
 Vector = NDArray[np.float64]
 
@@ -114,6 +114,19 @@ def _weights(t: float, order: int) -> tuple[tuple[int, float], ...]:
     if order == 0:
         return ((0 if t < 0.5 else 1, 1.0),)
     return ((0, 1.0 - t), (1, t)) if order == 1 else cubic_weights(t)
+
+
+def cubic_weights(t: Any) -> tuple[tuple[int, Any], ...]:
+    """Samples, counted from the one before a place, and their weights at t from it.
+
+    Source: Catmull and Rom 1974; Keys 1981, IEEE Trans. ASSP 29, with a = −1/2.
+    """
+    return (
+        (-1, t * (-0.5 + t * (1.0 - 0.5 * t))),
+        (0, 1.0 + t * t * (-2.5 + 1.5 * t)),
+        (1, t * (0.5 + t * (2.0 - 1.5 * t))),
+        (2, t * t * (-0.5 + 0.5 * t)),
+    )
 
 
 # What samples made of other samples do to a wave, on average over where they lie.
