@@ -198,14 +198,6 @@ def apply_gain_bias(
         array.
     gain_percent, bias_percent
         Spread among detectors in percent (1 means 0.01), 0 or above.
-    mean_radiance
-        Mean of the picture, W m⁻² sr⁻¹.
-    model
-        One of the above.
-
-    Returns
-    -------
-    New picture of the same shape and type.
 
     Source: Tantalo 1996, eq. 4.59. Erratum: as printed it multiplies the picture by a number of
     the order of the gain error; the text above it describes `published`.

@@ -18,19 +18,9 @@ _ROUNDING = 1e-5  # of the largest value: what a Fourier blur in single precisio
 def published_means(local_mean: Floats, *, percent: float, out: Floats | None = None) -> Floats:
     """Mean of the Poisson deviate that is added to each sample: a percentage of the local mean.
 
-    Parameters
-    ----------
-    local_mean
-        Gaussian-weighted local mean of the picture, (rows, columns), 0 or above, in its unit.
-    percent
-        0 or above; 1 means 0.01.
-    out
-        Where to put the means, if not in a new array.
-
-    Returns
-    -------
-    Means of the same shape and type. The deviate is added to the picture as it is, which ties the
-    strength of the noise to the unit.
+    The local mean is Gaussian-weighted, (rows, columns), and 0 or above; a percentage of 1 means
+    0.01. The deviate is added to the picture as it is, which ties the strength of the noise to the
+    unit.
 
     Source: Tantalo 1996, section 4.3 (Poisson noise module).
     """
