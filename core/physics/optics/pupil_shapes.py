@@ -110,10 +110,6 @@ def sample_pupil(
     Pixels are never grey: an autocorrelation squares them, so that area-averaged pixels make
     the normalised OTF worse (error 1/N), not better.
     """
-    sizes = (("rows", rows), ("columns", columns), ("oversampling", oversampling))
-    for name, size in sizes:
-        if size < 1:
-            raise ParameterError(name, size, "1 or more", unit="samples")
     fine = oversampling
     x = (np.arange(columns * fine) - (columns * fine - 1) / 2.0) / fine
     y = ((np.arange(rows * fine) - (rows * fine - 1) / 2.0) / fine)[:, np.newaxis]

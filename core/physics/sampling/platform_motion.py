@@ -104,8 +104,6 @@ def view_angles_rad(*, columns: int, interval_mrad: float, look_angle_rad: float
 
     Refused where the scan reaches the horizon.
     """
-    if columns < 1:
-        raise ParameterError("columns", columns, "1 or more")
     step = positive("interval_mrad", interval_mrad, unit="mrad") / 1000.0
     if (columns - 1) * step >= math.pi:
         raise ParameterError(
@@ -140,9 +138,7 @@ def scale_nodes_mrad(*, intervals_mrad: ArrayLike, count: int) -> Vector:
 
     `count` Chebyshev nodes between the smallest and largest of the scales 1/interval.
     """
-    if count < 1:
-        raise ParameterError("count", count, "1 or more")
-    scales = 1.0 / _intervals(intervals_mrad)
+    scales = 1.0 / np.asarray(intervals_mrad, np.float64)
     middle, reach = 0.5 * (scales.max() + scales.min()), 0.5 * (scales.max() - scales.min())
     nodes = middle + reach * np.cos(np.pi * (np.arange(count) + 0.5) / count)
     return np.asarray(1.0 / nodes)
@@ -156,17 +152,9 @@ def scale_weights(*, nodes_mrad: ArrayLike, intervals_mrad: ArrayLike) -> Vector
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 5 and 8: for
     a transfer function smooth in frequency the error falls geometrically with the nodes.
     """
-    nodes, scales = 1.0 / _intervals(nodes_mrad), 1.0 / _intervals(intervals_mrad)
+    nodes, scales = (1.0 / np.asarray(one, np.float64) for one in (nodes_mrad, intervals_mrad))
     weights = np.ones((nodes.size, scales.size))
     for index, node in enumerate(nodes):
         for other in np.delete(nodes, index):
             weights[index] *= (scales - other) / (node - other)
     return weights
-
-
-def _intervals(intervals_mrad: ArrayLike) -> Vector:
-    intervals = np.asarray(intervals_mrad, np.float64)
-    if intervals.size == 0 or not np.all((intervals > 0.0) & (intervals < np.inf)):
-        shown = intervals.min() if intervals.size else None
-        raise ParameterError("interval in flight", shown, "finite and above zero", unit="mrad")
-    return intervals

@@ -95,14 +95,6 @@ def test_vanes_start_at_plus_x(vanes):
         assert array[100 + y, 100 + x] == (0.0 if opposed and index % 2 == 0 else 1.0)
 
 
-def test_sizes_must_be_positive():
-    shape = PupilShape("clear", 5)
-    with pytest.raises(ParameterError, match="rows"):
-        sample_pupil(shape, rows=0, columns=4)
-    with pytest.raises(ParameterError, match="oversampling"):
-        sample_pupil(shape, rows=4, columns=4, oversampling=0)
-
-
 def test_oversampling_is_a_larger_pupil():
     fine = sample_pupil(PupilShape("cassegrain", 5.2, 2.0), rows=12, columns=15, oversampling=3)
     large = sample_pupil(PupilShape("cassegrain", 15.6, 6.0), rows=36, columns=45)

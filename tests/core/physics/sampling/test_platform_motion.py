@@ -50,7 +50,6 @@ def test_weights_are_exact_for_polynomials_of_the_scale(count):
 @pytest.mark.parametrize(
     ("call", "told"),
     [
-        (lambda: view_angles_rad(columns=0, interval_mrad=1.0), "columns"),
         (lambda: view_angles_rad(columns=4, interval_mrad=-1.0), "interval_mrad"),
         (lambda: view_angles_rad(columns=3, interval_mrad=1571.0), "interval_mrad"),
         (
@@ -61,8 +60,6 @@ def test_weights_are_exact_for_polynomials_of_the_scale(count):
             lambda: line_intervals_mrad(line_spacing_m=0, altitude_m=1, view_angle_rad=0),
             "line_spacing_m",
         ),
-        (lambda: scale_nodes_mrad(intervals_mrad=[1.0], count=0), "count"),
-        (lambda: scale_weights(nodes_mrad=[1.0], intervals_mrad=[1.0, 0.0]), "interval"),
         (
             lambda: view_angles_rad(columns=3, interval_mrad=500.0, look_angle_rad=1.1),
             "look_angle_rad",
