@@ -1,10 +1,8 @@
 """Random cameras before scenes that are known, and whether the fit recovers them.
 
-    python tests/fuzz/known_scenes.py [COUNT] [FIRST SEED] [SHIFTED]
-
 Scene and picture are made by `tests/support/oversampled_camera.py`, which shares no code with the
-fit; the network gets the scene's fine cells as its source, out of place by whole cells where
-SHIFTED is 1.
+fit; the network gets the scene's fine cells as its source, out of place by whole
+cells where they are shifted.
 """
 
 from __future__ import annotations
@@ -13,7 +11,6 @@ import json
 import math
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -83,37 +80,3 @@ def fitted(seed, *, shifted):
             pictures=FittedPictures(("taken",), (picture,)),
         )  # fmt: skip
     return truth, result
-
-
-def main(count=20, first=0, shifted=1):
-    """Print each camera, then all pulls together."""
-    pulls = []
-    for seed in range(first, first + count):
-        start = time.process_time()
-        try:
-            truth, result = fitted(seed, shifted=bool(shifted))
-        except Exception as error:
-            print(seed, KINDS[seed % len(KINDS)], type(error).__name__, error, flush=True)
-            continue
-        parts = []
-        for one in result.parameters:
-            if one.value is None:
-                parts.append(f"{one.port} none")
-                continue
-            pull = (one.value - truth[one.port]) / one.sigma
-            pulls.append(pull)
-            parts.append(f"{one.port} {pull:+.2f} ({100 * one.sigma / truth[one.port]:.1f} %)")
-        print(
-            f"{seed} {KINDS[seed % len(KINDS)]}: {time.process_time() - start:.1f} s, "
-            f"{result.fit.evaluations} evaluations, chi2 {result.chi2_per_degree:.3f}; "
-            + "; ".join(parts),
-            flush=True,
-        )
-        for line in result.warnings:
-            print("   ", line)
-    seen = np.abs(pulls)
-    print(f"{len(seen)}: within 1 {np.mean(seen < 1):.3f}, within 3 {np.mean(seen < 3):.3f}")
-
-
-if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))

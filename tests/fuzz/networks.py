@@ -1,20 +1,13 @@
-"""Networks of all kinds through the real commands: valid ones, damaged files, edited ones.
+"""Random networks through the real commands: checked, run, varied, run again.
 
     python tests/fuzz/networks.py --count 50000 --seed 1 --workers 2
 
-A finding is printed with the words that repeat it; the figures come at the end. Of all cases
-
-* 50 % are drawn networks, each checked; of these 90 % are run and 10 % varied by `tradeoff`;
-* 35 % are damaged files, half of them shipped networks and half drawn ones, checked, read, opened
-  by the editor, saved and read again; drawn ones that are still valid and small are run too;
-* 15 % are sittings of 5 to 60 steps at a document: edits, undo, redo, save, autosave, reload.
-
-Of the runs 15 % of those that succeed are repeated with another number of threads, to the same
-bits; 25 % write a report as JSON, 0.6 % as HTML (2 % of the trade-offs), whose figures take some
-twenty times as long as the rest of a case. Every file a run writes is whole, and finite where it
-holds numbers. Pictures have sides of 1 to 64; of 100 networks 4 have pictures of a single line and
-2 large ones of up to 509. The cases' folders lie in memory where there is such a file system; the
-product flushes its files there as anywhere.
+A finding is printed with the words that repeat it; the figures come at the end. Of the networks
+90 % are run and 10 % varied by `tradeoff`. Of the runs 15 % of those that succeed are repeated with
+another number of threads, to the same bits; 25 % write a report as JSON, 0.6 % as HTML. Every file
+a run writes is whole, and finite where it holds numbers. Pictures have sides of 1 to 64; of 100
+networks 4 have pictures of a single line and 2 large ones of up to 509. The cases' folders lie in
+memory where there is such a file system.
 """
 
 from __future__ import annotations
@@ -32,23 +25,9 @@ os.environ.setdefault("LANGUAGE", "C")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from cases import Case, command, memory_folder
-from damaged_files import try_damaged_file
-from edit_sittings import try_sitting
+from cases import command, memory_folder
 from network_runs import try_network
-
-
-def attempt(case: Case) -> None:
-    """One case: of twenty, ten networks are run, seven files damaged, three networks edited."""
-    kind = case.number % 20
-    if kind < 10:
-        try_network(case)
-    elif kind < 17:
-        try_damaged_file(case)
-    else:
-        try_sitting(case)
-
 
 if __name__ == "__main__":
     about = __doc__.split("\n")[0]
-    sys.exit(command(__file__, about, attempt, count=1000, folder=memory_folder()))
+    sys.exit(command(about, try_network, count=1000, folder=memory_folder()))

@@ -1,4 +1,4 @@
-"""A short seed of each fuzzer; a long one is a command: `python tests/fuzz/networks.py --help`."""
+"""A short seed of the random networks; a long one is a command."""
 
 from __future__ import annotations
 
@@ -6,24 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 FUZZ = Path(__file__).parent
 
 
-@pytest.mark.parametrize(
-    ("name", "count", "seed", "end"),
-    [
-        ("networks.py", 20, 2, "cases 20"),
-        ("direct_sums.py", 20, 1, "cases 20"),
-        pytest.param("editor_kills.py", 1, 1, "cases 1", marks=pytest.mark.thorough),
-        pytest.param("study_kills.py", 2, 1, "no faults", marks=pytest.mark.thorough),
-    ],
-    ids=["networks", "direct_sums", "editor_kills", "study_kills"],
-)
-def test_no_finding(name, count, seed, end, tmp_path):
+def test_random_networks_give_no_finding(tmp_path):
     done = subprocess.run(
-        [sys.executable, FUZZ / name, "--count", str(count), "--seed", str(seed)],
+        [sys.executable, FUZZ / "networks.py", "--count", "10", "--seed", "2"],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -31,4 +19,4 @@ def test_no_finding(name, count, seed, end, tmp_path):
         check=False,
     )
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
-    assert end in " ".join(done.stdout.split())
+    assert "cases 10" in " ".join(done.stdout.split())

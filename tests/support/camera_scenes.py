@@ -202,43 +202,7 @@ DEVELOPMENT = {
 }
 
 
-def step(rng, rows, columns, full):
-    """One edge across the frame, often nearer to one side of it."""
-    low, high = levels(rng, full, 2)
-    middle = np.array([columns, rows]) * rng.uniform(0.25, 0.75, 2)
-    return Scene(background=low, shapes=(Shape(half(rng.uniform(0, 360), middle), high),))
-
-
 def half(angle, middle, size=1000):
     """Corners of the half-plane on one side of an edge."""
     away = size / 2 * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
     return turned(box(size, size), angle, np.asarray(middle) + away)
-
-
-def target(rng, rows, columns, full):
-    """A large rectangle, turned."""
-    low, high = levels(rng, full, 2)
-    middle = np.array([columns, rows]) * rng.uniform(0.4, 0.6, 2)
-    size = min(rows, columns) * rng.uniform(0.4, 0.7, 2)
-    return Scene(
-        background=low, shapes=(Shape(turned(box(*size), rng.uniform(0, 360), middle), high),)
-    )
-
-
-def band(rng, rows, columns, full):
-    """A wide bar across the frame."""
-    low, high = levels(rng, full, 2)
-    middle = np.array([columns, rows]) * rng.uniform(0.4, 0.6, 2)
-    width = rng.uniform(45, 100)
-    return Scene(
-        background=low, shapes=(Shape(turned(box(1000, width), rng.uniform(0, 180), middle), high),)
-    )
-
-
-TAILS = {one.__name__: one for one in (step, target, band)}
-
-
-def drawn_tail(rng):
-    """Kind, share of the light, and length in samples of a long tail."""
-    kind = ("scintillator", "veil", "halo")[rng.integers(3)]
-    return kind, rng.uniform(0.03, 0.15), rng.uniform(8, 30)

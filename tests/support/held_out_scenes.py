@@ -8,7 +8,7 @@ import math
 import numpy as np
 from scipy.spatial import Delaunay
 
-from camera_scenes import box, disc, half, levels, turned
+from camera_scenes import box, disc, levels, turned
 from oversampled_scene import Scene, Shape
 
 
@@ -190,49 +190,3 @@ HELD_OUT = {
     one.__name__: one
     for one in (houses, roads, mosaic, stairs, frames, wedge, field, aerial, clouds, ellipses)
 }
-
-
-def quadrants(rng, rows, columns, full):
-    """Two edges that cross, as on a chart of four fields."""
-    values = levels(rng, full, 4)
-    first = rng.uniform(0, 360)
-    middle = np.array([columns, rows]) * rng.uniform(0.4, 0.6, 2)
-    fields = [
-        Shape(turned(box(500, 500), first, middle + 500 / math.sqrt(2) * _at(first + away)), level)
-        for away, level in zip((225, 315, 135, 45), values, strict=True)
-    ]
-    return Scene(background=values[0], shapes=tuple(fields), disjoint=True)
-
-
-def _at(angle_deg):
-    return np.array([math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))])
-
-
-def plate(rng, rows, columns, full):
-    """A large triangle or a trapezium."""
-    low, high = levels(rng, full, 2)
-    size = min(rows, columns)
-    top = rng.choice([0.0, rng.uniform(0.3, 0.9)])
-    corners = size * np.array([[0, 0.75], [0.85, 0.75], [0.42 + top / 2, 0], [0.42 - top / 2, 0]])
-    middle = np.array([columns, rows]) * rng.uniform(0.42, 0.58, 2)
-    return Scene(
-        background=low, shapes=(Shape(turned(corners, rng.uniform(0, 360), middle), high),)
-    )
-
-
-def wall(rng, rows, columns, full):
-    """An edge across the frame, and a block beside it some way off."""
-    low, high, other = levels(rng, full, 3)
-    angle = rng.uniform(0, 360)
-    middle = np.array([columns, rows]) * rng.uniform(0.35, 0.65, 2)
-    place = middle + rng.uniform(70, 90) * rng.choice([-1, 1]) * _at(angle)
-    return Scene(
-        background=low,
-        shapes=(
-            Shape(half(angle, middle), high),
-            Shape(turned(box(*rng.uniform(20, 50, 2)), rng.uniform(0, 90), place), other),
-        ),
-    )
-
-
-HELD_OUT_TAILS = {one.__name__: one for one in (quadrants, plate, wall)}

@@ -1,4 +1,4 @@
-"""Closing real windows by real keys, mouse and signals; many more are in ``tests/fuzz``."""
+"""Closing real windows by real keys, mouse and signals."""
 
 import pytest
 
