@@ -87,9 +87,3 @@ def test_no_number_at_some_range_is_refused_by_its_range(where):
 
     with pytest.raises(ParameterError, match=r"probability_at\(.*0 to 1"):
         range_for_probability(probability_at=at, probability=0.5)
-
-
-@pytest.mark.parametrize("probability", [0.0, 1.0, -0.1, math.nan])
-def test_probability_out_of_range_is_refused(probability):
-    with pytest.raises(ParameterError, match="probability"):
-        range_for_probability(probability_at=lambda _: 0.5, probability=probability)

@@ -15,10 +15,7 @@ from core.physics.acquisition.giqe import (
     giqe_3,
     giqe_4,
     giqe_5,
-    giqe_oblique,
-    ground_gsd,
     relative_edge_response,
-    weighted_gsd,
     weighted_rer,
 )
 from reference_cases import CAMERA, reference_cases
@@ -30,15 +27,6 @@ def test_the_reference(case):
     assert giqe_4(**given) == pytest.approx(float(case["expected"]["giqe4"]), rel=1e-9)
     del given["overshoot"], given["noise_gain"]
     assert giqe_5(**given) == pytest.approx(float(case["expected"]["giqe5"]), rel=1e-9)
-
-
-@pytest.mark.parametrize("case", reference_cases("giqe_oblique", file=CAMERA))
-def test_a_view_at_an_angle_of_the_reference(case):
-    given = {name: float(value) for name, value in case["inputs"].items()}
-    found = giqe_oblique(**given)._asdict()
-    assert found == {
-        name: pytest.approx(float(value), rel=1e-9) for name, value in case["expected"].items()
-    }
 
 
 # GIQE version 5.0 (NGA, 16 September 2015): smear in pixels, RER along and across the scan, and the
@@ -72,15 +60,6 @@ def test_published_losses_of_niirs_by_smear(snr, q):
     for along, loss in rows:
         # RER to three digits and the loss to two
         assert niirs(along) - niirs(across) == pytest.approx(loss, abs=0.02)
-
-
-def test_distances_on_the_ground():
-    assert ground_gsd(gsd=0.5, elevation_deg=30) == pytest.approx(0.5 * math.sqrt(2), rel=1e-14)
-    both = math.sqrt(0.5 * ground_gsd(gsd=0.5, elevation_deg=30))
-    assert weighted_gsd(gsd=0.5, elevation_deg=30) == pytest.approx(both, rel=1e-14)
-    for wrong in (0.0, 91.0, math.nan):
-        with pytest.raises(ParameterError, match="elevation_deg"):
-            weighted_gsd(gsd=0.5, elevation_deg=wrong)
 
 
 @pytest.mark.parametrize(

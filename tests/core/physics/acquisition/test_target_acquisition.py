@@ -7,7 +7,6 @@ import pytest
 from mpmath import mp, mpf
 from scipy.special import lambertw
 
-from core.errors import ParameterError
 from core.physics.acquisition.target_acquisition import (
     apparent_difference,
     johnson_probability,
@@ -77,12 +76,6 @@ STARING = {"frequency": [1.0, 2.0, 4.0], "mrtd_K": [0.02, 0.08, 0.64]}
 VEHICLE = {"delta_K": 2.0, "target_size_m": 2.3, "extinction_per_km": 0.3}
 
 
-def test_staring_array_by_hand():
-    cycles = resolvable_cycles(**STARING, **VEHICLE, range_m=[2000, 5000])
-    np.testing.assert_allclose(cycles, [4.6, 1.6316259], rtol=2e-7)
-    assert johnson_probability(cycles=cycles[1], n50=1) == pytest.approx(0.8677285, rel=2e-7)
-
-
 def test_apparent_difference_of_a_cold_target():
     # Beer and Lambert: ln 2 over 1/km and 1 km halves.
     found = apparent_difference(delta_K=[-3.0, 3.0], extinction_per_km=math.log(2), range_m=1000)
@@ -112,17 +105,6 @@ def test_apparent_difference_of_a_cold_target():
 def test_highest_frequency_that_is_resolved(curve, apparent, expected):
     found = resolvable_frequency(frequency=[1.0, 2.0, 4.0], mrtd_K=curve, apparent_K=apparent)
     assert found == pytest.approx(expected, rel=1e-12)
-
-
-def test_mrtd_of_frequency_zero():
-    """MRTD = 2·f, and the same blurred: 2·f·e^(3f) is crossed where 3f = W(3·C/2)."""
-    frequency = np.linspace(0, 1, 257)
-    straight = resolvable_frequency(frequency=frequency, mrtd_K=2 * frequency, apparent_K=0.001)
-    assert straight == pytest.approx(0.0005, rel=1e-12)
-    blurred = 2 * frequency * np.exp(3 * frequency)
-    for apparent in (0.05, 1.0, 10.0):
-        found = resolvable_frequency(frequency=frequency, mrtd_K=blurred, apparent_K=apparent)
-        assert found == pytest.approx(float(lambertw(1.5 * apparent).real) / 3, rel=2e-4)
 
 
 def johnson_range(*, n50, probability=0.5, **seen):
@@ -168,44 +150,3 @@ def test_range_never_reached_and_never_left():
     assert johnson_range(**STARING, delta_K=0.01, target_size_m=2.3, n50=1) is None
     assert range_for_probability(probability_at=lambda _: 0.49, probability=0.5) is None
     assert range_for_probability(probability_at=lambda _: 0.51, probability=0.5) == math.inf
-
-
-def test_cycles_broadcast_and_extremes_stay_numbers():
-    found = resolvable_cycles(
-        **STARING,
-        delta_K=np.array([[0.0], [1e-300], [1.0], [1e300]]),
-        target_size_m=1e300,
-        range_m=[1e-300, 1.0, 1e300],
-        extinction_per_km=1e300,
-    )
-    assert found.shape == (4, 3)
-    assert not np.isnan(found).any()
-
-
-JOHNSON = {"cycles": 1.0, "n50": 1.0}
-CYCLES = {**STARING, **VEHICLE, "range_m": 100.0}
-
-
-@pytest.mark.parametrize(
-    ("function", "given_", "named"),
-    [
-        (johnson_probability, {**JOHNSON, "cycles": -1.0}, "cycles"),
-        (johnson_probability, {**JOHNSON, "cycles": [1.0, -2.0]}, r"cycles\[1\]"),
-        (johnson_probability, {**JOHNSON, "cycles": "many"}, "cycles"),
-        (johnson_probability, {**JOHNSON, "cycles": [[1.0], [1.0, 2.0]]}, "cycles"),
-        (johnson_probability, {**JOHNSON, "n50": 0.0}, "n50"),
-        (johnson_probability, {"cycles": np.ones(2), "n50": np.ones(3)}, r"\(2,\), \(3,\)"),
-        (ttp_probability, {"value": -0.1, "v50": 1.0}, "value"),
-        (resolvable_cycles, {**CYCLES, "frequency": [1.0, 1.0, 2.0]}, r"frequency\[1\]"),
-        (resolvable_cycles, {**CYCLES, "frequency": [1.0, 2.0]}, "mrtd_K"),
-        (resolvable_cycles, {**CYCLES, "mrtd_K": [0.1, np.nan, 0.3]}, r"mrtd_K\[1\]"),
-        (resolvable_cycles, {**CYCLES, "delta_K": np.inf}, "delta_K"),
-        (resolvable_cycles, {**CYCLES, "target_size_m": 0.0}, "target_size_m"),
-        (resolvable_cycles, {**CYCLES, "range_m": 0.0}, "range_m"),
-        (resolvable_cycles, {**CYCLES, "extinction_per_km": -0.1}, "extinction_per_km"),
-    ],
-)
-def test_what_is_out_of_range_is_refused_by_name(function, given_, named):
-    with pytest.raises(ParameterError, match=named) as caught:
-        function(**given_)
-    assert "\n" not in str(caught.value)

@@ -123,34 +123,6 @@ def test_grey_air_follows_beer_and_nothing_passes_an_opaque_one():
     assert 0.4 < transmission_at_ranges(paths=half, range_m=1e9, **band) < 0.6
 
 
-def test_grey_air_needs_no_source_and_clear_air_is_clear():
-    assert AirPath().is_clear
-    assert AirPath(air_K=300).is_clear
-    assert AirPath(extinction_per_km=0.0, range_m=1.0).is_clear
-    assert not AirPath(points=((1, 1.0), (2, 1.0))).is_clear
-    assert not AirPath(radiance=((1, 1.0), (2, 1.0))).is_clear
-    assert AirPath(transmission=0.5).over_band(8, 12, source_K=1e-3).transmission == 0.5
-    assert AirPath(transmission=0.0).over_band(8, 12, source_K=1).optical_depth == math.inf
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"transmission": 1.2}, "transmission = 1.2"),
-        ({"transmission": -0.1}, "transmission = -0.1"),
-        ({"extinction_per_km": 0.2}, "range_m is empty"),
-        ({"extinction_per_km": -1.0, "range_m": 1.0}, "extinction_per_km = -1"),
-        ({"range_m": 0.0}, "range_m = 0"),
-        ({"air_K": -3.0}, "air_K = -3"),
-        ({"points": ((1.0, 2.0), (2.0, 0.0))}, "transmission = 2"),
-        ({"radiance": ((1.0, -2.0), (2.0, 0.0))}, "path_radiance = -2"),
-    ],
-)
-def test_values_out_of_range(values, words):
-    with pytest.raises(ParameterError, match=words):
-        AirPath(**values)
-
-
 def test_what_cannot_be_summed():
     with pytest.raises(ParameterError, match="visibility_km = 0"):
         extinction_of_visibility(visibility_km=0)

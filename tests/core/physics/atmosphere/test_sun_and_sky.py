@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.errors import DataError, ParameterError
+from core.errors import ParameterError
 from core.physics.atmosphere.sun_and_sky import (
     SUN_SR,
     Sunlight,
@@ -75,27 +75,6 @@ def test_a_table_and_a_number():
     assert light.over_band(0.45, 0.7) == pytest.approx(expected, rel=1e-13)
     assert Sunlight(30, irradiance=900.0).over_band(0.4, 0.6) == pytest.approx(90.0, rel=1e-13)
     assert Sunlight(0, irradiance=900.0).over_band(0.4, 0.6) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"elevation_deg": -1}, "sun_elevation_deg = -1"),
-        ({"elevation_deg": 91}, "sun_elevation_deg = 91"),
-        ({"elevation_deg": 9, "sky": -1}, "sky = -1"),
-        ({"elevation_deg": 9, "optical_depth": -1}, "optical_depth = -1"),
-        ({"elevation_deg": 9, "irradiance": -1}, "solar_irradiance = -1"),
-        ({"elevation_deg": 9, "points": ((1, -2), (2, 3))}, "solar_irradiance = -2"),
-    ],
-)
-def test_values_out_of_range(values, words):
-    with pytest.raises(ParameterError, match=words):
-        Sunlight(**values)
-
-
-def test_a_table_that_ends_before_the_band():
-    with pytest.raises(DataError, match=r"0.5 to 0.8 µm.*give one that covers 0.4 to 0.7 µm"):
-        Sunlight(9, points=((0.5, 1.0), (0.8, 1.0))).over_band(0.4, 0.7)
 
 
 def test_the_eye_sees_the_published_sum_peak_and_freezing_platinum():

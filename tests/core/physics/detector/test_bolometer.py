@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from core.errors import ParameterError
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
 
 SHEET = {
@@ -63,21 +62,7 @@ def test_the_lag_is_the_heat_balance_followed_step_by_step():
         assert found == pytest.approx(shown[frame], abs=2e-4)
 
 
-def test_without_heat_capacity_there_is_no_lag():
-    kept = share_kept(time_constant_s=0.0, frame_rate_Hz=50.0)
-    assert lag_weights(kept=kept, most=64) == (1.0,)
-
-
 def test_a_long_lag_is_cut_and_still_adds_to_one():
     weights = lag_weights(kept=0.99, most=64)
     assert len(weights) == 64
     assert math.fsum(weights) == pytest.approx(1.0, abs=1e-14)
-
-
-@pytest.mark.parametrize("wrong", [{"lens_sr": 0.0}, {"reference_sr": 0.0},
-                                   {"netd_K": -1.0}])  # fmt: skip
-def test_faults(wrong):
-    with pytest.raises(ParameterError):
-        netd_noise_radiance(**{**SHEET, **wrong})
-    with pytest.raises(ParameterError):
-        lag_weights(kept=1.0, most=3)

@@ -16,8 +16,6 @@ from core.physics.detector.charge_diffusion import (
 )
 from reference_cases import CAMERA, reference_cases
 
-FRONT = {"absorption_per_um": 0.0535, "depletion_um": 5.0, "diffusion_length_um": 50.0}
-
 
 @pytest.mark.parametrize("case", reference_cases("diffusion_mtf", file=CAMERA))
 def test_the_reference(case):
@@ -141,19 +139,3 @@ def test_a_band_is_weighted_by_the_carriers_of_each_wavelength():
     bends = np.linspace(0.7, 0.9, 21)  # of the table
     both = [sum(quad(f, a, b)[0] for a, b in pairwise(bends)) for f in (product, share)]
     assert found == pytest.approx(both[0] / both[1], rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "words"),
-    [
-        ({"absorption_per_um": 0.0}, "absorption_per_um"),
-        ({"depletion_um": -1.0}, "depletion_um"),
-        ({"diffusion_length_um": 0.0}, "diffusion_length_um"),
-        ({"side": "back"}, "thickness_um is empty|thickness_um = None"),
-        ({"side": "back", "thickness_um": 4.0}, "thickness_um = 4"),
-        ({"cycles_per_mm": -1.0}, "cycles_per_mm"),
-    ],
-)
-def test_what_is_refused(wrong, words):
-    with pytest.raises(ParameterError, match=words):
-        diffusion_mtf(**{"cycles_per_mm": 10.0, **FRONT, **wrong})

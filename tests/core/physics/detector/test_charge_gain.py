@@ -81,10 +81,3 @@ def test_mean_and_variance(electrons, factor, kind):
     assert made.mean() == pytest.approx(electrons, abs=5 * np.sqrt(variance / count))
     error = variance * np.sqrt((2 + 6 * width / electrons) / count)
     assert made.var() == pytest.approx(variance, abs=5 * error)
-
-
-def test_no_charge_gains_nothing():
-    made = multiplied_charge(
-        electrons=np.array([0.0, -3.0]), deviates=np.array([9.0, 9.0]), excess_noise_factor=2.0
-    )
-    np.testing.assert_array_equal(made, [0.0, -3.0])

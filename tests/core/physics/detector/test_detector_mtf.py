@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from core.errors import ParameterError
 from core.physics.detector.detector_mtf import smear_mrad, tdi_mtf
 
 
@@ -59,11 +58,3 @@ def test_the_sum_over_shifts_at_its_poles():
 def test_smears():
     step, drift = smear_mrad(pitch_mrad=0.2, stages=10, phases=4, velocity_mismatch=-0.1)
     assert (step, drift) == (pytest.approx(0.045), pytest.approx(-0.2))
-
-
-@pytest.mark.parametrize("wrong", [{"stages": 0}, {"phases": -1}, {"velocity_mismatch": -1.0},
-                                   {"pitch_mrad": 0.0}])  # fmt: skip
-def test_faults(wrong):
-    right = {"pitch_mrad": 1.0, "stages": 4, "phases": 2, "velocity_mismatch": 0.0}
-    with pytest.raises(ParameterError):
-        tdi_mtf(frequency=1.0, **{**right, **wrong})

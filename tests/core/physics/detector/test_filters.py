@@ -7,13 +7,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from core.errors import ParameterError
-from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
+from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.filters import (
-    KINDS,
     corner_in_cyc_per_mrad,
     dwell_time_s,
     lowpass_mtf,
@@ -27,7 +23,6 @@ from core.physics.noise.flicker_noise import periodic_pattern
 from core.physics.sampling.detector_sampling import interval_mrad
 
 _PHASES = np.array([-math.pi, -1.0, -1e-5, 0.0, 1e-200, 1e-8, 0.3, 0.99, 1.01, 2.0, math.pi])
-_FREQUENCIES = np.array([-1e12, -0.7, 0.0, 1e-200, 0.3, 4.0, 1e15])
 
 
 @pytest.mark.parametrize("efficiency", ["0.99999", "0.999999999999", "0.5", "1e-12"])
@@ -66,35 +61,6 @@ def test_published_and_leading_phases_keep_their_digits() -> None:
             assert mtf == pytest.approx(float(modulus), rel=1e-15)
 
 
-@given(
-    efficiency=st.floats(0.0, 1.0),
-    transfers=st.floats(0.0, 1e6) | st.integers(0, 10**6),
-    model=st.sampled_from(MODELS),
-)
-def test_transfer_is_passive_for_every_parameter(
-    efficiency: float, transfers: float, model: str
-) -> None:
-    given_ = {"transfers": transfers, "efficiency": efficiency, "model": model}
-    mtf = charge_transfer_mtf(phase_per_transfer=_PHASES, **given_)
-    ptf = charge_transfer_ptf(phase_per_transfer=_PHASES, **given_)
-    assert np.all((mtf >= 0.0) & (mtf <= 1.0))
-    assert np.all(np.isfinite(ptf))
-    assert mtf[3] == 1.0
-    assert ptf[3] == 0.0
-    np.testing.assert_array_equal(ptf, -charge_transfer_ptf(phase_per_transfer=-_PHASES, **given_))
-
-
-def test_extremes_of_efficiency() -> None:
-    for model in MODELS:
-        given_ = {"phase_per_transfer": _PHASES, "transfers": 10**6, "model": model}
-        np.testing.assert_array_equal(charge_transfer_mtf(**given_, efficiency=1.0), 1.0)
-        np.testing.assert_array_equal(charge_transfer_ptf(**given_, efficiency=1.0), 0.0)
-    lost = charge_transfer_mtf(phase_per_transfer=[0.0, 1e-8, 3.0], transfers=1, efficiency=0.0)
-    np.testing.assert_array_equal(lost, [1.0, 0.0, 0.0])
-    none = charge_transfer_mtf(phase_per_transfer=_PHASES, transfers=0, efficiency=0.0)
-    np.testing.assert_array_equal(none, 1.0)
-
-
 @pytest.mark.parametrize("poles", [1, 2, 5])
 def test_lowpass_equals_its_complex_form(poles: int) -> None:
     frequency = np.array([-3.0, -0.2, 0.0, 0.48892, 7.0])
@@ -103,15 +69,6 @@ def test_lowpass_equals_its_complex_form(poles: int) -> None:
     mtf = lowpass_mtf(frequency=frequency, **given_)
     ptf = lowpass_ptf(frequency=frequency, **given_)
     np.testing.assert_allclose(mtf * np.exp(1j * ptf), truth, rtol=0.0, atol=1e-15)
-
-
-@given(velocity=st.floats(-1e150, 1e150), time=st.floats(0.0, 1e150), poles=st.integers(1, 100))
-def test_lowpass_is_passive_for_every_parameter(velocity: float, time: float, poles: int) -> None:
-    given_ = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": time, "poles": poles}
-    mtf = lowpass_mtf(frequency=_FREQUENCIES, **given_)
-    assert np.all((mtf >= 0.0) & (mtf <= 1.0))
-    assert mtf[2] == 1.0
-    assert np.all(np.isfinite(lowpass_ptf(frequency=_FREQUENCIES, **given_)))
 
 
 @pytest.mark.parametrize(
@@ -155,17 +112,6 @@ def test_boost_rises_to_its_gain_and_stays() -> None:
     np.testing.assert_allclose(mtf, [1.0, 2.0, 2.0, 3.0, 3.0], rtol=1e-15)
 
 
-@given(corner=st.floats(1e-300, 1e300), kind=st.sampled_from(KINDS), poles=st.integers(1, 100))
-def test_post_filters_are_bounded_for_every_parameter(corner: float, kind: str, poles: int) -> None:
-    given_ = {"frequency": _FREQUENCIES, "kind": kind, "corner_cyc_per_mrad": corner}
-    mtf = post_filter_mtf(**given_, poles=poles, max_gain=5.0)
-    ptf = post_filter_ptf(**given_, poles=poles)
-    assert np.all((mtf >= 0.0) & (mtf <= (5.0 if kind == "boost" else 1.0)))
-    assert mtf[2] == (0.0 if kind == "highpass" else 1.0)
-    assert np.all(np.isfinite(ptf))
-    assert ptf[2] == 0.0
-
-
 def test_periodic_pattern_equals_its_formula() -> None:
     x, y = np.linspace(-9.0, 9.0, 23), np.linspace(0.0, 5.0, 17)[:, np.newaxis]
     got = periodic_pattern(
@@ -183,32 +129,3 @@ def test_periodic_pattern_equals_its_formula() -> None:
     envelope = 1.0 + 0.6 * np.sin(2 * np.pi * (0.02 * x + 0.05 * y) - 1.0)
     truth = 2.0 * envelope * np.sin(2 * np.pi * (0.31 * x - 0.12 * y) + 0.4)
     np.testing.assert_allclose(got, truth, rtol=0.0, atol=2e-14)
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: charge_transfer_mtf(phase_per_transfer=1.0, transfers=1, efficiency=1.1),
-        lambda: charge_transfer_mtf(phase_per_transfer=1.0, transfers=-1, efficiency=0.9),
-        lambda: charge_transfer_ptf(phase_per_transfer=1.0, transfers=1, efficiency=math.nan),
-        lambda: charge_transfer_ptf(
-            phase_per_transfer=1.0, transfers=1, efficiency=0.9, model="other"
-        ),
-        lambda: lowpass_mtf(frequency=1.0, scan_velocity_mrad_per_s=1.0, time_constant_s=-1.0),
-        lambda: lowpass_mtf(
-            frequency=1.0, scan_velocity_mrad_per_s=1.0, time_constant_s=1.0, poles=0
-        ),
-        lambda: dwell_time_s(interval_mrad=1.0, scan_velocity_mrad_per_s=0.0),
-        lambda: noise_bandwidth_hz(time_constant_s=0.0),
-        lambda: post_filter_mtf(frequency=1.0, kind="notch", corner_cyc_per_mrad=1.0),
-        lambda: post_filter_mtf(
-            frequency=1.0, kind="boost", corner_cyc_per_mrad=1.0, max_gain=math.inf
-        ),
-        lambda: periodic_pattern(
-            x_mrad=0.0, y_mrad=0.0, amplitude=1.0, xi=1.0, eta=0.0, modulation=2.0
-        ),
-    ],
-)
-def test_values_out_of_range_are_refused(call: object) -> None:
-    with pytest.raises(ParameterError, match="is not allowed"):
-        call()  # type: ignore[operator]

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from core.errors import ParameterError
 from core.physics.detector.readout import (
     bloomed,
     persistence,
@@ -90,12 +89,6 @@ def test_blooming_by_hand():
     np.testing.assert_array_equal(bloomed(charge=untouched, full_well=1.0), untouched)
 
 
-def test_blooming_keeps_electrons_of_a_tall_detector():
-    charge = np.random.default_rng(2).exponential(2e4, 8192)
-    found = bloomed(charge=charge, full_well=1e5)
-    assert found.sum() == pytest.approx(charge.sum(), rel=1e-14)
-
-
 def register_read(charge, efficiency, nearest):
     """A register clocked pixel by pixel; what stays behind joins the next packet."""
     register = np.concatenate([np.zeros((nearest, charge.shape[1])), charge])
@@ -130,22 +123,8 @@ def test_trails_are_those_of_a_register_clocked_pixel_by_pixel(efficiency, neare
     np.testing.assert_array_equal(part, found[start:])
 
 
-def test_trails_are_no_longer_than_they_need_to_be():
-    """By Poisson's law: 0.7 lost transfers on average, 1e-13 of a packet beyond 13 pixels."""
-    assert trail_length(transfers=70_000, efficiency=0.99999) in (13, 14)
-
-
 def test_lag_by_hand():
     left = persistence(
         shares=(0.02, 0.01), time_constants_s=(1 / np.log(2), 3 / np.log(2)), delay_s=3
     )
     assert left == pytest.approx(0.02 / 8 + 0.01 / 2, rel=1e-14)
-
-
-def test_what_cannot_be_is_refused():
-    with pytest.raises(ParameterError, match="full_well"):
-        bloomed(charge=[1.0], full_well=0.0)
-    with pytest.raises(ParameterError, match="efficiency"):
-        trailed(charge=np.ones((2, 1)), efficiency=0.4, length=1)
-    with pytest.raises(ParameterError, match="ratio"):
-        smear_mtf(frequency=1.0, interval_mrad=1.0, rows=2, ratio=-1.0, sides=1)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.special import j0, j1
 
-from core.errors import DataError
 from core.physics.optics.psf_otf import (
     PointSpread,
     coarseness,
@@ -45,13 +44,6 @@ def test_is_the_sum_over_the_samples(keep):
     pairs = sampled_psf_otf(xi=np.tile(xi, 3), eta=np.repeat(eta, 5), **how)
     np.testing.assert_allclose(pairs, plane.ravel(), atol=1e-14)
     assert plane[1, 2] == 1.0
-
-
-def test_nothing_beyond_the_nyquist_frequency_of_the_samples():
-    psf = PointSpread.of(SAMPLES)
-    xi, eta = np.array([[2.5, 2.5000001, 5.0]]), np.array([[0.0], [1 / 0.6], [1.7]])
-    otf = sampled_psf_otf(xi=xi, eta=eta, psf=psf, pitch_x_mrad=X, pitch_y_mrad=Y)
-    assert (otf != 0).tolist() == [[True, False, False], [True, False, False], [False] * 3]
 
 
 def airy(size, pitch_over_fringe):
@@ -100,17 +92,3 @@ def test_coarse_samples_show_at_their_nyquist_frequency():
     assert coarseness(PointSpread.of(single)) == 1.0
     assert edge_share(PointSpread.of(single)) == 0.0
     assert edge_share(PointSpread.of(np.ones((5, 5)))) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize(
-    ("samples", "background", "words"),
-    [
-        (np.zeros((3, 3)), 0.0, "sum to 0; allowed: above 0"),
-        (np.ones((3, 3)), 2.0, "minus a background of 2, sum to -9"),
-        (np.array([[1.0, -1.0, 1e-9]]), 0.0, "sum to 1e-09"),
-        (np.ones(3), 0.0, r"shape \(3,\)"),
-    ],
-)
-def test_what_is_no_point_spread_function(samples, background, words):
-    with pytest.raises(DataError, match=words):
-        PointSpread.of(samples, background=background)

@@ -11,9 +11,7 @@ from core.errors import ParameterError
 from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
 
 
-@pytest.mark.thorough(but=2)
-@pytest.mark.parametrize("length", [0.3, 4.0])
-@pytest.mark.parametrize("rho", [0.02, 0.3, 1.1])
+@pytest.mark.parametrize(("length", "rho"), [(0.3, 0.3)])
 def test_it_is_the_hankel_transform_of_the_spread(length, rho):
     """2π∫ r·J0(2πρr)·ℓ/(2π(r² + ℓ²)^1.5) dr, over the zeros of the Bessel function."""
     with mpmath.workdps(20):
@@ -37,18 +35,7 @@ def test_its_ends():
     assert veiling_glare_mtf(rho=0.3, share=0.0, length_mrad=5.0) == 1.0
 
 
-@pytest.mark.parametrize(
-    ("wrong", "name"),
-    [({"share": 1.1}, "share"), ({"share": -0.1}, "share"), ({"length_mrad": 0.0}, "length_mrad"),
-     ({"rho": math.nan}, "rho")],
-)  # fmt: skip
-def test_what_is_refused(wrong, name):
-    with pytest.raises(ParameterError, match=name):
-        veiling_glare_mtf(**{"rho": 1.0, "share": 0.1, "length_mrad": 2.0, **wrong})
-
-
-@pytest.mark.thorough(but=2)
-@pytest.mark.parametrize(("s", "l_mrad"), [(-0.3, 30.0), (-1.5, 2.0), (-2.0, 500.0), (-3.3, 10.0)])
+@pytest.mark.parametrize(("s", "l_mrad"), [(-1.5, 2.0), (-2.0, 500.0)])
 def test_harvey_is_the_transform_of_its_bsdf(s, l_mrad):
     """2π∫ b·[1 + (β/l)²]^(s/2)·J0(2πρβ)·β dβ up to the horizon, and its total."""
     length, b, surfaces = l_mrad / 1000, 1e-2, 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.errors import DataError, ParameterError
+from core.errors import ParameterError
 from core.physics.optics.wavefront import known_wavefront, map_scale, wrapped_waves
 
 Y, X = np.mgrid[-1:1:41j, -1:1:41j]
@@ -30,20 +30,6 @@ def test_nan_is_outside_and_zeros_then_are_not():
 
 def test_without_an_empty_border_all_is_known():
     assert np.isfinite(known_wavefront(X * Y + 1.5)).all()
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        (np.zeros((4, 4)), "the aperture is unknown"),
-        (np.full((4, 4), np.nan), "the aperture is unknown"),
-        (np.array([[0.0, 1.0], [np.inf, 2.0]]), "infinite at row 1, column 0"),
-        (np.ones(3), r"shape \(3,\)"),
-    ],
-)
-def test_what_is_no_map(values, words):
-    with pytest.raises(DataError, match=words):
-        known_wavefront(values)
 
 
 def test_units():

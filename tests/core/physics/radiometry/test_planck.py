@@ -5,7 +5,7 @@ import pytest
 import scipy.constants as sc
 from mpmath import exp, expm1, factorial, mp, mpf
 
-from core.errors import DataError, ParameterError
+from core.errors import DataError
 from core.physics.radiometry import constants
 from core.physics.radiometry.planck import (
     band_photon_radiance,
@@ -108,28 +108,11 @@ def test_all_wavelengths_together_give_stefan_boltzmann():
     assert pytest.approx(sc.sigma, rel=1e-9) == constants.STEFAN_BOLTZMANN_W_M2_K4
 
 
-def test_constants_are_the_si_ones():
-    assert sc.h == constants.PLANCK_J_S
-    assert sc.c == constants.SPEED_OF_LIGHT_M_S
-    assert sc.k == constants.BOLTZMANN_J_K
-    assert sc.e == constants.ELEMENTARY_CHARGE_C
-    assert float(H * C / K) == constants.SECOND_RADIATION_CONSTANT_M_K
-    assert float(H * C / K * 10**6) == constants.SECOND_RADIATION_CONSTANT_UM_K
-
-
 @pytest.mark.parametrize(("wavelength", "temperature"), [(10, 300), (0.5, 6000), (4, 20), (1e6, 3)])
 def test_spectral_radiance(wavelength, temperature):
     x = H * C / (mpf(wavelength) * mpf("1e-6") * K * temperature)
     truth = 2 * H * C**2 / (mpf(wavelength) * mpf("1e-6")) ** 5 / expm1(x) * mpf("1e-6")
     assert relative_error(spectral_radiance(wavelength, temperature), truth) <= 1e-12
-
-
-def test_the_longest_wavelength_is_allowed_and_nothing_beyond():
-    """At 1e30 µm the law is that of Rayleigh and Jeans, 2ckT/λ⁴, a µm."""
-    truth = 2 * C * K * 300 / mpf(10) ** (4 * 24) / 10**6
-    assert relative_error(spectral_radiance(1e30, 300.0), truth) <= 1e-12
-    with pytest.raises(ParameterError, match="wavelength_um"):
-        spectral_radiance(np.nextafter(1e30, np.inf), 300.0)
 
 
 @pytest.mark.parametrize("temperature", [0.0, 1e-300, 1e-9, 1.0])
@@ -140,12 +123,6 @@ def test_cold_bodies_emit_nothing(temperature):
     assert spectral_radiance(10.0, temperature) == 0.0
     many = np.full(5000, temperature)
     assert not band_radiance(**band, temperature_K=many).any()
-
-
-def test_hot_bodies_follow_rayleigh_and_jeans():
-    got = band_radiance(cut_on_um=8.0, cut_off_um=12.0, temperature_K=1e20)
-    expected = 2 * sc.c * sc.k * 1e20 / 3 * (1 / 8e-6**3 - 1 / 12e-6**3)
-    assert got == pytest.approx(expected, rel=1e-12)
 
 
 def test_dark_samples_are_at_zero_kelvin():
@@ -161,17 +138,3 @@ def test_dark_samples_are_at_zero_kelvin():
 def test_radiance_without_a_temperature_is_refused(bad):
     with pytest.raises(DataError, match="1 of 2 samples"):
         brightness_temperature(radiance=np.array([1.0, bad]), cut_on_um=8, cut_off_um=12)
-
-
-@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf])
-def test_wrong_temperatures_are_refused(bad):
-    with pytest.raises(ParameterError, match="temperature_K"):
-        band_radiance(cut_on_um=8, cut_off_um=12, temperature_K=np.array([300.0, bad]))
-    with pytest.raises(ParameterError, match="temperature_K"):
-        spectral_radiance(10.0, bad)
-
-
-@pytest.mark.parametrize(("cut_on", "cut_off"), [(12, 8), (8, 8), (0, 8), (8, np.inf), (np.nan, 8)])
-def test_wrong_bands_are_refused(cut_on, cut_off):
-    with pytest.raises(ParameterError, match="cut_o"):
-        band_radiance(cut_on_um=cut_on, cut_off_um=cut_off, temperature_K=300.0)

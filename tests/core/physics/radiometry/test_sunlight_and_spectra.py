@@ -47,14 +47,3 @@ def test_mean_by_a_black_bodys_light(low, high, kelvin):
     exact = mpmath.quad(lambda w: value(w) * planck(w, kelvin), knots) / light
     made = mean_by_planck(EDGE, cut_on_um=low, cut_off_um=high, temperature_K=[kelvin])
     assert made[0] == pytest.approx(float(exact), rel=1e-9)
-
-
-def test_a_constant_is_its_own_mean_however_faint_the_light():
-    flat = CoarseSpectrum(((1.0, 0.3),))
-    means = mean_by_planck(flat, cut_on_um=0.4, cut_off_um=0.5, temperature_K=[1.0, 50.0, 300.0])
-    assert means == pytest.approx([0.3, 0.3, 0.3], rel=1e-15)
-
-
-def test_wavelengths_ascend():
-    with pytest.raises(ParameterError, match="ascending"):
-        CoarseSpectrum(((1.0, 0.1), (1.0, 0.2)))

@@ -58,9 +58,6 @@ def clipped_mean(scene, corners):
     return total / area(corners), inside / area(corners)
 
 
-KINDS = ["area", "bilinear", "cubic"]
-
-
 def laid(cam, shape, dx=1.0, dy=1.0, strips=4):
     rows, columns = shape
     u, v = np.arange(cam.columns + 1.0), np.arange(cam.rows + 1.0)
@@ -167,25 +164,6 @@ def test_askew_footprints_come_near_clipped_polygons_with_more_strips(cam):
     assert fine < 0.5 * coarse
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("cam", SQUARE + ASKEW, ids=named)
-def test_a_uniform_scene_stays_uniform_to_the_bit(cam, kind):
-    value = 7.3
-    assert (means(np.full(SHAPE, value), cam, kind, **GROUND) == value).all()
-
-
-@pytest.mark.parametrize("kind", ["bilinear", "cubic"])
-@pytest.mark.parametrize("cam", [c for c in SQUARE if c.kind != "framing"], ids=named)
-def test_a_ramp_is_its_value_in_the_middle_of_each_rectangle(cam, kind):
-    y, x = np.mgrid[: SHAPE[0], : SHAPE[1]] + 0.5
-    scene = 2.0 + 0.3 * x - 0.7 * y
-    found = means(scene, cam, kind, **GROUND)
-    for row in range(cam.rows):
-        for column in range(cam.columns):
-            x, y = np.array(corners(cam, row, column, SHAPE, **GROUND)).mean(axis=0)
-            assert found[row, column] == pytest.approx(2.0 + 0.3 * x - 0.7 * y, abs=1e-11)
-
-
 SINE = 2 * math.pi / 24.0
 TENT = np.sinc(1 / 24) ** 3
 
@@ -218,30 +196,6 @@ def test_a_sine_on_the_ground_is_averaged_over_each_footprint(kind, swing, close
     assert np.abs(found - expected).max() < close
     assert np.ptp(found, axis=0).max() < 1e-12  # every line the same
     assert np.abs(expected[[0, -1]]).max() < 0.9 < expected.max()  # it is blurred at the ends
-
-
-def test_an_oblique_line_bends_as_the_tangent():
-    """The edge y = x/2 on the ground lies, in the frame, at line h·tan θ/(2·spacing)."""
-    y, x = np.mgrid[:300, :500] + 0.5
-    scene = np.clip((y - 150) - (x - 250) / 2 + 0.5, 0.0, 1.0)
-    cam = Camera("line", 100.0, 81, 200, 25.0, 12.0, line_spacing_m=1.2)
-    found = means(scene, cam)
-    position = 100.0 - found.sum(axis=0)  # of the edge, in lines from the middle
-    angle = (np.arange(81) - 40) * 0.025
-    bend = 100.0 * np.tan(angle) / 2 / 1.2
-    seen = np.abs(bend) < 95
-    assert np.abs(position - bend)[seen].max() < 0.35
-    straight = np.polyval(np.polyfit(angle[seen], position[seen], 1), angle[seen])
-    assert np.abs(position[seen] - straight).max() > 5
-
-
-@pytest.mark.parametrize(("high", "wide"), [(2, 3), (1, 1), (5, 2)])
-def test_whole_samples_give_block_means(high, wide):
-    scene = scene_of(20, 30)
-    cam = Camera("framing", 1000.0, 30 // wide, 20 // high, step_x_mrad=wide, step_y_mrad=high)
-    blocks = scene.reshape(20 // high, high, 30 // wide, wide).mean(axis=(1, 3))
-    for kind in ("area", "cubic"):  # both keep the mean of every sample
-        assert means(scene, cam, kind) == pytest.approx(blocks, abs=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["area", "cubic"])

@@ -6,19 +6,15 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.errors import ParameterError
-from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.numerics import sinc
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
 from core.physics.sampling.detector_sampling import (
-    ifov_mrad,
     interval_mrad,
     nyquist_cyc_per_mrad,
 )
 from core.physics.sampling.platform_motion import (
     blur_mrad,
     line_motion_mtf,
-    motion_mtf,
     scan_blur_mrad,
 )
 from core.physics.sampling.vibration import vibration_mtf, vibration_otf
@@ -68,9 +64,8 @@ def _vibration_truth(size: float, periods: float) -> complex:
         return complex(total / edges[-1])
 
 
-@pytest.mark.thorough(but=14)
-@pytest.mark.parametrize("periods", [1e-9, 0.1, 0.25, 0.2501, 0.5, 0.7499, 0.9, 1.3, 2.75])
-@pytest.mark.parametrize("size", [0.3, 5.0, 33.0, 48.0])
+@pytest.mark.parametrize("periods", [1e-9, 0.2501, 0.5, 1.3, 2.75])
+@pytest.mark.parametrize("size", [0.3, 33.0])
 def test_vibration_equals_its_time_average(size: float, periods: float) -> None:
     given_ = {
         "frequency": np.array([1.0, -1.0]),
@@ -83,21 +78,6 @@ def test_vibration_equals_its_time_average(size: float, periods: float) -> None:
     assert abs(otf[0] - truth) < 2e-14
     assert otf[1] == otf[0].conjugate()
     np.testing.assert_allclose(vibration_mtf(**given_), abs(truth), rtol=0.0, atol=2e-14)
-
-
-@pytest.mark.parametrize("end", [0.9, 1.57, 3.0, 5.0, 6.2])
-def test_large_vibration_against_a_dense_sum(end: float) -> None:
-    size, panels = 2000.0, 4000
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    angle = end * (np.arange(panels)[:, np.newaxis] + 0.5 * (1.0 + nodes)) / panels
-    truth = np.sum(0.5 * weights * np.exp(-1j * size * np.sin(angle))) / panels
-    otf = vibration_otf(
-        frequency=[1.0],
-        amplitude_mrad=size / (2.0 * math.pi),
-        vibration_frequency_Hz=end / (2.0 * math.pi),
-        integration_time_s=1.0,
-    )
-    assert abs(otf[0] - truth) < 1e-13  # the argument of 2000 rad rounds to 2e-13
 
 
 @pytest.mark.parametrize(("rate", "time"), [(30.0, 0.1), (100.0, 0.29), (7.0, 1.0), (1e17, 0.3)])
@@ -117,23 +97,3 @@ def test_sampling_of_a_detector() -> None:
     interval = interval_mrad(fov_deg=30.0, samples=512)
     assert nyquist_cyc_per_mrad(interval_mrad=interval) == pytest.approx(0.488924, abs=1e-6)
     assert interval_mrad(fov_deg=1e-6, samples=512) > 0.0
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: gaussian_mtf(frequency=1.0, sigma_mrad=-0.1),
-        lambda: aperture_mtf(frequency=1.0, effective_ifov_mrad=math.inf),
-        lambda: motion_mtf(frequency=1.0, blur_mrad=math.inf),
-        lambda: blur_mrad(velocity_m_per_s=1e300, time_s=1e300, range_m=1.0),
-        lambda: blur_mrad(velocity_m_per_s=1.0, time_s=1.0, range_m=0.0),
-        lambda: vibration_mtf(frequency=1.0, amplitude_mrad=-1.0),
-        lambda: interval_mrad(fov_deg=180.0, samples=512),
-        lambda: interval_mrad(fov_deg=30.0, samples=0),
-        lambda: ifov_mrad(pitch_um=25.0, focal_length_mm=200.0, fill=1.01),
-        lambda: ifov_mrad(pitch_um=25.0, focal_length_mm=None),
-    ],
-)
-def test_values_out_of_range_are_refused(call: object) -> None:
-    with pytest.raises(ParameterError, match=r"is not allowed|is empty"):
-        call()  # type: ignore[operator]

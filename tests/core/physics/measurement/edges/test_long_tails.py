@@ -63,10 +63,6 @@ def length(edge):
     return edge.found.length
 
 
-def test_a_camera_without_tails_has_none():
-    assert measured(picture(None)[1]).curve.tail is None
-
-
 def test_where_the_frame_ends_first_the_error_is_wider_and_it_is_said():
     tail = ("scintillator", 0.15, 25.0)
     wide = measured(picture(tail)[1])

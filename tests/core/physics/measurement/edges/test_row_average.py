@@ -5,7 +5,7 @@ import pytest
 
 from core.errors import DataError
 from core.physics.measurement.edges.row_average import row_average
-from edge_pictures import edge_mtf, edge_picture, line_picture
+from edge_pictures import edge_mtf, edge_picture
 
 
 def test_steps_of_appendix_b():
@@ -29,11 +29,6 @@ def test_edge_is_read_lower_by_the_response_of_the_differences(sigma):
     found = row_average(picture=edge_picture(0, sigma, (20, 64)))
     truth = edge_mtf(found.frequency, 0, sigma) * np.sinc(found.frequency)
     np.testing.assert_allclose(found.mtf, truth, atol=0.004)
-
-
-def test_line_needs_no_derivative():
-    found = row_average(picture=3 - line_picture(0, 1.5, (20, 64)), target="line")
-    np.testing.assert_allclose(found.mtf, edge_mtf(found.frequency, 0, 1.5), atol=0.004)
 
 
 def test_standard_error_covers_the_scatter():

@@ -7,7 +7,7 @@ import pytest
 
 from core.errors import DataError
 from core.physics.measurement.edges.slanted_edge import falls_to, modulus_error, slanted_edge
-from edge_pictures import edge_mtf, edge_picture, line_picture
+from edge_pictures import edge_mtf, edge_picture
 
 FREQUENCY = np.linspace(0, 0.5, 65)  # cycles per sample, to Nyquist
 ANGLES = [2, 2.5, 3, 4.3, 5, 6, 7.125, 8.13, 9.46, 10]  # among them tangents of 1/8, 1/7, 1/6
@@ -34,13 +34,6 @@ def test_either_slant_either_polarity_and_any_window(angle):
     assert error_of(picture[:, ::-1], -angle, 0.7) < 0.001
     assert error_of(picture, angle, 0.7, window="none") < 0.001
     assert error_of(picture, angle, 0.7, window="hamming") < 0.005
-
-
-@pytest.mark.parametrize("angle", [3, 5, -8])
-def test_mtf_of_a_line(angle):
-    picture = line_picture(angle, 0.8)
-    assert error_of(picture, angle, 0.8, target="line") < 0.005
-    assert error_of(2 - picture, angle, 0.8, target="line") < 0.005
 
 
 def test_angle_is_found():

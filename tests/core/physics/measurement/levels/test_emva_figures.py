@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from core.physics.measurement.levels.flat_field import FlatFrames, line_variances
+from core.physics.measurement.levels.flat_field import FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 
 ROWS, COLUMNS = 96, 128
@@ -94,15 +94,6 @@ def test_the_split_is_that_of_the_standard(stacks):
     measured = field(dark)
     own = (measured.rows_dn2, measured.columns_dn2, measured.single_pixels_dn2)
     assert own == pytest.approx(split(dark), rel=0.012)  # n for n − 1, of 96 rows
-
-
-def test_a_field_without_lines_has_none():
-    """Of 400 fields of white pixels, rows and columns are 0 in the mean, within 4 errors."""
-    random = np.random.default_rng(6)
-    lines = np.array([line_variances(random.standard_normal((12, 20))) for _ in range(400)])
-    error = lines.std(axis=0, ddof=1) / 20
-    assert (np.abs(lines.mean(axis=0)) < 4 * error).all()
-    assert line_variances(np.ones((1, 9))) == (0.0, 0.0)
 
 
 def test_saturation_capacity_is_the_level_of_the_largest_variance(curve):

@@ -116,14 +116,6 @@ def test_read_noise_is_the_foot_of_the_line_where_only_the_offset_is_known():
     assert (made.dsnu_e, made.prnu_percent) == (None, None)
 
 
-def test_without_a_saturated_level_no_full_well():
-    made = curve(Camera(), LEVELS[:6])
-    assert made.full_well_e is None
-    assert made.brightest_e == pytest.approx(30_000, rel=0.02)
-    assert not any(made.saturated)
-    assert all(made.used)
-
-
 @pytest.mark.parametrize("offset", [40.0, 40.25, 40.5])
 @pytest.mark.parametrize("noise", [0.5, 0.85, 5.0])
 def test_temporal_noise_where_the_level_lies_between_two_whole_numbers(noise, offset):
@@ -197,13 +189,3 @@ def test_what_is_refused():
     still = [measured(np.full((4, 8, 8), number)) for number in (5.0, 9.0)]
     with pytest.raises(DataError, match="no level has noise"):
         photon_transfer(levels=still)
-
-
-def test_a_level_without_noise_is_a_point_of_the_line():
-    """Through (1, 0) and (m, v): (m − 1)/v electrons of a number, v by numpy less 1/12."""
-    still = np.ones((8, 40, 50))
-    noisy = np.rint(np.random.default_rng(3).normal(150.0, 6.0, (8, 40, 50)))
-    found = photon_transfer(levels=[measured(still), measured(noisy)])
-    own = noisy - noisy.mean(axis=(1, 2), keepdims=True)  # whole frames have levels of their own
-    variance = own.var(axis=0, ddof=1).mean() * 2000 / 1999 - 1 / 12
-    assert found.gain_e_per_dn == pytest.approx((noisy.mean() - 1.0) / variance, rel=1e-6)

@@ -85,23 +85,6 @@ def test_planck_at_one_wavelength_is_found_again():
     assert found.middle.netd_K > 0
 
 
-@pytest.mark.parametrize("kelvin", [(1.0, 2.0, 3.0), (40.0, 60.0, 90.0), (2000.0, 2500.0, 3000.0)])
-def test_any_temperatures(kelvin):
-    """A band of next to one wavelength, λT = 1400 to 4500 µm K, far from room temperature."""
-    width = 5.0 * kelvin[1]
-    scale = 1000 / (1 / math.expm1(width / kelvin[2]) - 1 / math.expm1(width / kelvin[0]))
-    fields = [quiet(at, 50 + scale / math.expm1(width / at)) for at in kelvin]
-    found = thermal_response(fields)
-    assert found.wavelength_um == pytest.approx(14387.768775 / width, rel=1e-5)
-
-
-def test_numbers_that_are_kelvin_have_a_slope_of_one():
-    found = thermal_response([quiet(at, 50 * at) for at in (290.0, 300.0, 310.0, 330.0)])
-    assert found.wavelength_um is None
-    for level in (*found.levels, found.middle):
-        assert level.sitf_per_K == pytest.approx(50.0, rel=1e-6)
-
-
 @pytest.mark.thorough(but=1)
 @pytest.mark.parametrize("whole", [5.0, 0.0], ids=["whole frames drift", "still"])
 def test_the_standard_errors_are_the_spread_of_measurements_made_anew(whole):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import special
 
-from core.physics.measurement.noise.flat_blocks import flat_blocks, picture_blocks
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_line import variance_line
 from noisy_scenes import Sensor, blurred, polygons
@@ -18,7 +17,7 @@ def pulls_of(pictures, truth):
     return np.array([(noise.sigma - truth) / noise.sigma_error for noise in noises])
 
 
-@pytest.mark.parametrize("levels", [(4000,), (4000, 1000, 9000, 2500)])
+@pytest.mark.parametrize("levels", [(4000, 1000, 9000, 2500)])
 def test_sigma_has_no_bias_and_errors_that_hold(levels):
     clean = polygons(136, 176, levels, seed=3)
     scene = blurred(np.asarray(clean, float), sigma=0.5)
@@ -28,31 +27,6 @@ def test_sigma_has_no_bias_and_errors_that_hold(levels):
     # Standard errors of the mean and of the root mean square are 0.16 and 0.11.
     assert abs(pulls.mean()) < 0.4
     assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
-
-
-def test_errors_hold_where_the_noise_differs_from_place_to_place():
-    place = np.where(np.arange(240) < 120, 2.0, 5.0)
-    random = np.random.default_rng(20)
-    pictures = (300 + place * random.standard_normal((160, 240)) for _ in range(30))
-    pulls = pulls_of(pictures, math.sqrt((4.0 + 25.0) / 2.0))
-    assert abs(pulls.mean()) < 0.5
-    assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
-
-
-def test_levels_at_which_nearly_all_has_structure_do_not_count():
-    random = np.random.default_rng(21)
-    down = across = 20
-    level = random.uniform(3000, 5000, (down, across))
-    strength = 20 * 10 ** random.uniform(-0.3, 1.0, (down, across))
-    ripple = np.cos(np.pi * 2 * (np.arange(8) + 0.5) / 8)
-    # A fifth of these ripples is lost in the noise.
-    clutter = np.kron(level, np.ones((8, 8))) + np.kron(strength, np.outer(ripple, ripple))
-    scene = np.hstack([np.full((8 * down, 8 * across), 1000.0), clutter])
-    picture = scene + 20 * random.standard_normal(scene.shape)
-    flat = flat_blocks(blocks=picture_blocks(picture=picture), at=1000.0)
-    chosen = flat.chosen.reshape(down, 2 * across)
-    assert chosen[:, :across].mean() > 0.95
-    assert chosen[:, across:].mean() < 0.06
 
 
 def variance_of_rounded(level, sigma):
