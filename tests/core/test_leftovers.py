@@ -7,7 +7,6 @@ import time
 import pytest
 
 from child_process import kill_program
-from core import leftovers
 from core.atomic import write_text
 from core.file_lock import take
 from core.leftovers import ABANDONED_S, FOLDER_PREFIX, LOCK, new_mark, sweep
@@ -100,15 +99,6 @@ def test_what_nobody_here_can_know_stays_for_a_month(name, tmp_path):
     aged(place, ABANDONED_S / 24 / 3600 + 1)
     sweep(tmp_path)
     assert names(tmp_path) == []
-
-
-def test_where_start_times_are_unknown_the_number_alone_counts(tmp_path, monkeypatch):
-    monkeypatch.setattr(leftovers, "own_token", lambda: "")
-    living = new_mark()
-    (tmp_path / f".a.{living}.txt").touch()
-    (tmp_path / f".b.{dead(living)}.txt").touch()
-    sweep(tmp_path)
-    assert names(tmp_path) == [f".a.{living}.txt"]
 
 
 def test_links_and_other_names_are_left_alone(tmp_path):

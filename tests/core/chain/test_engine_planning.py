@@ -9,12 +9,6 @@ FITTING = [("make.image", "a.image")]
 
 
 class TestPlan:
-    def test_planning_computes_nothing(self, bench):
-        plan = bench.engine.plan(network(CHAIN, CHAIN_LINKS))
-        assert plan.errors() == []
-        assert bench.computed == []
-        assert len(bench.engine.store) == 0
-
     def test_an_error_stays_on_its_node_and_the_rest_runs(self, bench):
         document = network(
             {**LINE, "bad": ("maker", {"level": -13}), "c": ("scale", {}), "d": ("sum", {}),
@@ -91,9 +85,3 @@ class TestPlan:
             with pytest.raises(DataError):
                 bench.get(document, "a.image")
         assert bench.get(document.with_parameter("a", "factor", 14), "a.image")[0, 1] == 14
-
-    def test_two_links_into_one_input_are_an_error_or_refused(self, bench):
-        document = network({"make": ("maker", {}), "more": ("maker", {"level": 5}),
-                            "a": ("scale", {})},
-                           [("make.image", "a.image"), ("more.image", "a.image")])  # fmt: skip
-        assert [error.node for error in bench.engine.plan(document).errors()] == ["a"]

@@ -21,13 +21,6 @@ def opened(request):
     return Engine(library), network
 
 
-def test_an_unchanged_network_gives_the_same_nodes(opened):
-    engine, network = opened
-    first = engine.plan(network)
-    again = engine.plan(network, previous=first)
-    assert all(again.nodes[name] is first.nodes[name] for name in network.nodes)
-
-
 def test_an_edit_plans_what_hangs_on_it(opened):
     engine, network = opened
     first = engine.plan(network)

@@ -11,17 +11,6 @@ from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 
 
 class TestOnce:
-    def test_an_unchanged_network_computes_nothing_again(self, bench):
-        document = network(CHAIN, CHAIN_LINKS)
-        ports = ("bin.image", "back.image", "blur.mtf", "blur.magnitude", "init.phase")
-        for port in ports:
-            bench.get(document, port)
-        count = len(bench.computed)
-        assert count > 0
-        for port in ports:
-            bench.get(document, port)
-        assert len(bench.computed) == count
-
     def test_a_change_computes_what_follows_it_and_no_more(self, bench):
         document = network(LINE)
         bench.get(document, "b.image")
@@ -77,13 +66,6 @@ class TestOnce:
 
 
 class TestSharedStore:
-    def test_engines_may_share_it(self):
-        store = Store()
-        one, two = Bench(store), Bench(store)
-        one.get(network(LINE), "b.image")
-        two.get(network(LINE), "b.image")
-        assert two.computed == []
-
     def test_many_threads_many_ports(self):
         document = network(CHAIN, CHAIN_LINKS)
         expected = {p: Bench().get(document, p) for p in ("bin.image", "back.image", "make.image")}

@@ -27,23 +27,6 @@ def test_temporal_noise_is_drawn_anew(tmp_path, kind):
     assert correlation == pytest.approx(-0.5, abs=6 / np.sqrt(size))
 
 
-@pytest.mark.parametrize("kind", ["gain", "bias", "periodic", "quantization"])
-def test_patterns_stay(tmp_path, kind):
-    _, _, (first, second) = frames(tmp_path, kind)
-    # The detectors of this sensor have next to no noise of their own: 1e-19 of the picture.
-    assert np.allclose(first, second, rtol=1e-14, atol=0)
-
-
-@pytest.mark.parametrize("platform", ["line", "push", "array"])
-def test_the_spread_of_noise_among_detectors_stays(tmp_path, platform):
-    _, _, drawn = frames(tmp_path, "detector", platform=platform, count=60, resize=False)
-    spread = np.std(drawn, axis=0)
-    others = np.std(drawn[::2], axis=0)
-    if platform == "array":
-        assert np.corrcoef(spread.ravel(), others.ravel())[0, 1] > 0.5
-    assert spread.mean() > 0.1
-
-
 def test_a_frame_repeats_to_the_bit_and_computes_no_more_than_noise(tmp_path):
     image, work, _ = frames(tmp_path, *ALL)
     computed = set(work.log.computed)

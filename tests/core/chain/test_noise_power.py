@@ -114,19 +114,6 @@ def test_by_a_law_that_mixes_the_axes(work, factors):
     assert told(power) == pytest.approx(list(expected), rel=1e-11)
 
 
-@pytest.mark.parametrize("edges", ["reflect", "periodic"])
-def test_filtered_twice_by_odd_phases(work, edges):
-    """Between the two the cosines are correlated."""
-    axes = "mirrored" if edges == "reflect" else "periodic"
-    expected = by_impulses(
-        work, lambda image: through(through(image, CHAINS["odd"], edges), CHAINS["odd"], edges)
-    )
-    power = NoisePower.white(ROWS, COLUMNS, 1.0)
-    for _ in range(2):
-        power = power.filtered(work, CHAINS["odd"], GRID, axes)
-    assert told(power) == pytest.approx(list(expected), rel=1e-11)
-
-
 def test_samples_of_different_variances(work):
     weights = np.random.default_rng(4).uniform(0.2, 3.0, (ROWS, COLUMNS))
     expected = by_impulses(work, lambda image: through(image, BLUR, "reflect"), weights)
@@ -155,15 +142,6 @@ def test_resampled(work, order, new, edges):
         new, interpolator(ROWS, new[0], order, edges), interpolator(COLUMNS, new[1], order, edges)
     )
     assert told(found) == pytest.approx(list(by_impulses(work, chain)), rel=1e-11)
-
-
-def test_mirrored_after_periodic(work):
-    expected = by_impulses(
-        work, lambda image: through(through(image, BLUR, "periodic"), CHAINS["odd"], "reflect")
-    )
-    power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, BLUR, GRID, "periodic")
-    found = power.filtered(work, CHAINS["odd"], GRID, "mirrored")
-    assert told(found) == pytest.approx(list(expected), rel=1e-11)
 
 
 def test_of_a_pattern_and_scaled():

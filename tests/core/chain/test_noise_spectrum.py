@@ -38,13 +38,6 @@ def test_behind_a_filter(work, axes, rows, columns):
     np.testing.assert_allclose(found, truth, rtol=0.02)
 
 
-def test_all_cells_have_the_power_of_all_waves(work):
-    grid = Grid(64, 48, 1.0, 1.25)
-    coloured = NoisePower.white(64, 48, 2.0).filtered(work, BLUR, grid, "periodic")
-    found = spectrum_of([coloured, NoisePower.white(64, 48, 0.5)], cells=16)
-    assert found.mean() == pytest.approx(coloured.moments().sample + 0.5, rel=1e-12)
-
-
 def test_of_a_pattern_of_one_frequency():
     """cos(2π·5·x/40) of 40 columns is wave 10 of 40: a quarter of Nyquist, in cell 2 of 8."""
     samples = np.tile(np.cos(2 * np.pi * 5 * (np.arange(40) + 0.5) / 40), (6, 1))
@@ -53,11 +46,6 @@ def test_of_a_pattern_of_one_frequency():
     found = spectrum_of([NoisePower.of_pattern(samples)], cells=8)
     lit = np.flatnonzero(found.sum(axis=0) > 1e-9 * found.sum())
     assert list(lit) == [1, 2]  # half of the wave's band on each side of 2/8
-
-
-def test_of_no_noise():
-    assert spectrum_of([]) is None
-    assert spectrum_of([NoisePower.white(4, 4, 0.0)]) is None
 
 
 def amplitude_power(operator, axes):

@@ -6,7 +6,7 @@ from scipy import special
 
 from core.chain import random_fields as streams
 from core.chain.random_fields import BLOCK, Stream, normal_field, poisson_field, uniform_field
-from core.errors import Cancelled, DataError, ParameterError
+from core.errors import DataError
 from core.machine import Workers
 
 SEEDS = range(20)
@@ -172,30 +172,6 @@ def test_means_that_are_none_are_refused(bad):
     mean[1, 2] = bad
     with pytest.raises(DataError, match=r"1 of 12 samples .* at \(1, 2\)"):
         poisson_field(mean, stream())
-
-
-def test_wrong_type_is_refused():
-    with pytest.raises(ParameterError, match="dtype"):
-        normal_field(stream(), (3,), dtype=np.int32)
-
-
-@pytest.mark.parametrize("threads", [1, 2])
-def test_blocks_are_done_one_by_one_and_may_be_stopped(threads):
-    done = []
-
-    def counted(function, items):
-        def one(item):
-            if len(done) == 3:
-                raise Cancelled("stopped")
-            function(item)
-            done.append(item)
-
-        Workers().for_each(one, items, threads)
-
-    normal_field(stream(), (3 * BLOCK,), for_each=counted)
-    assert sorted(done) == [0, 1, 2]
-    with pytest.raises(Cancelled):
-        normal_field(stream(), (8 * BLOCK,), for_each=counted)
 
 
 def test_generator_of_a_block_is_what_the_field_is_made_of():

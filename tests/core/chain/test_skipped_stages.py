@@ -2,34 +2,16 @@
 
 import math
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from arithmetic_modules import LIBRARY, TwoOut, ramp
+from arithmetic_modules import LIBRARY
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.chain.skipped import skips
-from core.chain.wires import Image
 from core.evaluation.policy import Policy
-from core.evaluation.recipes import Step
-from core.evaluation.store import EvaluationLog
-from core.modules.declaration import Module, NodeContext
-from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
-
-COLUMNS = 6  # of the ramp that the chain starts from; it has 4 rows
-
-
-class Pair(Module, key="pair", title="Pair", group="Test"):
-    """Two pictures that have nothing to do with each other."""
-
-    def run(self, here: NodeContext) -> TwoOut:
-        one, other = (
-            Image(Step.of(ramp, node=here.node, rows=2, columns=3, level=level), 2, 3)
-            for level in (0.0, 1.0)
-        )
-        return TwoOut(one, other)
+from engine_bench import CHAIN, CHAIN_LINKS, Bench, network
 
 
 def evaluated(document, *ports, bench=None, tolerance=0.0):
@@ -54,18 +36,6 @@ def chain(**params):
 
 
 class TestStages:
-    def test_a_neutral_setting(self):
-        found = evaluated(chain(blur=("sigma", 0)), "bin.image")
-        assert [each.kind for each in found if each.node == "blur"] == ["identity"]
-        assert of_kind(evaluated(chain(), "bin.image"), "identity") == {}
-
-    def test_a_disabled_node(self):
-        document = chain()
-        off = replace(document.nodes["blur"], disabled=True)
-        found = evaluated(replace(document, nodes={**document.nodes, "blur": off}), "bin.image")
-        assert [each.kind for each in found if each.node == "blur"] == ["disabled"]
-        assert of_kind(evaluated(document, "bin.image"), "disabled") == {}
-
     def test_below_the_budget_with_its_bound(self):
         """1 − H of a Gaussian is largest at the band's corner, (5/12, 3/8) cycles/mrad here."""
         sigma = 1e-3
@@ -104,81 +74,7 @@ class TestStages:
             assert list(of_kind(found, "below_budget")) == ["blur"]
 
 
-class TestPictures:
-    def test_pixels_combined_on_the_spectrum(self):
-        found = of_kind(evaluated(chain(), "bin.image"), "folded")
-        assert list(found) == ["bin"]
-        assert found["bin"].share == 1 / 4
-        assert "3 × 2" in found["bin"].text
-        odd = evaluated(chain(make=("columns", COLUMNS + 1)), "bin.image")
-        assert of_kind(odd, "folded") == {}  # 2 does not divide 7
-        assert of_kind(evaluated(chain(), "back.image"), "folded") == {}
-
-    def test_mirrored_edges(self):
-        found = of_kind(evaluated(chain(), "back.image"), "mirrored_edges")
-        assert list(found) == ["back"]
-        assert found["back"].share == 1 / 4
-        assert "12 × 8" in found["back"].text
-        assert of_kind(evaluated(chain(), "make.image"), "mirrored_edges") == {}
-
-    def test_outputs_that_nobody_asked_for(self):
-        ports = {
-            name: each.ports
-            for name, each in of_kind(evaluated(chain(), "bin.image"), "unseen").items()
-        }
-        assert ports == {
-            "init": ("magnitude", "phase"),
-            "blur": ("magnitude", "mtf"),
-            "back": ("image",),
-        }
-        asked = ("bin.image", "back.image", "init.magnitude", "init.phase", "blur.mtf")
-        found = of_kind(evaluated(chain(), *asked), "unseen")
-        assert {name: each.ports for name, each in found.items()} == {"blur": ("magnitude",)}
-        assert of_kind(evaluated(chain(), *asked, "blur.magnitude"), "unseen") == {}
-
-    def test_a_port_that_is_passed_on_is_no_output_of_its_own(self):
-        found = evaluated(network({**LINE, "a": ("scale", {"factor": 1})}), "b.image", "b.noise")
-        assert of_kind(found, "unseen") == {}
-        assert list(of_kind(found, "identity")) == ["a"]
-
-
-class TestUnchanged:
-    def test_a_second_one_computes_nothing(self):
-        bench = Bench()
-        evaluated(network(LINE), "b.image", bench=bench)
-        found = of_kind(evaluated(network(LINE), "b.image", bench=bench), "unchanged")
-        assert list(found) == ["make", "a", "b"]
-        assert {each.share for each in found.values()} == {0.0}
-
-    def test_a_node_that_computed_something_is_not_unchanged(self):
-        """Of two outputs one was there behind another picture, the other is new."""
-        engine = Engine({**LIBRARY, "pair": Pair})
-        plan = engine.plan(network({"pair": ("pair", {}), "a": ("scale", {})}))
-        for ports in (["a.image"], ["a.image", "pair.noise"]):
-            work = engine.work(Policy(precision="double", threads=1))
-            for port in ports:
-                engine.value(plan, port, work)
-        assert list(of_kind(skips(plan, work), "unchanged")) == ["a"]
-
-    def test_a_new_blur_keeps_the_spectrum(self):
-        bench = Bench()
-        evaluated(chain(), "bin.image", bench=bench)
-        found = of_kind(evaluated(chain(blur=("sigma", 2)), "bin.image", bench=bench), "unchanged")
-        assert list(found) == ["make", "back"]
-        assert found["back"].share == 1 / 2  # the spectrum was there, the inverse was not
-        assert "1 of 2" in found["back"].text
-
-
 class TestAccount:
-    def test_what_two_pictures_share_is_said_once(self):
-        found = evaluated(chain(blur=("sigma", 1e-9)), "bin.image", "back.image", tolerance=1e-3)
-        said = [(each.node, each.kind) for each in found]
-        assert len(said) == len(set(said))
-
-    def test_a_failed_node_has_no_account(self):
-        document = network({**LINE, "make": ("maker", {"level": -13})})
-        assert evaluated(document) == ()
-
     def test_taking_it_asks_for_nothing_and_changes_no_bit(self):
         bench = Bench()
         plan, work = bench.engine.plan(chain()), bench.work()
@@ -217,11 +113,3 @@ class TestAccount:
         }
         assert set(work.log.requested) == work.log.computed == keys
         assert of_kind(skips(plan, work), "unchanged") == {}
-
-
-def test_what_was_asked_for_but_not_computed_was_there():
-    here, there = (Step.of(math.sqrt, node=name, x=name) for name in ("here", "there"))
-    log = EvaluationLog()
-    log.requested = {here.key: here, there.key: there}
-    log.computed.add(here.key)
-    assert log.reused() == [there]

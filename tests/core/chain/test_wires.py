@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from core.chain import wires
 from core.chain.wires import MOST_STAGES, Magnitude
 from core.errors import NetworkError
 from core.transfer.factors import Grid, Law, Separable
@@ -29,26 +28,6 @@ def test_a_key_tells_of_the_stages_and_not_of_how_they_came_together():
     assert Magnitude(None, GRID, factors=stages[:3]).times(stages[3]).key == whole.key
     others = (stages[:3], stages[1:], (*stages[:2], stages[3], stages[2]), (*stages, stages[3]))
     assert len({Magnitude(None, GRID, factors=other).key for other in others} | {whole.key}) == 5
-
-
-def test_a_chain_twice_as_long_hashes_twice_as_many_parts(monkeypatch):
-    hashed = []
-
-    def count(*parts):
-        hashed.append(sum(len(part) if isinstance(part, tuple) else 1 for part in parts))
-        return original(*parts)
-
-    original = wires.content_key
-    monkeypatch.setattr(wires, "content_key", count)
-    parts = []
-    for length in (100, 200):
-        hashed.clear()
-        wire = Magnitude(None, GRID)
-        for number in range(length):
-            wire = wire.times(stage(number))
-            assert wire.key
-        parts.append(sum(hashed))
-    assert parts[1] == 2 * parts[0]
 
 
 def test_a_chain_beyond_the_budget_is_refused():

@@ -56,21 +56,6 @@ def test_what_is_no_backdrop_is_passed_over(network):
     )
 
 
-@pytest.mark.parametrize("strange", [None, 5, "text", {"title": "x"}, [], [[]]])
-def test_a_strange_field_has_none(kodak, strange):
-    network = replace(kodak, extra={"backdrops": strange})
-    assert backdrops_of(network) == ()
-    assert backdrops_of(add(network, OPTICS).apply(network)) == (OPTICS,)
-
-
-def test_changing_keeps_what_else_the_file_says(network):
-    after = change(network, 0, replace(OPTICS, x=0.5)).apply(network)
-    assert entries(after)[0] == {
-        "title": "Optics", "x": 0.5, "y": -50, "width": 420, "height": 300, "tint": "blue",
-    }  # fmt: skip
-    assert entries(after)[1:] == OF_A_FILE[1:]
-
-
 def test_changing_the_second_passes_over_what_is_none(network):
     after = change(network, 1, OPTICS).apply(network)
     assert entries(after)[8] == {
@@ -84,17 +69,6 @@ def test_removing(network, kodak):
     assert entries(after) == OF_A_FILE[:8] + OF_A_FILE[9:]
     one = add(kodak, OPTICS).apply(kodak)
     assert remove(one, 0).apply(one) == kodak  # no empty list is left behind
-
-
-@pytest.mark.parametrize("index", [-1, 3])
-def test_a_backdrop_that_is_not_there(network, index):
-    for attempt in (
-        lambda: change(network, index, OPTICS),
-        lambda: remove(network, index),
-        lambda: nodes_on(network, index, {}),
-    ):
-        with pytest.raises(NetworkError, match="there is no backdrop"):
-            attempt()
 
 
 @pytest.mark.parametrize(
@@ -149,11 +123,6 @@ def test_a_backdrop_follows_its_nodes_that_are_pushed(places, moved, grown):
     new = replace(before, x=before.x + moved, width=before.width + grown)
     assert backdrops_of(after) == (new,)
     assert set(nodes_on(Move(points).apply(after), 0, sizes)) == {"a", "b"}
-
-
-def test_a_backdrop_stays_where_what_lies_on_it_stays():
-    network, sizes = _row(a=0.0, b=140.0, far=400.0)
-    assert following(network, {"far": (480.0, 0.0)}, sizes) is None
 
 
 SIZE = (180.0, 120.0)
@@ -248,13 +217,3 @@ def test_grounds_on_grounds_and_empty_ones():
         assert outer.x < inner.x
         assert inner.x + inner.width < outer.x + outer.width
         assert (empty.x, empty.y) == (9000, 9000)
-
-
-def test_a_ground_that_a_wire_leaves_and_comes_back_to_goes_round_its_nodes():
-    network = chain(4)
-    network = Move({"n1": (0.0, 400.0), "n2": (900.0, 900.0), "n3": (240.0, 400.0)}).apply(network)
-    network = add(network, Backdrop("both", -50, 350, 600, 200)).apply(network)
-    assert held(network) == [{"n1", "n3"}]
-    after = laid_out(network, sizes_of(network)).apply(network)
-    assert held(after)[0] >= {"n1", "n3"}
-    assert overlapping(after) == []

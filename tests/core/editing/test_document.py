@@ -5,9 +5,8 @@ import os
 
 import pytest
 
-from core.editing.document import GONE, Document, mark, mark_of, rebased
+from core.editing.document import Document, mark, rebased
 from core.editing.operations import (
-    ABSENT,
     Add,
     Move,
     Placed,
@@ -19,7 +18,7 @@ from core.editing.operations import (
     set_parameter,
 )
 from core.errors import ChangedFileError, FileError, NetworkError
-from core.network.file import read_network, read_text
+from core.network.file import read_text
 from core.network.network import Link, Network, Node
 
 
@@ -127,22 +126,6 @@ def test_no_operation_brings_links_that_no_file_may_have(document, links, reason
     assert document.history.position == 0
 
 
-def test_wiring_that_was_wrong_before_can_be_mended(library):
-    nodes = {name: Node(name, "jitter_mtf") for name in "abc"}
-    loop = (Link("a", "magnitude", "b", "magnitude"), Link("b", "magnitude", "a", "magnitude"))
-    document = Document(Network(nodes=nodes, links=loop), library=library)
-    assert document.do(Rewire(add=(Link("b", "magnitude", "c", "magnitude"),)))
-    assert document.do(Rewire(remove=loop[:1]))
-
-
-def test_saving_writes_what_is_opened_again(document, library, tmp_path):
-    document.do(set_parameter("init", "f_number", ABSENT))
-    document.save(tmp_path / "a.json")
-    assert document.path == tmp_path / "a.json"
-    assert document.folder == tmp_path
-    assert read_network(tmp_path / "a.json", library=library) == document.network
-
-
 def test_a_document_without_a_file_asks_for_one(document):
     with pytest.raises(NetworkError, match="choose where to save it"):
         document.save()
@@ -175,21 +158,6 @@ def named(path):
     return json.loads(path.read_text())["name"]
 
 
-def test_the_second_to_save_is_refused_and_the_first_ones_work_stands(file, library):
-    one, two = opened(file, library), opened(file, library)
-    one.do(set_network_field("name", "one"))
-    two.do(set_network_field("name", "two"))
-    one.save()
-    with pytest.raises(ChangedFileError, match=r"mine.json has been changed since it was opened"):
-        two.save()
-    assert named(file) == "one"
-    assert two.modified
-    two.save(over=True)
-    assert named(file) == "two"
-    assert two.disagreement() == ""
-    assert one.disagreement() == "changed"
-
-
 def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
     """Of the same size, and at the same time to the nanosecond."""
     document = opened(file, library)
@@ -201,16 +169,6 @@ def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
     document.do(set_network_field("name", "mine"))
     with pytest.raises(ChangedFileError):
         document.save()
-
-
-def test_a_removed_file_is_noticed_and_can_be_made_anew(file, library):
-    document = opened(file, library)
-    file.unlink()
-    document.do(set_network_field("name", "mine"))
-    with pytest.raises(ChangedFileError, match="has been removed"):
-        document.save()
-    document.save(over=True)
-    assert named(file) == "mine"
 
 
 def test_another_file_is_not_looked_at(file, library):
@@ -225,16 +183,6 @@ def test_another_file_is_not_looked_at(file, library):
     document.do(set_network_field("name", "mine again"))
     document.save()
     assert named(other) == "mine again"
-
-
-def test_what_is_no_file_never_agrees(tmp_path, file, library):
-    document = opened(file, library)
-    file.unlink()
-    file.mkdir()
-    assert document.disagreement() == "changed"
-    assert mark_of(tmp_path / "nothing") == GONE
-    os.mkfifo(tmp_path / "pipe")
-    assert mark_of(tmp_path / "pipe") not in ("", GONE)
 
 
 def network_of(**paths):
@@ -271,26 +219,6 @@ def test_through_a_folder_that_is_a_link(library, tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "real/deep")
     found = moved(network_of(a="scene.npy"), library, tmp_path / "work", tmp_path / "link")
     assert (tmp_path / "link" / found["a"]).read_bytes() == b"here"
-
-
-def test_what_needs_no_change_gets_none(library, tmp_path):
-    old, new = tmp_path / "a", tmp_path / "b"
-    assert rebased(network_of(a="/elsewhere/scene.npy"), library, old, new) is None
-    assert rebased(network_of(a="scene.npy"), library, old, old) is None
-    assert rebased(network_of(a="scene.npy"), library, old, tmp_path / "b/../a") is None
-    assert rebased(Network(), library, old, new) is None
-
-
-def test_what_is_no_file_name_stays(library, tmp_path):
-    nodes = {
-        "none": Node("none", "read_image", {"path": None}),
-        "empty": Node("empty", "read_image", {"path": ""}),
-        "strange": Node("strange", "read_image", {"path": 5}),
-        "null": Node("null", "read_image", {"path": "a\0b"}),
-        "scene": Node("scene", "test_scene", {"kind": "dormitory"}),
-        "old": Node("old", "gone", {"path": "scene.npy"}),
-    }
-    assert rebased(Network(nodes=nodes), library, tmp_path / "a", tmp_path / "b") is None
 
 
 def test_every_file_name_of_every_module(library, tmp_path):

@@ -45,14 +45,6 @@ def test_a_position_that_is_not_there_is_refused_with_the_range(document, positi
     assert document.network is before
 
 
-def test_a_gesture_does_not_go_on_after_going_away_and_back(document):
-    document.do(set_parameter("init", "f_number", 3.0), gesture="drag")
-    document.go_to(0)
-    document.go_to(1)
-    document.do(set_parameter("init", "f_number", 4.0), gesture="drag")
-    assert document.history.last == 2
-
-
 def test_lines_say_what_a_value_was_and_is(document):
     had = document.network.nodes["init"].params.get("f_number", "default")
     steps = [

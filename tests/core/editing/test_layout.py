@@ -64,12 +64,6 @@ def test_wires_lead_to_the_right_and_nothing_overlaps(seed, count, wires):
     assert again == after
 
 
-def test_the_shipped_networks(shipped):
-    for network in shipped.values():
-        sizes = dict.fromkeys(network.nodes, (180.0, 130.0))
-        assert_sound(Move(arranged(network, sizes)).apply(network), sizes)
-
-
 def test_the_kodak_chain_stays_one_row(kodak):
     """All but what hangs on it, which no row has room for."""
     after = Move(arranged(kodak, {})).apply(kodak)

@@ -64,17 +64,6 @@ def test_new_nodes_stand_free_and_moved_by_the_least(seed):
     assert not any(stands_free(s) for s in shorter)
 
 
-@pytest.mark.parametrize("count", [1, 7, 300])
-def test_many_nodes_find_room_among_many(count):
-    random = Random(count)
-    network = network_at(drawn(random, 2000, 2000))
-    points = drawn(random, count, 300)
-    moved = free(network, points)
-    there = list(boxes_of(network.layout, sizes_of(network.nodes)).values())
-    for box in boxes_of(moved, sizes_of(moved)).values():
-        assert all(apart(box, other) for other in there)
-
-
 def pushed(points, at, behind=()):
     network = network_at({**points, "new": at})
     places = made_way(network, sizes_of(network.nodes), "new", at, behind)

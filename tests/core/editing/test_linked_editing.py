@@ -55,14 +55,6 @@ def done_and_undone(network, operation, library):
     return after
 
 
-def test_a_node_renamed_is_named_so(kodak, library):
-    after = done_and_undone(linked(kodak), Rename("init", "Lens no. 2".replace(".", "")), library)
-    assert texts(after)[0] == "'Lens no 2'.f_number * 2 / 1000"
-    assert sigmas(after, library) == (0.004, 0.04)
-    after = done_and_undone(linked(kodak), Rename("aberration", "blur"), library)
-    assert texts(after, "blur")[1] == "blur.sigma_x_mrad * 10"
-
-
 def test_a_name_too_long_for_an_expression_is_refused(kodak, library):
     document = Document(linked(kodak), library=library)
     before = document.text()
@@ -85,12 +77,6 @@ def test_deleting_what_is_followed_leaves_the_value(kodak, library):
     # What follows a node that stays is still linked.
     assert after.nodes["aberration"].linked == ("sigma_y_mrad",)
     assert sigmas(after, library) == (0.004, 0.04)
-
-
-def test_deleting_what_nobody_follows_is_as_ever(kodak, library):
-    assert taken_out(kodak, ("init",), library) == (Remove(("init",)), ())
-    both, kept = taken_out(linked(kodak), ("init", "aberration"), library)
-    assert (both, kept) == (Remove(("init", "aberration")), ())
 
 
 def test_copies_follow_copies_and_what_was_not_copied(kodak, library):

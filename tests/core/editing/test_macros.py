@@ -22,12 +22,9 @@ from core.editing.operations import (
     ABSENT,
     Remove,
     Rename,
-    Rewire,
-    Together,
     output_toggled,
     set_parameter,
 )
-from core.editing.wiring import new_node
 from core.errors import NetworkError
 from core.evaluation.policy import Policy
 from core.network.file import format_network, parse_network
@@ -95,25 +92,6 @@ def test_grouping_and_ungrouping_change_no_bit(name, small, library):
     renamed = Rename("camera", "sensor").apply(macro)
     for each in noisy:  # what draws noise says so in the file: another name changes nothing
         assert renamed.nodes["sensor"].macro.nodes[each].noise == each
-
-
-def test_a_macro_in_a_macro_changes_no_bit(small, library):
-    network = small("kodak_kir310")
-    port = "electronics.image"
-    before = picture(network, library, port)
-    macro, _ = grouped(network, library, ["back", "pixels", "electronics", "frame_grabber"])
-    body = macro.nodes["camera"].macro
-    step = at_level(
-        ("camera",), group(body, library, ["pixels", "electronics"], "chip", "camera/")[1]
-    )
-    deeper = step.apply(macro)
-    assert not problems(deeper, library=library)
-    assert np.array_equal(before, picture(deeper, library, "camera/chip/electronics.image"))
-    body = deeper.nodes["camera"].macro
-    step = at_level(("camera",), ungroup(body, library, "chip", "camera/")[1])
-    assert step.apply(deeper) == macro
-    outer = ungroup(deeper, library, "camera")[1].apply(deeper)
-    assert np.array_equal(before, picture(outer, library, "chip/electronics.image"))
 
 
 def test_a_copy_of_a_macro_draws_its_own_noise(small, library):
@@ -212,15 +190,6 @@ def test_exposing_twice_or_renaming_to_a_name_that_is_taken_is_refused(camera):
         expose(camera.network, "scene", "width")
 
 
-def test_renaming_inside_is_followed_outside(camera):
-    camera.do(Inside("camera", Rename("init", "entry")))
-    extra = camera.network.nodes["camera"].macro.extra
-    assert extra["parameters"]["f_number"] == "entry.f_number"
-    assert extra["inputs"]["image"] == "entry.image"
-    camera.undo()
-    assert "init" in camera.network.nodes["camera"].macro.nodes
-
-
 def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
     camera.do(set_parameter("camera", "f_number", 4.0))
     text = camera.text()
@@ -233,12 +202,6 @@ def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
     assert "inputs" not in network.nodes["camera"].macro.extra
     camera.undo()
     assert camera.text() == text
-
-
-def test_links_inside_are_checked_like_those_outside(camera):
-    wrong = Link("init", "magnitude", "optics", "phase")
-    with pytest.raises(NetworkError, match=r"inside camera: init\.magnitude gives magnitude"):
-        camera.do(at_level(("camera",), Rewire(add=(wrong,))))
 
 
 def test_inside_of_what_is_no_macro(camera):
@@ -257,13 +220,3 @@ def test_removing_and_renaming_a_macro_follows_mentions_of_its_inside(small, lib
     gone = Remove(("camera",))
     assert not [r for r in gone.apply(macro).extra.get("published", ()) if "camera/" in r["from"]]
     assert "camera/electronics" in unfolded(macro).nodes
-
-
-def test_steps_on_a_node_that_comes_with_them_stay_as_they_are(shipped, library):
-    network = shipped["first_steps"]
-    name, adding = new_node(network, library, "jitter_mtf", (0.0, 0.0))
-    link = Link("init", "context", name, "context")
-    steps = Together((adding, set_parameter(name, "sigma_mrad", 0.5), Rewire(add=(link,))))
-    after = addressed(network, steps).apply(network)
-    assert after.nodes[name].params == {"sigma_mrad": 0.5}
-    assert link in after.links

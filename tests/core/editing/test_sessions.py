@@ -10,7 +10,6 @@ from core.editing.links import check_new_wires
 from core.network.file import format_network, parse_network
 from core.network.network import Network
 from edited_networks import drawn_network
-from macro_edits import MACRO_MAKERS
 from sittings import Sitting
 from thorough import examples
 
@@ -35,7 +34,7 @@ def play(sitting, operations=OPERATIONS):
     sitting.back_and_forth()
 
 
-@settings(LIMITS, max_examples=8)
+@settings(LIMITS, max_examples=examples(16))
 @given(seed=SEEDS)
 def test_sessions_on_random_networks(seed, library):
     play(drawn_sitting(seed, library))
@@ -45,11 +44,6 @@ def test_sessions_on_random_networks(seed, library):
 @given(seed=SEEDS)
 def test_sessions_with_macros(seed, library):
     play(drawn_sitting(seed, library, macros=True), OPERATIONS // 2)
-
-
-def test_sessions_on_shipped_networks(library, shipped):
-    for seed, network in enumerate(shipped.values()):
-        play(Sitting(Random(seed), Document(network, library=library)), OPERATIONS // 4)
 
 
 @settings(LIMITS, max_examples=10)
@@ -63,7 +57,7 @@ def test_what_is_edited_can_always_be_saved_and_opened(seed, library):
     check_new_wires(Network(nodes=network.nodes), network, library)
 
 
-@settings(LIMITS, max_examples=20)
+@settings(LIMITS, max_examples=examples(40))
 @given(seed=SEEDS)
 def test_what_is_saved_is_known_whatever_is_undone_redone_and_edited(seed, library, tmp_path):
     sitting = drawn_sitting(seed, library)
@@ -80,14 +74,3 @@ def test_what_is_saved_is_known_whatever_is_undone_redone_and_edited(seed, libra
             sitting.save()
         else:
             sitting.document.end_gesture()
-
-
-def test_sessions_take_every_kind_of_operation(library):
-    missing = {maker.__name__ for maker in MACRO_MAKERS}
-    for seed in range(60):
-        sitting = drawn_sitting(seed, library, macros=True)
-        sitting.work(OPERATIONS)
-        missing -= sitting.counts.keys()
-        if not missing:
-            break
-    assert not missing

@@ -85,21 +85,6 @@ def test_two_contexts_are_none(kodak, library):
     assert found == links_of("detector.magnitude → jitter_mtf.magnitude")
 
 
-def test_a_context_finds_the_one_magnitude(library):
-    network = Network(nodes={"init": Node("init", "init_trans")})
-    found = wired(network, library, ("init", "context", "output"), "jitter_mtf", "context")
-    assert found == links_of(
-        "init.context → jitter_mtf.context", "init.magnitude → jitter_mtf.magnitude"
-    )
-
-
-def test_a_wire_from_an_empty_input_takes_nothing_from_behind_it(kodak, library):
-    """The one context there is lies behind the new node: no cycle is made."""
-    cut = Rewire(remove=(Link("scene", "image", "photons", "image"),)).apply(kodak)
-    found = wired(cut, library, ("photons", "image", "input"), "electronics_noise", "image")
-    assert found == links_of("electronics_noise.image → photons.image")
-
-
 def test_a_wire_from_an_occupied_input_is_led_through(kodak, library):
     name, operation = wired_to(
         kodak, library, ("back", "magnitude", "input"), Candidate("jitter_mtf", "magnitude"), (1, 2)
@@ -124,34 +109,6 @@ def test_what_does_not_fit_is_refused(kodak, library):
     ):
         with pytest.raises(NetworkError):
             wired_to(kodak, library, end, candidate, (0, 0))
-
-
-def changed(network, library, node, module):
-    """New links and gone ones, by their text; None where nothing fits."""
-    onward = continued(network, library, node, module, (0.0, 0.0))
-    if onward is None:
-        return None
-    _, operation = onward
-    after = operation.apply(network)
-    assert not problems(after, library=library, keep_unknown=True, unfinished=True)
-    new, gone = set(after.links) - set(network.links), set(network.links) - set(after.links)
-    return {str(link) for link in new}, {str(link) for link in gone}
-
-
-def test_it_comes_between_the_node_and_what_that_leads_to(kodak, library):
-    assert changed(kodak, library, "detector", "jitter_mtf") == (
-        {"detector.magnitude → jitter_mtf.magnitude", "jitter_mtf.magnitude → charge.magnitude",
-         "init.context → jitter_mtf.context"},
-        {"detector.magnitude → charge.magnitude"},
-    )  # fmt: skip
-
-
-def test_a_source_feeds_what_is_empty(library):
-    network = Network("n", nodes={"init": Node("init", "init_trans")})
-    assert changed(network, library, "init", "test_scene") == (
-        {"test_scene.image → init.image"},
-        set(),
-    )
 
 
 def test_what_does_not_fit_is_left_to_be_added_plainly(kodak, library):
@@ -222,27 +179,12 @@ def test_the_pupil_module_leads_the_phase_through_too(kodak, library, magnitude,
         )  # fmt: skip
 
 
-def test_of_two_magnitudes_beside_a_phase_none_is_taken(inframetrics, library):
-    """One comes from the same node, the other goes to the same: neither is beyond doubt."""
-    found = dropped(inframetrics, library, "exit_pupil_mtf", "optics.phase → back.phase")
-    assert found is not None
-    assert found[1] == {"optics.phase → back.phase"}
-
-
 def test_of_two_phases_the_one_that_goes_all_the_way_beside(kodak, library):
     aside = Link("init", "phase", "charge_eff_phase", "phase")
     network = Add((Placed(Node("charge_eff_phase", "charge_eff_phase")),), (aside,)).apply(kodak)
     found = dropped(network, library, "exit_pupil_mtf", "init.magnitude → optics.magnitude")
     assert found is not None
     assert found[1] == {"init.magnitude → optics.magnitude", "init.phase → optics.phase"}
-
-
-def test_electronics_before_the_context_do_not_make_a_cycle(kodak, library):
-    wire = "scene.image → photons.image"
-    assert dropped(kodak, library, "electronics_noise", wire) == (
-        {"scene.image → electronics_noise.image", "electronics_noise.image → photons.image"},
-        {wire},
-    )
 
 
 @pytest.mark.parametrize(
@@ -352,14 +294,6 @@ def test_of_two_ways_through_none_is_taken_but_by_dissolving(library, compared):
     assert led_past_by(compared, deleted(compared, library, ["less"]).apply(compared)) == set()
     dissolving = dissolved(compared, library, ["less"]).apply(compared)
     assert led_past_by(compared, dissolving) == links_of("one.image → last.image")
-
-
-def test_what_is_unknown_or_in_a_ring_is_only_taken_out(library):
-    nodes = {name: Node(name, "nobody_knows") for name in "abc"}
-    ring = Network("n", nodes=nodes, links=tuple(links_of("a.x → b.x", "b.x → a.x", "b.x → c.x")))
-    for names in (["b"], ["a", "b"]):
-        after = dissolved(ring, library, names).apply(ring)
-        assert led_past_by(ring, after) == set()
 
 
 def test_every_node_of_every_network_leaves_a_sound_one(shipped, library):

@@ -70,15 +70,6 @@ class Counting(Work):
 
 
 class TestOnce:
-    @pytest.mark.parametrize("capacity_bytes", [1, 1 << 20])
-    def test_what_two_need(self, capacity_bytes):
-        work = Counting(capacity_bytes)
-        picture = work.value(diamonds(30))
-        assert picture[0, 0] == 2.0**30 + 3 * (2.0**30 - 1)
-        assert set(work.times.values()) == {1}
-        assert len(work.times) == 91
-        assert capacity_bytes > 1 or work.nothing_left()
-
     def test_parts_too(self):
         work = Counting()
         picture = work.part(diamonds(10), REGION)
@@ -109,13 +100,6 @@ class TestOnce:
         assert set(work.times.values()) == {1}
         assert work.nothing_left()
 
-    def test_what_is_announced_and_never_asked_for_is_not_made(self):
-        work = Counting()
-        with work.hold([chain(5)]):
-            pass
-        assert not work.times
-        assert work.nothing_left()
-
 
 def noise(work, picture, *, stream):
     return picture + stream.frame
@@ -133,11 +117,6 @@ class TestLetGo:
         with pytest.raises(DataError, match=r"^bad: refused"):
             work.value(recipe)
         assert work.nothing_left()
-
-    def test_an_error_without_a_place_is_that_of_what_needs_it(self):
-        recipe = Step.of(plus, Step.of(plus, Step.of(refused, SOURCE), node="near"), node="far")
-        with pytest.raises(DataError, match=r"^near: refused"):
-            Counting().value(recipe)
 
     def test_after_it_was_stopped(self):
         stop = threading.Event()
@@ -176,15 +155,6 @@ class TestFailedClaims:
         assert (store.pinned, claims.waiting) == (pinned, waiting)
         claims.give_up([good])
         assert (store.pinned, claims.waiting) == (0, {})
-
-    def test_none_of_those_asked_for_together_stays(self):
-        store = Store(1)
-        claims = Claims(store, "/x")
-        good, bad = chain(3), Unclaimable.of(made, value=2, node="bad")
-        for wanted in ([good, bad], [bad, good], [Step.of(plus, good, bad), good]):
-            with pytest.raises(MemoryError):
-                claims.take(wanted)
-            assert (store.pinned, claims.waiting) == (0, {})
 
 
 class TestDeep:

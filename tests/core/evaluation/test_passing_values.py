@@ -52,9 +52,3 @@ def test_any_number_leaves_what_a_few_leave(work, region):
         assert fresh.store.pinned == 0
     assert left[5] == left[50]
     assert left[50][0] < 6
-
-
-def test_what_the_row_shares_is_made_once(work):
-    list(work.one_by_one(row(20), forgetting=True))
-    assert CALLS.count(("scene", 0)) == 1
-    assert [number for name, number in CALLS if name == "deviates"] == list(range(20))

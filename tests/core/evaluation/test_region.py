@@ -5,16 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.chain.random_fields import BLOCK, Stream, normal_field, normal_part
 from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_parts, pointwise
 from core.evaluation.region import Region, runs
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
+from engine_bench import CHAIN, CHAIN_LINKS, Bench, network
 
-STREAM = Stream(1996, "noise", "detector")
 PICTURE = np.arange(5 * 7, dtype=float).reshape(5, 7)
 
 
@@ -82,53 +80,6 @@ class TestRectangle:
         np.testing.assert_array_equal(region.blocks(8, size), expected)
 
 
-class TestDeviates:
-    @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-    @pytest.mark.parametrize(
-        "shape",
-        [
-            (1, 1),
-            (601, 449),
-            (3, BLOCK + 7001),
-            (BLOCK + 7001, 3),
-            (1, 3 * BLOCK - 1),
-            (BLOCK, 1),
-            (2, BLOCK),
-        ],
-    )
-    def test_are_those_of_the_field(self, shape, dtype):
-        field = normal_field(STREAM, shape, dtype=dtype)
-        rows, columns = shape
-        for region in (
-            Region(0, 0, 1, 1),
-            Region(rows - 1, columns - 1, 1, 1),
-            Region(rows // 3, columns // 2, rows - rows // 3, (columns + 1) // 2),
-            Region(0, 0, rows, columns),
-        ):
-            part = normal_part(STREAM, shape, region, dtype=dtype)
-            assert part.dtype == dtype
-            np.testing.assert_array_equal(part, field[region.slices])
-
-    @pytest.mark.parametrize(
-        ("shape", "region", "blocks"),
-        [
-            ((200, BLOCK // 64), Region(0, 0, 64, 64), [0]),
-            ((200, BLOCK // 64), Region(63, 1000, 2, 10), [0, 1]),
-            ((4, 4 * BLOCK), Region(1, 2 * BLOCK, 2, 10), [6, 10]),
-        ],
-    )
-    def test_no_other_block_is_drawn(self, shape, region, blocks):
-        drawn = []
-
-        def counted(function, items):
-            for item in items:
-                drawn.append(item)
-                function(item)
-
-        normal_part(STREAM, shape, region, dtype=np.float32, for_each=counted)
-        assert drawn == blocks
-
-
 def numbers(work: Work, *, node_of: str) -> np.ndarray:
     return PICTURE.copy()
 
@@ -188,12 +139,6 @@ class TestParts:
         assert not part.flags.writeable
         assert not np.shares_memory(part, whole)
 
-    def test_of_what_knows_only_the_whole(self):
-        work = Recorded()
-        np.testing.assert_array_equal(work.part(SOURCE, REGION), PICTURE[1:4, 2:6])
-        assert work.made == [("numbers", None)]
-        assert work.part(Step.of(largest, SOURCE), REGION) == 34.0
-
     @pytest.mark.parametrize("capacity_bytes", [1 << 20, 1])
     def test_of_several_that_need_a_whole_one(self, capacity_bytes):
         """The whole is made before parts of it are wanted, so that none is made twice."""
@@ -208,15 +153,6 @@ class TestParts:
 
 
 class TestEngine:
-    @pytest.mark.parametrize("port", ["make.image", "a.image", "b.noise"])
-    def test_value_of_a_region(self, port):
-        bench, document = Bench(), network(LINE)
-        plan = bench.engine.plan(document)
-        whole = Bench().get(document, port)
-        part = bench.engine.value(plan, port, bench.work(), Region(1, 2, 2, 3))
-        np.testing.assert_array_equal(part, whole[1:3, 2:5])
-        assert bench.engine.value(plan, port, bench.work(), Region(0, 0, 4, 6)).shape == (4, 6)
-
     @pytest.mark.parametrize(
         ("port", "region", "told"),
         [

@@ -59,17 +59,6 @@ class TestStore:
         assert store.peek("large") is None
         assert (store.used_bytes, store.pinned) == (0, 0)
 
-    def test_what_was_pinned_stays_while_there_is_room(self):
-        store = Store(capacity_bytes=35 * 1024)
-        first = store.get("first", lambda: block(10))
-        assert store.pin("first")
-        for key in "abc":
-            store.get(key, lambda: block(10))
-        store.unpin("first")
-        assert [key for key in ("first", *"abc") if store.holds(key)] == ["first", "b", "c"]
-        assert store.peek("first") is first
-        assert len(store) == 3
-
     def test_takes_what_the_memory_allows(self, monkeypatch):
         assert 1 << 27 <= Store().capacity_bytes <= 1 << 50
         for name, whole, limits, free, left, expected in (
@@ -128,20 +117,6 @@ class TestStore:
         assert made == ["k"]
         assert most[0] == 1
         assert all(value is found[0] for value in found)
-
-    def test_different_keys_do_not_wait_for_each_other(self):
-        store, meeting = Store(), threading.Barrier(2, timeout=PATIENCE_S)
-
-        def compute() -> int:
-            meeting.wait()  # breaks unless both are here at once
-            return 1
-
-        threads = [threading.Thread(target=store.get, args=(key, compute)) for key in "ab"]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join(PATIENCE_S)
-        assert store.peek("a") == store.peek("b") == 1
 
     def test_after_an_error_one_at_a_time_still_holds(self):
         """The first fails while a second waits and a third arrives: the two must not overlap."""
@@ -219,6 +194,3 @@ class TestKeys:
         for thing in (object(), lambda x: x, {1, 2}, 1j):
             with pytest.raises(TypeError):
                 content_key(thing)
-
-    def test_order_of_a_mapping_does_not_count(self):
-        assert content_key({"a": 1, "b": 2}) == content_key({"b": 2, "a": 1})

@@ -1,6 +1,5 @@
 """How a module's warnings are declared, asked for and gathered."""
 
-from dataclasses import replace
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -8,10 +7,10 @@ import pytest
 
 from core.chain.engine import Engine
 from core.chain.wires import Image
-from core.errors import Cancelled, ParameterError
+from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Module, declaration, warning
+from core.modules.declaration import Module, warning
 from core.modules.panel_sections import Caution, PendingCheck
 from core.modules.parameters import Param
 from linked_network import linked_network
@@ -133,26 +132,6 @@ def plan(key="taker", previous=None, **params):
     return Engine(LIBRARY).plan(document, previous=previous)
 
 
-def test_they_are_derived_from_the_class():
-    found = declaration(Taker).warnings
-    assert [(each.name, each.meaning, each.needs) for each in found] == [
-        ("unit", "A picture in kelvin.", ("image",)),
-        ("size", "A picture above the limit.", ("other", "outputs")),
-    ]
-    assert declaration(Maker).warnings == ()
-    assert declaration(Taker).readouts == ()
-
-
-def test_each_carries_its_node_and_check_and_what_to_do():
-    assert plan().warnings() == [
-        Caution("in K", "convert it", "take", "unit"),
-        Caution("2 rows", "cut it", "take", "size"),
-        Caution("in K", "convert it", "after", "unit"),
-    ]
-    assert str(plan().warnings()[0]) == "take: in K: convert it"
-    assert plan().warnings()[0].text == "in K: convert it"
-
-
 def test_they_are_asked_for_once_and_only_when_wanted():
     found = plan()
     assert CALLS == []
@@ -165,15 +144,6 @@ def test_they_keep_no_node_from_running_and_are_no_part_of_its_key():
     loud, quiet = plan(limit=1.0), plan(limit=3.0)
     assert loud.errors() == []
     assert loud.output("take.image").key == quiet.output("take.image").key
-
-
-def test_a_disabled_node_and_one_with_an_error_warn_of_nothing():
-    found = plan()
-    off = found.network.with_node(replace(found.network.nodes["take"], disabled=True))
-    assert Engine(LIBRARY).plan(off).nodes["take"].warnings == ()
-    wrong = plan(limit="wrong")
-    assert wrong.nodes["take"].error is not None
-    assert wrong.warnings() == []
 
 
 def failing(first="looking", level=3.0, **params):
@@ -199,13 +169,6 @@ def test_a_check_that_fails_is_a_warning_of_its_node_and_keeps_nothing_from_runn
     assert (broken.node, broken.check, broken.message) == ("bad", "broken", line)
     assert (sound.check, sound.message) == ("sound", "sets how, seen")
     assert [each.check for each in found.warnings()] == ([] if seen else ["broken"]) + ["sound"]
-
-
-def test_a_stop_is_no_failure_of_a_check():
-    FAULTS["stop"] = Cancelled("stopped on request")
-    engine, network = failing(how="stop", seen=True)
-    with pytest.raises(Cancelled):
-        engine.warnings(engine.plan(network), engine.work(Policy()))
 
 
 @pytest.mark.parametrize(("level", "lines"), [(10.0, []), (11.0, ["make: mean 11: dim it"])])

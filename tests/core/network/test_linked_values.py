@@ -31,11 +31,6 @@ def refusals(network, small_library):
     return [str(one) for one in found]
 
 
-def test_without_expressions_it_is_the_very_same(document, small_library):
-    network = parse_network(json.dumps(document), library=small_library)
-    assert with_values(network, library=small_library).network is network
-
-
 def test_values_take_the_place_of_expressions(document, small_library):
     network = linked(
         document,
@@ -107,16 +102,6 @@ def test_only_numbers_follow(place, allowed, document, small_library):
     assert "only a number can follow other parameters, and this is " + allowed in line
 
 
-def test_a_whole_number_stays_whole(document, small_library):
-    network = linked(document, small_library, scene__width="init.focal_length_mm / 3")
-    (line,) = refusals(network, small_library)
-    assert "it gives 66.6" in line
-    assert "it must give a whole number of at least 1" in line
-    network = linked(document, small_library, scene__width="round(init.focal_length_mm / 3)")
-    resolved = with_values(network, library=small_library)
-    assert resolved.network.nodes["scene"].params["width"] == 67
-
-
 def test_what_is_no_expression_is_refused(document, small_library):
     for raw, part in (
         ({"expression": 5}, "an expression must be text"),
@@ -145,21 +130,6 @@ def test_the_file_is_of_the_version_that_it_needs(document, small_library):
     assert '        "sigma_mrad": {"expression": "init.near_m * 2"}\n' in text
     assert parse_network(text, library=small_library) == network
     assert format_network(parse_network(text, library=small_library), library=small_library) == text
-
-
-def test_an_expression_of_an_unknown_module_is_left_alone(document, small_library):
-    document["nodes"]["other"] = {"module": "gone", "params": {"x": {"expression": "init.near_m"}}}
-    network = linked(document, small_library, jitter__sigma_mrad="init.near_m")
-    resolved = with_values(network, library=small_library)
-    assert resolved.network.nodes["other"] is network.nodes["other"]
-    assert resolved.network.nodes["jitter"].params["sigma_mrad"] == 1.0
-    network = linked(document, small_library, jitter__sigma_mrad="other.x")
-    assert any("unknown module" in line for line in refusals_known(network, small_library))
-
-
-def refusals_known(network, small_library):
-    found = problems(network, library=small_library, unfinished=True, keep_unknown=True)
-    return [str(one) for one in found]
 
 
 def test_a_long_way_of_links_needs_no_stack(small_library):

@@ -74,17 +74,6 @@ def test_a_macro_is_written_as_it_was_read(document):
     assert read(json.loads(text)) == network
 
 
-def test_a_file_has_the_least_version_that_suffices(document):
-    def version(nodes):
-        fields = {**document, "nodes": nodes, "links": []}
-        return json.loads(format_network(read(fields), library=LIBRARY))["version"]
-
-    plain = {"scene": document["nodes"]["scene"]}
-    assert version(plain) == 1
-    assert version(document["nodes"]) == 2
-    assert version({"noisy": {"module": "poisson_noise", "noise": "another"}}) == 2
-
-
 def test_shipped_networks_stay_of_version_1_but_where_a_parameter_follows_another():
     shipped = Path(__file__).parents[3] / "networks"
     files = sorted(shipped.glob("*.json"))

@@ -86,10 +86,6 @@ def _parse(document, library):
     return parse_network(json.dumps(document), library=library, name_of_source="n.json")
 
 
-def test_the_text_reads_well(document, small_library):
-    assert format_network(_parse(document, small_library), library=small_library) == FORMATTED
-
-
 def test_saved_is_loaded_equal_and_the_text_is_stable(document, small_library, tmp_path):
     network = _parse(document, small_library)
     path = tmp_path / "n.json"
@@ -130,21 +126,6 @@ def test_unknown_modules_round_trip_when_kept(document, small_library, tmp_path)
     again = json.loads(format_network(network, library=small_library))
     assert again["nodes"]["new"] == raw
     assert ["new.wire", "new2.wire"] in again["links"]
-
-
-def test_an_unfinished_network_opens_only_when_asked(document, small_library, tmp_path):
-    document["links"].pop(0)
-    path = tmp_path / "n.json"
-    path.write_text(json.dumps(document))
-    with pytest.raises(NetworkProblems, match="init: the input image needs a link"):
-        load_network(path, library=small_library)
-    assert load_network(path, library=small_library, unfinished=True).name == "Kodak KIR-310"
-
-
-def test_a_byte_order_mark_is_no_matter(document, small_library, tmp_path):
-    path = tmp_path / "n.json"
-    path.write_text(json.dumps(document), encoding="utf-8-sig")
-    assert load_network(path, library=small_library) == _parse(document, small_library)
 
 
 @pytest.mark.parametrize(
@@ -212,22 +193,3 @@ def test_it_is_read_again_only_when_it_has_changed(small_library, tmp_path):
     assert read_unchanged(path, library=small_library) is first
     write(path, "other")  # of the same length: an atomic write is another inode
     assert read_unchanged(path, library=small_library).name == "other"
-
-
-def test_a_file_written_in_place_is_read_again(small_library, tmp_path):
-    path = tmp_path / "one.json"
-    write(path, "first")
-    assert read_unchanged(path, library=small_library).name == "first"
-    before = path.stat()
-    path.write_text(path.read_text(encoding="utf-8").replace("first", "other"), encoding="utf-8")
-    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 1))
-    assert read_unchanged(path, library=small_library).name == "other"
-
-
-def test_what_cannot_be_read_is_tried_again(small_library, tmp_path):
-    path = tmp_path / "one.json"
-    for _ in range(2):
-        with pytest.raises(FileError, match="No such file"):
-            read_unchanged(path, library=small_library)
-    write(path, "first")
-    assert read_unchanged(path, library=small_library).name == "first"

@@ -1,5 +1,4 @@
 import json
-import sys
 import threading
 from typing import ClassVar
 
@@ -46,16 +45,6 @@ def test_text_that_is_no_network(text, message, small_library):
     assert _fault(text, small_library) == message
 
 
-def test_depth_does_not_depend_on_the_caller(document, small_library):
-    document["x"] = json.loads("[" * 63 + "]" * 63)
-    text = json.dumps(document)
-
-    def deep(rest):
-        return deep(rest - 1) if rest else parse_network(text, library=small_library)
-
-    assert deep(sys.getrecursionlimit() // 2).extra["x"]
-
-
 @pytest.mark.parametrize(
     ("path", "value", "message"),
     [
@@ -85,28 +74,12 @@ def test_wrong_types_and_values(path, value, message, document, small_library):
     assert _fault(json.dumps(document), small_library) == message
 
 
-@pytest.mark.parametrize("path", ["nodes", "version", "nodes.init.module"])
-def test_what_must_be_there(path, document, small_library):
-    *above, name = path.split(".")
-    target = document
-    for step in above:
-        target = target[step]
-    del target[name]
-    assert _fault(json.dumps(document), small_library).startswith(f"{path} is missing: it must be ")
-
-
 @pytest.mark.parametrize("name", ["", " ", "a.b", "a=b", "a\tb", "a\x7f", "a\x85b", "a\u2028b"])
 def test_node_ids_that_are_not_allowed(name, document, small_library):
     document["nodes"][name] = {"module": "back"}
     line = _fault(json.dumps(document), small_library)
     assert line.startswith(f"{name!r} is not allowed as a node's id: ")
     assert line.isprintable()
-
-
-def test_what_may_be_left_out(small_library):
-    network = parse_network(HEAD[:-2] + "}", library=small_library)
-    assert (network.name, network.description, network.seed) == ("", "", 0)
-    assert (dict(network.nodes), network.links, dict(network.layout)) == ({}, (), {})
 
 
 def test_migrations_run_in_turn_from_the_version_of_the_file():
@@ -166,12 +139,3 @@ def test_reading_a_long_file_from_a_small_stack(small_library):
         threading.stack_size(0)
     thread.join(PATIENCE_S)
     assert found == ["network: nested more than 64 deep"]
-
-
-@pytest.mark.parametrize("slip", ["param", "Params", "parameters", "disable"])
-def test_a_slip_in_a_node_is_not_kept_as_a_field(small_library, slip):
-    text = json.dumps(
-        {"format": "imagechain-network", "version": 1, "nodes": {"a": {"module": "x", slip: {}}}}
-    )
-    with pytest.raises(NetworkError, match="did you mean"):
-        parse_network(text, library=small_library)

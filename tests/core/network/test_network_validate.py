@@ -1,13 +1,11 @@
 import json
-import pickle
 import sys
 
 import pytest
 
-from core.errors import NetworkError, ParameterError
 from core.network.network import Link, Network, Node
 from core.network.parsing import parse_network
-from core.network.validation import NetworkProblems, check_network, problems
+from core.network.validation import problems
 
 
 def _lines(document, library, **options):
@@ -154,35 +152,6 @@ def test_a_disabled_module_needs_only_what_it_passes_on(document, small_library)
     document["nodes"]["jitter"]["disabled"] = True
     _without("jitter.context")(document)
     assert _lines(document, small_library) == []
-
-
-def test_kept_unknown_modules_may_have_any_port(document, small_library):
-    UNKNOWN_MODULE(document)
-    assert len(_lines(document, small_library)) == 1
-    assert _lines(document, small_library, keep_unknown=True) == []
-
-
-def test_what_check_raises_knows_all_problems(document, small_library):
-    BELOW_RANGE(document)
-    MISSING_INPUT(document)
-    network = parse_network(json.dumps(document), library=small_library)
-    with pytest.raises(NetworkProblems) as caught:
-        check_network(network, library=small_library)
-    error = caught.value
-    assert isinstance(error, NetworkError)
-    assert error.exit_code == 2
-    assert error.more == 1
-    assert [type(problem) for problem in error.problems] == [ParameterError, NetworkError]
-    assert str(error) == str(error.problems[0])
-    assert error.node == "jitter"
-    assert error.__cause__ is error.problems[0]
-
-
-def test_problems_can_be_pickled():
-    error = NetworkProblems([NetworkError("first", node="a"), NetworkError("second")])
-    again = pickle.loads(pickle.dumps(error))
-    assert [str(problem) for problem in again.problems] == ["a: first", "second"]
-    assert str(again.at("b")) == "a: first"
 
 
 def test_the_work_grows_with_a_hostile_number_of_faults_and_no_faster(small_library):

@@ -31,17 +31,6 @@ def test_what_lies_there(disk, tmp_path):
     assert not list(tmp_path.iterdir())  # without a name, nothing can be left
 
 
-def test_strips_are_written_by_rows_and_read_by_columns(disk):
-    strips = disk.strips((128, 300), np.float32)
-    expected = np.random.default_rng(0).random((128, 300), np.float32)
-    for rows in (slice(0, 100), slice(100, 128)):
-        strips[rows] = expected[rows]
-    assert len(strips.strips) == 3  # of 128 columns, a sixteenth of what the run may take
-    for place, strip in strips:
-        np.testing.assert_array_equal(strip, expected[:, place])
-    np.testing.assert_array_equal(strips[90:20:-3], expected[90:20:-3])
-
-
 def test_a_store_keeps_it_only_while_it_is_pinned(disk):
     store = Store(1 << 30)
     store.pin("a")

@@ -48,15 +48,3 @@ def test_a_scan_towards_plus_x_delays_towards_plus_x():
     line[0, 20] = 1.0
     got = filter_lines(work, line, factors=POLE, grid=Grid(1, 65, 0.9, 0.9), edges="reflect")[0]
     assert got[21:30].sum() > 3 * got[11:20].sum()
-
-
-def test_threads_change_no_bit():
-    image = np.random.default_rng(5).uniform(30, 50, (700, 301)).astype(np.float32)
-    grid = Grid(700, 301, 0.9, 0.9)
-    one, two = (
-        filter_lines(
-            Work(Policy(threads=n), Store()), image, factors=POLE, grid=grid, edges="reflect"
-        )
-        for n in (1, 2)
-    )
-    assert np.array_equal(one, two)

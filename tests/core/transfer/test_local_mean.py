@@ -39,16 +39,3 @@ def test_equals_the_sum(sigma, shape, precision):
     expected = summed(image, sigma)
     assert got.dtype == work.policy.dtype
     assert np.abs(got - expected).max() <= TOLERANCE[precision] * np.abs(expected).max()
-
-
-def test_no_width_is_the_picture_itself():
-    image = np.random.default_rng(4).uniform(20, 60, (5, 6))
-    got = local_mean(Work(Policy(precision="double"), Store()), image, sigma_px=0.0)
-    assert np.array_equal(got, image)
-    assert got is not image
-
-
-def test_threads_change_no_bit():
-    image = np.random.default_rng(4).uniform(20, 60, (700, 301)).astype(np.float32)
-    one, two = (local_mean(Work(Policy(threads=n), Store()), image, sigma_px=5.0) for n in (1, 2))
-    assert np.array_equal(one, two)

@@ -14,7 +14,6 @@ from core.transfer.factors import Grid, Law, Planar
 from core.transfer.planar_blocks import (
     SINGLE_TOLERANCE,
     Planes,
-    Quarter,
     _probes,
     axes_of,
     cross_approximation,
@@ -97,18 +96,6 @@ def test_only_the_support_is_evaluated_and_the_rest_is_0(name, size_cm, axes):
         np.testing.assert_array_equal(planes.block(rows), expected[rows])
 
 
-def test_support_leaves_out_columns_and_rows():
-    xi, eta = np.arange(5.0), np.array([0.0, 1.0, 2.0, 3.0, -4.0, -3.0, -2.0, -1.0])
-    quarter = Quarter.of(xi, eta, (2.5, 3.0))
-    np.testing.assert_array_equal(quarter.xi, [0, 1, 2])
-    np.testing.assert_array_equal(quarter.eta, [0, 1, 2, 3])
-    lines, which = quarter.rows(slice(3, 7))
-    np.testing.assert_array_equal(quarter.eta[lines], [3, 3, 2])
-    np.testing.assert_array_equal(which, [True, False, True, True])
-    assert quarter.rows(slice(5, 8)) == (slice(3, 0, -1), None)
-    assert Quarter.of(xi, eta, None).samples == 25
-
-
 @pytest.mark.parametrize("name", ["clear", "spider"])
 def test_double_precision_is_never_approximated(name):
     factor, grid = pupil(SHAPES[name], 25.6), Grid(200, 257, 1.0, 1.3)
@@ -135,21 +122,6 @@ def test_a_plane_kept_or_not_gives_the_same_bits(factor, precision, axes):
     )
     assert kept.dtype == np.dtype(Policy(precision=precision).dtype)
     assert np.array_equal(kept, anew)
-
-
-def test_a_plane_of_high_rank_is_given_up():
-    noise = np.random.default_rng(1).normal(size=(300, 200))
-    found = cross_approximation(lambda i, j: noise[np.ix_(i, j)], 300, 200, 1e-7)
-    assert found is None
-
-
-def test_a_plane_of_rank_three_is_found():
-    rng = np.random.default_rng(2)
-    plane = rng.normal(size=(300, 3)) @ rng.normal(size=(3, 200))
-    found = cross_approximation(lambda i, j: plane[np.ix_(i, j)], 300, 200, 1e-9)
-    assert found is not None
-    assert found[0].shape == (300, 3)
-    assert np.abs(found[0] @ found[1] - plane).max() < 1e-9
 
 
 def test_what_the_first_probes_miss_is_found_between_them():

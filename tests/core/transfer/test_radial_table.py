@@ -45,11 +45,5 @@ def test_places_too_rough_to_interpolate_are_evaluated():
     np.testing.assert_array_equal(table.at(radii**2, step), step(np.sqrt(radii**2)))
 
 
-def test_the_last_value_holds_beyond_the_end():
-    table = RadialTable.of(lambda radii: 1.0 - radii, reach=1.0, error=1e-8)
-    assert not table.rough
-    np.testing.assert_array_equal(table.at(np.array([1.0, 1.1, 9e9]), None), 0.0)
-
-
 def test_what_is_rough_everywhere_has_no_table():
     assert RadialTable.of(lambda radii: np.sin(1e6 * radii), reach=1.0, error=1e-8) is None
