@@ -45,11 +45,6 @@ def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
     assert public <= {"fft", "special", "version", "linalg"}
 
 
-def test_a_network_is_checked_without_transforms(tmp_path):
-    loaded = loaded_by(["check", "kodak_kir310"], tmp_path)
-    assert not loaded & {"scipy.fft", "scipy.special"}
-
-
 def test_a_trade_off_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
     words = ["tradeoff", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
     packages = {name.split(".")[0] for name in loaded_by(words, tmp_path)}
@@ -61,11 +56,6 @@ def test_a_study_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
     packages = {name.split(".")[0] for name in loaded_by([*words, "--jobs", "1"], tmp_path)}
     assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
     assert not packages & {"dask", "distributed", "pandas", "pyarrow", "xarray", "zarr"}
-
-
-def test_modules_loads_no_qt(tmp_path):
-    packages = {name.split(".")[0] for name in loaded_by(["modules", "--json"], tmp_path)}
-    assert not packages & (QT | {"matplotlib", "rich"})
 
 
 def test_report_draws_without_a_display(tmp_path):

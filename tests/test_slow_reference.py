@@ -13,7 +13,6 @@ import pytest
 
 import slow_reference
 from slow_reference.filtering import filtered, filtered_lines
-from slow_reference.numbers import PI
 from slow_reference.pupil import annulus, defocused_disc
 from slow_reference.pupil_area import inside, overlap
 from slow_reference.pupil_samples import NOLL, autocorrelation
@@ -207,9 +206,3 @@ def test_weights_of_interpolation_by_hand():
     cubic = weights(np.float64, 4, 2, 3, None)
     assert cubic[0].tolist() == [0.5625 - 0.0625, 0.5625, -0.0625, 0]
     assert np.abs(weights(np.longdouble, 7, 12, 3, None).sum(axis=1) - 1).max() <= 8 * EPS
-
-
-def test_pi_is_extended():
-    with mpmath.workdps(30):
-        high, low = float(PI), float(PI - np.longdouble(float(PI)))
-        assert abs(mpmath.mpf(high) + mpmath.mpf(low) - mpmath.pi) < 4 * EPS

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import sys
-import tomllib
-from fnmatch import fnmatch
 from itertools import pairwise
 from pathlib import Path
 
@@ -147,27 +145,3 @@ def test_pixels_count_the_photons_of_every_band(network, stored, transmission):
     assert made["signal_e"] == pytest.approx(electrons, rel=5e-3)
     assert 30 < made["well_fill_percent"] < 60
     assert made["photon_weighting"] == "spectrum"
-
-
-def test_nothing_is_warned_of(network):
-    engine, plan = network
-    assert engine.warnings(plan, engine.work(DOUBLE)) == []
-
-
-def test_few_wavelengths_stand_for_all_within_the_bound(network):
-    engine, plan = network
-    exact = engine.value(plan, "pixels.image", engine.work(DOUBLE))
-    usual = Engine(engine.library)
-    quick = usual.value(plan, "pixels.image", usual.work(Policy()))
-    assert exact.shape == (80, 96)
-    assert np.abs(quick - exact).max() <= 1e-5 * np.ptp(exact)
-
-
-def test_its_files_are_packaged():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    patterns = project["tool"]["setuptools"]["package-data"]["networks"]
-    files = list(FOLDER.iterdir())
-    assert sorted(file.name for file in files) == ["air_4km.csv", "scene.img", "scene.img.hdr"]
-    for file in files:
-        assert any(fnmatch(f"cubes/{file.name}", pattern) for pattern in patterns)
-    assert sum(file.stat().st_size for file in files) < 1_050_000

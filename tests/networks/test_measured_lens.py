@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
-from fnmatch import fnmatch
-
 import numpy as np
 import pytest
 
 from app.run.shipped import shipped_networks
-from child_process import ROOT
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.file import load_network
@@ -78,17 +74,3 @@ def test_their_pictures_are_alike(lens):
     }
     assert found["wavefront"] < 0.0025
     assert found["table"] < 0.006
-
-
-def test_nothing_is_warned_of(lens):
-    engine, plan, work = lens
-    assert engine.warnings(plan, work) == []
-
-
-def test_its_files_are_packaged():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    patterns = project["tool"]["setuptools"]["package-data"]["networks"]
-    files = list((ROOT / "networks" / "lenses").iterdir())
-    assert len(files) == 3
-    for file in files:
-        assert any(fnmatch(f"lenses/{file.name}", pattern) for pattern in patterns)

@@ -79,15 +79,3 @@ def test_solved_inputs_are_solved_again(name, parameter, until, tmp_path):
     assert done.returncode == 0, done.stderr
     stored = DOCUMENTS[name]["nodes"][node]["params"][key]
     assert json.loads(done.stdout)["value"] == pytest.approx(stored, rel=5e-4)
-
-
-def test_the_report_of_one_compares_the_same(tmp_path):
-    """Found by its name, as an example is, and compared by `published_rows` too."""
-    done = run_here("run", "landsat8_oli", "--report", "facts.json", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    rows = json.loads((tmp_path / "facts.json").read_text())["published"]
-    assert [row["verdict"] for row in rows] == ["reproduced"] * 5
-    changed = ["--set", "camera.aperture_mm=100"]
-    done = run_here("run", "landsat8_oli", *changed, "--report", "facts.json", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert json.loads((tmp_path / "facts.json").read_text())["published"] == []

@@ -8,15 +8,12 @@ from dataclasses import replace
 import pytest
 
 from battery_settings import EXAMPLES
-from child_process import ROOT
 from core.chain.engine import Engine
 from core.errors import ParameterError
-from core.network.file import load_network
-from core.transfer.factors import Law, Planar, Separable
+from core.transfer.factors import Law, Separable
 from library_battery import LIBRARY, planned
 from library_battery import network as battery_network
 
-SHIPPED = sorted((ROOT / "networks").glob("*.json"))
 # Settings that the panel allows, and what they come to: beyond what a number can hold.
 BEYOND = {
     "vibration_mtf": (
@@ -78,21 +75,3 @@ def assert_each_number_is_checked(plan):
 @pytest.mark.parametrize("key", LIBRARY)
 def test_no_factor_of_a_module_is_made_of_what_is_no_number(key, folder):
     assert_each_number_is_checked(planned(key, EXAMPLES[key], folder))
-
-
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_nor_one_of_a_shipped_network(path):
-    network = load_network(path, library=LIBRARY)
-    assert_each_number_is_checked(Engine(LIBRARY).plan(network, folder=path.parent))
-
-
-def test_a_law_is_checked_once():
-    asked = []
-
-    def flat(*, rho):
-        asked.append(rho)
-        return rho
-
-    factor = Planar(Law.of(flat), radial=True, symmetric=True)
-    replace(factor, label="again")
-    assert [list(rho) for rho in asked] == [[0.0]]

@@ -6,16 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from battery_settings import EXAMPLES, NEUTRAL, SETTINGS
-from library_battery import DECLARED, FILTERS, LIBRARY
+from library_battery import DECLARED, LIBRARY
 from nodes import library
 
 PORT_TYPES = {"image", "magnitude", "phase", "context", "pupil", "transfer", "curve", "table"}
-
-
-def test_tables_name_only_registered_modules():
-    for table in (EXAMPLES, NEUTRAL, SETTINGS):
-        assert set(table) <= set(LIBRARY)
 
 
 def test_no_two_files_of_modules_have_one_name():
@@ -35,10 +29,6 @@ class TestDeclared:
         assert declared.summary.endswith(".")
         assert len(declared.summary) <= 120
         assert not declared.text.startswith(LIBRARY[key].__name__ + "(")  # dataclass' own words
-
-    def test_filters_name_their_source(self, key):
-        if key in FILTERS:
-            assert "Source" in DECLARED[key].text
 
     def test_ports_are_typed(self, key):
         declared = DECLARED[key]
@@ -82,10 +72,3 @@ class TestDeclared:
         for readout in declared.readouts:
             assert readout.meaning.endswith("."), readout.name
             assert set(readout.needs) <= ports
-
-    def test_modules_of_one_folder_share_a_group(self, key):
-        area = LIBRARY[key].__module__.split(".")[1]
-        groups = {
-            d.group for k, d in DECLARED.items() if LIBRARY[k].__module__.split(".")[1] == area
-        }
-        assert len(groups) == 1

@@ -113,13 +113,6 @@ def test_the_module_takes_the_orbit_of_the_camera(tables, tmp_path):
     assert "altitude_m = 9000 m here, 5e+05 m on Camera" in words
 
 
-@pytest.mark.parametrize("missing", ["altitude_m", "range_m"])
-def test_a_length_that_is_missing_is_named(tables, tmp_path, missing):
-    given = {"altitude_m": 3000, "range_m": 4000}
-    _, plan = planned(tmp_path, {name: given[name] for name in given if name != missing})
-    assert missing in str(plan.errors()[0])
-
-
 def test_without_pybsm_the_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "pybsm.utils", None)
     table_path.cache_clear()
@@ -127,14 +120,3 @@ def test_without_pybsm_the_extra_is_named(monkeypatch, tmp_path):
     (text,) = map(str, plan.errors())
     assert text.startswith("air: model = modtran_tables needs the package pybsm: run pip install")
     assert "[atmosphere]" in text
-
-
-def test_the_tables_themselves():
-    """A path of theirs is given as it is stored."""
-    utils = pytest.importorskip("pybsm.utils")
-    table_path.cache_clear()
-    table = utils.load_database_atmosphere_no_interp(altitude=6e3, ground_range=1e4, ihaze=1)
-    transmission, radiance = table_path(height_km=6.0, range_km=chord_km(6.0, 10.0), ihaze=1)
-    np.testing.assert_allclose(np.array(transmission)[:, 1], table[:, 1], atol=1e-7)
-    path = (table[:, 2] + table[:, 4]) / 1e6
-    np.testing.assert_allclose(np.array(radiance)[:, 1], path, rtol=1e-5, atol=1e-9)

@@ -88,19 +88,6 @@ def test_r0_looking_up_weighs_the_air_at_the_ground():
     assert found["up"] < found["vertical"] / 2
 
 
-def test_r0_goes_as_the_wavelength_to_six_fifths():
-    """Of a Cn², and of an r0 that is quoted at 0.5 µm and taken to 10 µm."""
-    air = {"turbulence": "long_exposure", "cn2": 3e-14, "view": "up"}
-    visible, thermal = (run({**air, "wavelength_um": one})[1]["r0_m"] for one in (0.5, 10.0))
-    assert thermal / visible == pytest.approx(20 ** (6 / 5), rel=1e-12)
-    typed = {"turbulence": "long_exposure", "fried_r0_m": visible, "wavelength_um": 10.0}
-    mtf, figures = run({**typed, "r0_wavelength_um": 0.5})
-    assert figures["r0_m"] == pytest.approx(thermal, rel=1e-12)
-    same, _ = run({**air, "wavelength_um": 10.0})
-    np.testing.assert_allclose(mtf, same, rtol=1e-12)
-    assert run(typed)[1]["r0_m"] == visible
-
-
 def test_the_cutoff_of_particles_is_their_radius_over_the_wavelength():
     """At 10 µm, of 20 mm wide ones: 2 cycles/mrad; the middle of the band if none is typed."""
     custom = {"turbidity": "custom", "scatter_depth": 0.9, "turbulence": "none"}

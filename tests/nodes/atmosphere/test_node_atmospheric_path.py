@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import mpmath
 import numpy as np
 import pytest
 
-from command_line import run_here
 from core.chain.engine import Engine
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
@@ -143,19 +141,6 @@ def mtf_chain(folder, params, blur, samples):
     return known
 
 
-def test_absorption_alone_dims_and_does_not_blur(tmp_path):
-    """exp(−0.35·2 km) of every sample, and an MTF of 1."""
-    samples = np.random.default_rng(3).uniform(20, 60, (12, 16))
-    known = mtf_chain(
-        tmp_path,
-        {"model": "extinction_per_km", "extinction_per_km": 0.35, "range_m": 2000.0},
-        {"turbidity": "custom", "absorption_per_km": 0.35},
-        samples,
-    )
-    np.testing.assert_array_equal(known.value("blur.mtf"), 1.0)
-    np.testing.assert_allclose(known.value("back.image"), math.exp(-0.7) * samples, rtol=1e-12)
-
-
 def test_scattering_alone_has_its_plateau_and_dims_the_mean(tmp_path):
     samples = np.random.default_rng(4).uniform(20, 60, (12, 16))
     known = mtf_chain(
@@ -184,30 +169,6 @@ def test_a_file_of_transmission_and_one_with_path_radiance(chain, tmp_path):
     np.testing.assert_allclose(known.value("air.image"), 0.25 * SAMPLES + 6.0, rtol=1e-12)
     assert known.figures()["path_radiance"] == pytest.approx(6.0, rel=1e-12)
     assert known.table()["path_radiance_10_um"] == pytest.approx(1.5, rel=1e-14)
-
-
-def test_tape7(chain, tmp_path):
-    """800 cm⁻¹ is 12.5 µm: 1e-6 W/cm²/sr per cm⁻¹ are 0.64 W/m²/sr/µm there."""
-    (tmp_path / "tape7").write_text(
-        "  FREQ   TOT TRANS  PTH THRML  THRML SCT  SURF EMIS\n"
-        "    800.     0.5000  1.000E-06  0.000E+00  0.000E+00\n"
-        "   1250.     0.5000  2.000E-06  0.000E+00  0.000E+00\n"
-        "  -9999.\n"
-    )
-    known = chain({"model": "modtran", "path": "tape7"}, read={"cut_on_um": 8, "cut_off_um": 12.5})
-    first, last = 2e-6 * 1e8 / 64, 1e-6 * 1e8 / 12.5**2
-    assert last == pytest.approx(0.64, rel=1e-12)
-    added = (first + last) / 2 * 4.5  # straight in wavelength
-    assert known.figures()["path_radiance"] == pytest.approx(added, rel=1e-12)
-    np.testing.assert_allclose(known.value("air.image"), 0.5 * SAMPLES + added, rtol=1e-12)
-
-
-def test_radiance_in_another_unit(chain):
-    """A mW/cm²/sr is 10 W/m²/sr, which Read Image makes of it."""
-    read = {**LWIR, "unit": "mW/cm^2/sr"}
-    known = chain({"transmission": 0.6, "air_K": 280}, samples=SAMPLES / 10, read=read)
-    expected = 0.6 * SAMPLES + 0.4 * band_radiance(8, 12, 280)
-    np.testing.assert_allclose(known.value("air.image"), expected, rtol=1e-12)
 
 
 def test_the_range_of_the_camera_or_of_the_context(chain):
@@ -306,49 +267,6 @@ def test_what_is_not_used_is_a_warning(params, words, chain, tmp_path):
     (tmp_path / "lut.csv").write_text("7,0.25,1.5\n13,0.25,1.5\n")
     (warned,) = (text for text in chain(params).warnings() if "not used" in text)
     assert words in warned
-
-
-def test_air_that_dims_a_thermal_scene_and_emits_nothing(chain):
-    (warned,) = chain({"transmission": 0.9}).warnings()
-    assert "dims a thermal scene and emits nothing" in warned
-    assert chain({"transmission": 0.9, "air_K": 280}).warnings() == []
-    assert chain({}).warnings() == []
-    visible = {"cut_on_um": 0.5, "cut_off_um": 0.8}
-    assert not any("emits" in w for w in chain({"transmission": 0.9}, read=visible).warnings())
-
-
-def test_nothing_passes(chain):
-    known = chain({"transmission": 0, "air_K": 280})
-    np.testing.assert_allclose(known.value("air.image"), band_radiance(8, 12, 280), rtol=1e-12)
-    assert known.figures()["optical_depth"] is None
-
-
-@pytest.mark.parametrize("case", reference_cases("at_sensor_radiance", file=CAMERA))
-def test_published_radiances_by_the_command(case, tmp_path):
-    """Written by `imagechain run`, in double precision."""
-    inputs = {name: float(value) for name, value in case["inputs"].items()}
-    scene = {
-        "kind": "uniform", "width": 4, "height": 3, "temperature_K": inputs["target_K"],
-        "cut_on_um": inputs["cut_on_um"], "cut_off_um": inputs["cut_off_um"],
-    }  # fmt: skip
-    path = {"transmission": inputs["transmission"], "air_K": inputs["air_K"]}
-    network = {
-        "format": "imagechain-network", "version": 1,
-        "nodes": {
-            "scene": {"module": "test_scene", "params": scene},
-            "air": {"module": "atmospheric_path", "params": path},
-        },
-        "links": [["scene.image", "air.image"]],
-    }  # fmt: skip
-    (tmp_path / "n.json").write_text(json.dumps(network))
-    done = run_here(
-        "run", "n.json", "--precision", "double", "--save", "air.image=l.npy",
-        "--save", "air.table=t.csv", folder=tmp_path,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
-    expected = float(case["expected"]["radiance_W_per_m2_sr"])
-    np.testing.assert_allclose(np.load(tmp_path / "l.npy"), expected, rtol=1e-9)
-    assert f"transmission,{inputs['transmission']}" in (tmp_path / "t.csv").read_text()
 
 
 def test_light_of_the_air_is_no_signal(tmp_path):

@@ -124,26 +124,6 @@ def test_grey_air_is_a_number_and_clear_air_nothing(chain):
     assert bench.plan.output("air.image").bands == bench.plan.output("read.image").bands
 
 
-def test_a_mean_of_alike_transmissions_is_that_one(tmp_path):
-    """Of a cube without light there is no weight, and none is needed; of clear air it is 1."""
-    wavelengths, width = centres(7)
-    write_cube(tmp_path, np.zeros((7, 2, 3)), wavelengths, width)
-    for value in (1.0, 0.7):
-        nodes = {
-            "read": ("read_image", {"path": "cube.img", "bands": "all"}),
-            "air": ("atmospheric_path", {"transmission": value}),
-        }
-        bench = NodeBench(standard_library(), tmp_path, nodes, [("read.image", "air.image")])
-        assert bench.readouts("air")["transmission"] == pytest.approx(value, rel=1e-15)
-
-
-def test_a_source_is_of_no_account(chain):
-    made, *_ = chain
-    bench, _ = made({**HAZE, "source_K": 900})
-    (caution,) = (one for one in bench.plan.warnings() if one.node == "air")
-    assert "source_K = 900 K is not used: the picture has 24 bands" in str(caution)
-
-
 def turbulent(frequency, um, r0_mm_at_4um):
     """Fried 1966, long exposure: exp(−3.44·(λρ/r0)^(5/3)), r0 as λ^(6/5)."""
     return np.exp(-3.44 * (um * frequency / (r0_mm_at_4um * (um / 4) ** 1.2)) ** (5 / 3))

@@ -3,17 +3,16 @@
 | promise | double | single | test |
 |---|---|---|---|
 | delivered MTF, periodic, against the analytic product | 1e-12 | 2e-6 | `test_delivered_transfer` |
-| mirrored frames against a direct sum, of the maximum | 1e-12 | 2e-6 | `test_delivered_edges`, |
-| | | | `tests/core/test_delivered`, `test_random_networks` |
+| mirrored frames against a direct sum, of the maximum | 1e-12 | 2e-6 | `test_table_of_extremes`, |
+| | | | `test_random_networks` |
 | mean radiance, relative | 1e-13 | 1e-7 | `test_delivered_transfer` |
 | shift from the first bin, periodic | 1e-10 | 1e-5 sample | `test_delivered_transfer` |
 | centroid of a point centred in an odd frame | 1e-10 | 1e-5 sample | here |
-| fold then inverse against inverse then mean | 1e-13 | 1e-6 | `test_delivered_combining`, |
-| | | | `tests/core/test_delivered` |
+| fold then inverse against inverse then mean | 1e-13 | 1e-6 | `test_delivered_combining` |
 | reference values | 1e-12·abs + 1e-15 | | `tests/core/physics`, all of them: here |
 | OTF of half-moon, hinged, slit and spider | 1e-12 | | `test_pupil_geometric_otf`: 3e-14 |
 | the same, delivered | 1e-12 | 2e-6 | here |
-| sampled pupil, 512 across, and an estimate that covers | 1e-4 | 1e-4 | here |
+| sampled pupil, 512 across, and an estimate that covers | 1e-4 | | `test_pupil_sampled_otf` |
 | band radiance, dL/dT, brightness temperature | 1e-12 | | `tests/core/physics/test_planck` |
 | radiance in a scene | 1e-12 | 1e-7 | here |
 """
@@ -34,7 +33,7 @@ from planck_truth import band_radiance
 from reference_cases import REFERENCE
 from short_chain import LIBRARY, short_chain
 from slow_reference.filtering import hermitian
-from slow_reference.pupil import annulus, defocused_disc, geometric_otf
+from slow_reference.pupil import geometric_otf
 
 BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0}
 
@@ -96,77 +95,6 @@ def test_geometric_pupils_delivered(tmp_path, name, precision):
         "periodic",
     )
     assert np.abs(found - expected).max() <= MTF_ERROR[precision]
-
-
-def sampled(folder, pupil, precision="double", **how):
-    """OTF of an aperture of 512 samples on lags out to its cutoff, those lags, and the estimate."""
-    pupil = {"size_x": 512, "size_y": 512, **pupil}
-    pitch, wavelength, size = 0.5, 10.0, 33
-    interval = 0.49 * wavelength / (512 * pitch)
-    optics = ("exit_pupil", pupil), ("exit_pupil_mtf", {
-        "cut_on_um": wavelength, "cut_off_um": wavelength, "size_x_cm": 25.6, "size_y_cm": 25.6,
-        **how,
-    })  # fmt: skip
-    bench, _ = short_chain(
-        folder, np.ones((size, size)), optics, interval_mrad=interval, precision=precision
-    )
-    lag = wavelength / pitch * np.fft.fftfreq(size, interval)
-    otf = bench.value("exit_pupil_mtf.mtf") * np.exp(1j * bench.value("exit_pupil_mtf.ptf"))
-    return otf, *np.meshgrid(lag, lag), bench.readouts("exit_pupil_mtf")["estimated_error"]
-
-
-DISC = {"shape": "clear", "radius": 256.0}
-
-
-@pytest.mark.thorough(but=3)
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("w20", [0.25, 1.0, -2.0])
-def test_wavefront_of_defocus(tmp_path, w20, precision):
-    """By Zernike's fourth polynomial, √3(2ρ² − 1): the piston does not count."""
-    waves = {"zernike_waves": [0.0, 0.0, 0.0, w20 / (2 * np.sqrt(3))]}
-    otf, x, y, estimate = sampled(tmp_path, {**DISC, **waves}, precision)
-    error = np.abs(otf - defocused_disc(np.hypot(x, y) / 512, w20)).max()
-    assert error <= 1e-4
-    assert error <= estimate
-
-
-def test_wavefront_of_tilt_is_a_shift(tmp_path):
-    otf, x, y, estimate = sampled(tmp_path, {**DISC, "zernike_waves": [0.0, 0.2, -0.1]})
-    moved = np.exp(2j * np.pi * (2 * 0.2 * x - 2 * 0.1 * y) / 256)
-    error = np.abs(otf - annulus(DISC, np.hypot(x, y)) * moved).max()
-    assert error <= 1e-4
-    assert error <= estimate
-
-
-@pytest.mark.parametrize("how", ["file", "autocorrelation"])
-@pytest.mark.parametrize(
-    "shape",
-    [
-        DISC,
-        {**DISC, "shape": "half_moon"},
-        {**DISC, "shape": "hinged", "slit_width": 20.0},
-        {**DISC, "shape": "cassegrain", "obscuration_radius": 80.0},
-    ],
-    ids=lambda shape: shape["shape"],
-)
-def test_samples_of_a_shape(tmp_path, shape, how):
-    """One bit a sample, as a file has them: edges that curve inside as well cost a little more."""
-    pupil = {**DEFAULTS["exit_pupil"], **shape}
-    given, method = pupil, {"method": "autocorrelation"}
-    if how == "file":
-        x = np.arange(512) - 255.5
-        lit = np.hypot(x, x[:, np.newaxis]) <= 256
-        lit &= np.hypot(x, x[:, np.newaxis]) >= (80 if shape["shape"] == "cassegrain" else 0)
-        if shape["shape"] == "half_moon":
-            lit &= x > 0
-        if shape["shape"] == "hinged":
-            lit &= np.abs(x) > 10
-        np.save(tmp_path / "pupil.npy", lit.astype(float))
-        given, method = {"shape": "file", "path": "pupil.npy"}, {}
-    otf, x, y, estimate = sampled(tmp_path, given, **method)
-    error = np.abs(otf - geometric_otf(pupil, x, y)).max()
-    assert error <= (2e-4 if shape["shape"] == "cassegrain" else 1e-4)
-    assert error <= estimate
 
 
 # ---------------------------------------------------------------- radiometry

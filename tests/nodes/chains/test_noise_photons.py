@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from core.errors import ImagechainError
-from core.network.network import Link, Network, Node
 from noise_bench import BOUND, QUIET, network
 
 
@@ -60,34 +59,6 @@ class TestPoissonPanels:
             assert_poisson(counts, level * scale)
 
 
-def test_two_panel_scene_at_its_means(bench):
-    """The scene of the library, brought to 12.5 and 50 photons."""
-    scene = {"kind": "two_panel", "width": 120, "height": 100, "temperature_K": 150,
-             "delta_K": 60}  # fmt: skip
-    nodes = {
-        "scene": Node("scene", "test_scene", scene),
-        "photons": Node("photons", "poisson_noise", {"mode": "photon", "photons_per_unit": 1}),
-    }
-    links = (Link.between("scene.image", "photons.image"),)
-    document = Network(seed=3, nodes=nodes, links=links)
-    clean = bench.get(document, "scene.image")
-    for side in (slice(0, 60), slice(60, 120)):
-        level = clean[0, side].mean()
-        assert np.ptp(clean[:, side]) == 0
-        for wanted in (12.5, 50.0):
-            scaled = document.with_parameter("photons", "photons_per_unit", wanted / level)
-            counts = bench.get(scaled, "photons.image")[:, side] * wanted / level
-            assert_poisson(counts, wanted)
-
-
-@pytest.mark.parametrize("mean", [0.3, 0.003])
-def test_published_percentages_of_the_thesis_are_small(bench, mean):
-    bench.picture(np.full((400, 500), 100 * mean))
-    noise = bench.get(network(QUIET, photons={"percent": 1}), "photons.noise")
-    assert_poisson(noise, mean)
-    assert np.array_equal(noise, np.rint(noise))
-
-
 def test_no_light_no_photons(bench):
     bench.picture(np.zeros((5, 6)))
     for photons in ({"mode": "photon", "photons_per_unit": 3}, {"percent": 50}):
@@ -101,15 +72,3 @@ def test_negative_light_is_refused(bench):
             bench.get(network(QUIET, photons=photons), "photons.image")
         assert caught.value.node == "photons"
         assert caught.value.exit_code == 2
-
-
-@pytest.mark.parametrize("width_px", [0.0, 2.5, 1e4, 1e9, 1e300])
-@pytest.mark.parametrize("percent", [1e-300, 1e-3, 0.1])
-def test_rare_photons_of_any_blur(bench, width_px, percent):
-    """A constant picture keeps its local mean whatever the weights' width."""
-    bench.picture(np.full((120, 160), 50.0))
-    document = network(QUIET, photons={"percent": percent, "width_px": width_px})
-    noise = bench.get(document, "photons.noise").astype(float)
-    mean = 0.5 * percent
-    spread = np.sqrt(mean / noise.size)
-    assert abs(noise.mean() - mean) <= BOUND * spread

@@ -78,19 +78,6 @@ class TestStreams:
         d = self.both(bench, network(NOISY, names=("reader", "photons")), node="reader")[0]
         assert not np.array_equal(a, d)
 
-    def test_other_nodes_leave_it_alone(self, bench):
-        changed = network(NOISY).with_parameter("beside", "amplifier_snr", 3)
-        changed = changed.with_parameter("photons", "percent", 20)
-        moved = replace(changed, nodes=dict(reversed(changed.nodes.items())))
-        a, b, c = self.both(bench, network(NOISY), changed, moved)
-        assert np.array_equal(a, b)
-        assert np.array_equal(b, c)
-
-    def test_own_settings_scale_it_but_draw_nothing_anew(self, bench):
-        louder = network({**NOISY, "d_star": 1e9 / 4, "amplifier_snr": 5, "gain_percent": 9})
-        a, b = self.both(bench, network(NOISY), louder)
-        assert np.allclose(b, 4 * a, rtol=1e-14, atol=0)
-
     def test_typed_seed_gives_the_same_noise_under_any_name_and_network(self, bench):
         typed = {**NOISY, "seed_mode": "typed", "seed": 42}
         a, b = self.both(bench, network(typed), network(typed, seed=3))
@@ -100,10 +87,6 @@ class TestStreams:
         assert np.array_equal(a, c)
         assert not np.array_equal(a, d)
         assert not np.array_equal(a, e)
-
-    def test_automatic_seed_ignores_the_typed_one(self, bench):
-        a, b = self.both(bench, network(NOISY), network({**NOISY, "seed": 42}))
-        assert np.array_equal(a, b)
 
     def test_typed_poisson_seed(self, bench):
         def noisy(**how):

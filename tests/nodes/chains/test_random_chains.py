@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from chain_runs import picture_of, run
-from drawn_chains import SIZES, chains, extreme, ordinary
+from drawn_chains import chains, ordinary
 from thorough import examples
 
 KINDS = ("scene", "constant", "zero", "huge", "tiny", "wide", "negative", "below zero", "point",
@@ -24,13 +24,6 @@ SETTINGS = settings(
 @settings(SETTINGS, max_examples=examples(150))
 @given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
 def test_ordinary_parameters(folder, drawn, precision):
-    size, chain = drawn
-    run(chain, picture_of("scene", size), folder, precision)
-
-
-@settings(SETTINGS, max_examples=examples(100))
-@given(drawn=chains(extreme, sizes=SIZES[2:9]), precision=st.sampled_from(["double", "single"]))
-def test_extreme_parameters(folder, drawn, precision):
     size, chain = drawn
     run(chain, picture_of("scene", size), folder, precision)
 

@@ -1,7 +1,5 @@
 """Networks of random modules in random order against direct sums that share no code with them.
 
-Thousands more are drawn by ``python tests/fuzz/direct_sums.py``.
-
 Left out by rule, not by a wider tolerance: pictures that hang on rounding, made with the phase of
 (nearly) nothing or with a pattern of too many turns, and those on whose way a quantizer stood
 within the tolerance of the turn between two levels. Where a quantizer comes last, either level

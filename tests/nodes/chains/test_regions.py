@@ -1,7 +1,5 @@
 """A region of a picture is the whole picture's, to the bit, and costs less."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -16,12 +14,10 @@ from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.network.file import load_network
-from core.network.network import Link, Node
 from delivered_chains import chain_network, scene
 from drawn_chains import SIZES, chains, ordinary
 from noise_bench import BAND, NOISY, network
-from region_checks import LIBRARY, assert_parts, image_ports, places
+from region_checks import LIBRARY, assert_parts, image_ports
 from small_networks import SHIPPED, small_network
 from thorough import examples
 
@@ -45,19 +41,6 @@ def test_shipped_networks(name, size, edges, precision):
     ports = image_ports(Engine(LIBRARY).plan(document, folder=SHIPPED))
     assert ports
     assert_parts(document, ports, SHIPPED, precision=precision)
-
-
-@pytest.mark.parametrize("precision", PRECISIONS)
-def test_a_microbolometer_of_several_blocks_of_deviates(precision):
-    """At its own size, before the correction."""
-    document = load_network(SHIPPED / "microbolometer.json", library=LIBRARY)
-    assert 2 * BLOCK < 640 * 480
-
-    def where(rows, columns):
-        assert (rows, columns) == (480, 640)
-        return [Region(200, 7, 30, 300), Region(0, 639, 480, 1)]
-
-    assert_parts(document, ["bolometer.image"], SHIPPED, precision=precision, where=where)
 
 
 @pytest.mark.thorough(but=27)
@@ -114,19 +97,6 @@ def test_interpolated(tmp_path, order, width, height, edges):
     document, last = chain_network(("blur",), 31, 17, edges, [resize])
     for precision in PRECISIONS:
         assert_parts(document, [f"{last}.image"], tmp_path, precision=precision)
-
-
-def test_periodic_noise_and_differences(tmp_path):
-    np.save(tmp_path / "in.npy", scene(31, 17))
-    pattern = {"amplitude": 2, "xi": 0.3, "eta": 0.2, "modulation": 0.5, "modulation_eta": 0.07}
-    document, last = chain_network(("blur",), 31, 17, "reflect", [("periodic_noise", pattern)])
-    look = {**document.nodes, "look": Node("look", "compare_images")}
-    links = (Link.between(f"{last}.image", "look.image"),
-             Link.between("file.image", "look.reference"))  # fmt: skip
-    document = replace(document, nodes=look, links=document.links + links)
-    ports = [f"{last}.image", f"{last}.noise", "look.difference"]
-    for precision in PRECISIONS:
-        assert_parts(document, ports, tmp_path, precision=precision)
 
 
 @settings(
@@ -274,7 +244,3 @@ class TestAccount:
             engine.value(plan, f"{last}.image", work, Region(0, 0, 2, 2))
             found = {each.kind for each in skips(plan, work) if each.node == "back"}
             assert found & {"region", "unchanged"} == kinds
-
-
-def test_places_differ():
-    assert len(places(20, 30)) == 7

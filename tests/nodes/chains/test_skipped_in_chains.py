@@ -90,10 +90,6 @@ def test_a_closed_form_needs_no_samples(tmp_path):
     assert ("pupil", "unseen") not in account(tmp_path, ports=("pixels.image", "pupil.pupil"))
 
 
-def test_what_is_passed_on_and_a_ptf_of_zero_are_no_outputs_to_compute(tmp_path):
-    assert account(tmp_path)["optics", "unseen"].ports == ("magnitude", "mtf")
-
-
 def test_all_that_a_known_picture_stems_from_is_unchanged(tmp_path):
     found = account(tmp_path, optics={"method": "autocorrelation"}, times=2)
     for node in ("scene", "pupil", "back", "pixels"):

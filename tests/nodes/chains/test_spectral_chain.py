@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from core.chain.frame_sequence import at_frame
-from core.errors import DataError, FileError, ParameterError
 from core.evaluation.policy import Policy
-from core.evaluation.region import Region
 from cube_files import band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
@@ -84,34 +82,6 @@ def test_a_low_rank_is_within_the_bound_that_is_stated(tmp_path, cube, tolerance
     assert np.abs(made - want).max() <= tolerance * np.ptp(want)
 
 
-def test_as_it_is_used_single_precision_is_within_1e_5_of_the_range(tmp_path, cube):
-    made, *_ = delivered(tmp_path, policy=Policy())
-    want = expected(cube)
-    assert np.abs(made - want).max() <= 1e-5 * np.ptp(want)
-
-
-@pytest.mark.parametrize(
-    ("policy", "allowed"),
-    [(Policy("double", 0.0), 1e-12), (Policy(), 1e-5), (Policy("single", 2e-3), 1e-5)],
-    ids=["every band", "as it is used", "few"],
-)
-def test_sixty_bands_of_256_squared(tmp_path, policy, allowed):
-    size, (wavelengths, width) = (256, 256), centres(BANDS)
-    samples = materials_cube(size, wavelengths, seed=5)
-    write_cube(tmp_path, samples, wavelengths, width, kind="f4")
-    stored = samples.astype(np.float32).astype(float)
-    nodes = network(size=size)
-    made, bench, work = delivered(tmp_path, policy=policy, nodes=nodes)
-    want = expected((stored, wavelengths, width))
-    error = made - want
-    assert np.abs(error).max() <= allowed * np.ptp(want)
-    rank = bench.port("back.image").recipe.rank(work)
-    if rank.bound:
-        contrast = width * stored.std(axis=(1, 2)).sum()
-        assert len(rank.chosen) <= 6
-        assert np.sqrt(np.mean(error**2)) <= rank.bound * contrast + 1e-7 * np.ptp(want)
-
-
 def test_pixels_combined_behind_it_are_the_means_of_that_picture(tmp_path, cube):
     nodes, links = network()
     nodes["pixels"] = ("combine_pixels", {"factor_x": 4, "factor_y": 2})
@@ -123,12 +93,6 @@ def test_pixels_combined_behind_it_are_the_means_of_that_picture(tmp_path, cube)
     )
     want = expected(cube).reshape(32, 2, 20, 4).mean(axis=(1, 3))
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
-
-
-def test_a_part_of_the_picture_is_that_part_of_the_whole(tmp_path, cube):
-    whole, bench, _ = delivered(tmp_path, policy=Policy())
-    part = bench.engine.work(Policy()).part(bench.port("back.image").recipe, Region(5, 7, 20, 30))
-    assert np.array_equal(part, whole[5:25, 7:37])
 
 
 def test_an_interval_within_the_cube_counts_bands_by_their_part(tmp_path, cube):
@@ -159,57 +123,6 @@ def test_bands_that_do_not_count_choose_no_wavelengths(tmp_path, cube):
     assert rank.shape[1] == np.count_nonzero(part > 1e-12)
     want = expected(cube, part)
     assert np.abs(made - want).max() <= 1e-6 * np.ptp(want)
-
-
-def test_missing_samples_are_refused_or_filled_band_by_band(tmp_path, cube):
-    samples, wavelengths, width = cube
-    holed = samples.copy()
-    holed[7, 3, 4] = np.nan
-    write_cube(tmp_path, holed, wavelengths, width)
-    with pytest.raises(DataError, match="row 3, column 4"):
-        delivered(tmp_path, policy=Policy())
-    for missing, value in (("zero", 0.0), ("mean", np.nanmean(holed[7]))):
-        filled = holed.copy()
-        filled[7, 3, 4] = value
-        nodes = network(read={"missing": missing})
-        made, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes)
-        want = expected((filled, wavelengths, width))
-        assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
-
-
-def test_a_file_without_wavelengths_is_refused(tmp_path):
-    np.save(tmp_path / "plain.npy", np.ones(SIZE))
-    nodes = network(read={"path": "plain.npy"})
-    bench = NodeBench(LIBRARY, tmp_path, *nodes)
-    error = bench.error("read")
-    assert isinstance(error, FileError)
-    assert "wavelengths" in str(error)
-
-
-def test_an_interval_beside_the_cube_is_refused(tmp_path, cube):
-    nodes = network(read={"cut_on_um": 8.0, "cut_off_um": 9.0})
-    error = NodeBench(LIBRARY, tmp_path, *nodes).error("read")
-    assert isinstance(error, ParameterError)
-    assert "3.01" in str(error)
-
-
-@pytest.mark.parametrize(
-    ("unit", "factor"), [("W/m^2/sr/um", 1.0), ("W/cm^2/sr/um", 1e-4), ("uW/cm^2/sr/nm", 0.1)]
-)
-def test_units_are_brought_to_one(tmp_path, cube, unit, factor):
-    samples, wavelengths, width = cube
-    write_cube(tmp_path, factor * samples, wavelengths, width, unit=unit)
-    made, *_ = delivered(tmp_path, policy=Policy("double", 0.0), port="read.image")
-    want = width * samples.sum(axis=0)
-    assert np.abs(made / want - 1.0).max() <= 1e-12
-
-
-def test_a_unit_that_is_not_understood_is_refused_with_those_that_are(tmp_path, cube):
-    write_cube(tmp_path, *cube, unit="flicks/sr/m^2")
-    error = NodeBench(LIBRARY, tmp_path, *network()).error("read")
-    assert isinstance(error, FileError)
-    assert "flicks" in str(error)
-    assert "W/m²/sr" in str(error)
 
 
 def test_later_frames_of_a_moving_picture_go_through_a_second_chain(tmp_path, cube):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.errors import DataError, ParameterError
 from cube_files import C1_UM, C2_UM, PHOTON_J_UM, band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
@@ -139,24 +138,3 @@ def test_the_responsivity_is_the_difference_that_a_kelvin_makes(tmp_path):
     assert electrons[300.0]["photon_weighting"] == "spectrum"
     noise = electrons[300.0]["temporal_noise_e"]
     assert electrons[300.0]["netd_K"] == pytest.approx(noise / made, rel=1e-12)
-
-
-def test_given_in_radiance_the_mean_is_that_of_the_scene(tmp_path, cube):
-    write_cube(tmp_path, *cube)
-    there = bench(tmp_path, plane={"units": "radiance"})
-    want = cube[2] * cube[0].sum(axis=0).mean()
-    assert there.value("plane.image").mean() == pytest.approx(want, rel=1e-3)  # of the shot noise
-
-
-def test_a_filter_beside_all_bands_is_refused(tmp_path, cube):
-    write_cube(tmp_path, *cube)
-    error = bench(tmp_path, plane={"cut_on_um": 8.0, "cut_off_um": 9.0}).error("plane")
-    assert isinstance(error, ParameterError)
-    assert "3 to 5 µm" in str(error)
-
-
-def test_bands_that_are_no_radiance_are_refused(tmp_path, cube):
-    write_cube(tmp_path, *cube, unit="reflectance")
-    error = bench(tmp_path).error("plane")
-    assert isinstance(error, DataError)
-    assert "not radiance" in str(error)

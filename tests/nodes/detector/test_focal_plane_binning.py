@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from core.evaluation.region import Region
 from focal_plane_bench import CAMERA_SHEET, focal_plane_bench
 
 PATTERNS = {"prnu_percent": 1.0, "dsnu_e": 300.0, "offset_dn": 20.0, "dark_current_e_per_s": 1e6}
@@ -146,20 +145,6 @@ def test_the_mtf_of_bins_is_their_width(tmp_path):
     f = 4 / 96
     wanted = math.sin(3 * math.pi * f) / (3 * math.sin(math.pi * f))
     assert contrast[1] / contrast[0] == pytest.approx(wanted, rel=1e-6)
-
-
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("port", ["image", "saturated"])
-def test_a_region_of_bins_has_the_bits_of_the_whole(tmp_path, mode, port):
-    params = {**BINS, "binning": mode, "bad_pixel_percent": 5.0, "nonlinearity_percent": 2.0,
-              "full_well_e": 8e5}  # fmt: skip
-    benches = [
-        bench_of(tmp_path, params, scene={"kind": "dormitory"}, size=(97, 61), precision="single")
-        for _ in range(2)
-    ]
-    region = Region(3, 5, 11, 20)
-    part = benches[1].work.part(benches[1].port(f"it.{port}").recipe, region)
-    np.testing.assert_array_equal(part, benches[0].value(f"it.{port}")[region.slices])
 
 
 def test_bins_larger_than_the_picture_are_refused(tmp_path):

@@ -45,25 +45,6 @@ def test_a_mean_that_is_clipped_has_no_netd_and_no_snr(tmp_path, params, said):
         assert bench.value(f"figures_of_merit.{curve}").series == ()
 
 
-def test_a_mean_just_below_the_well_has_all_its_figures(tmp_path):
-    cold = focal_plane_bench(tmp_path, CAMERA_SHEET, size=(8, 8)).readouts("it")
-    for fill, known in ((99.9, True), (100.1, False)):
-        seconds = 0.004 * 7e6 * fill / 100 / cold["signal_e"]
-        params = {**CAMERA_SHEET, "integration_time_s": seconds}
-        found = focal_plane_bench(tmp_path, params, size=(8, 8)).readouts("it")
-        assert found["well_fill_percent"] == pytest.approx(fill, rel=1e-9)
-        assert (found["netd_K"] is not None) == (found["snr"] is not None) == known
-
-
-def test_a_bent_response_fills_the_well_later(tmp_path):
-    """Bent by 5 % at the well, 1.03 of it reads as 1.03 - 0.05·1.03², 0.977 of it."""
-    cold = focal_plane_bench(tmp_path, CAMERA_SHEET, size=(8, 8)).readouts("it")
-    bent = {"integration_time_s": 0.004 * 7e6 * 1.03 / cold["signal_e"], "nonlinearity_percent": 5}
-    found = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **bent}, size=(8, 8)).readouts("it")
-    assert found["mean_dn"] == pytest.approx(16383 * (1.03 - 0.05 * 1.03**2), rel=1e-9)
-    assert found["netd_K"] is not None
-
-
 def test_dark_electrons_that_fill_the_well_leave_no_dynamic_range(tmp_path):
     dark = {**CAMERA_SHEET, "dark_current_e_per_s": 7e6 / 0.004}
     bench = focal_plane_bench(tmp_path, dark, size=(8, 8))

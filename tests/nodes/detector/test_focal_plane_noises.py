@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from node_bench import NodeBench
@@ -61,16 +60,6 @@ def test_netd_and_snr_of_figures_of_merit_are_those_of_the_focal_plane(tmp_path,
     assert not [caution for caution in bench.plan.checks() if caution.node == "merit"]
 
 
-def test_a_bent_response_lowers_the_slope_that_noise_is_divided_by(tmp_path):
-    straight = bench_of(tmp_path, {"bits": 0})
-    bent = bench_of(tmp_path, {"bits": 0, "nonlinearity_percent": 10.0})
-    own = straight.readouts("fpa")
-    total = own["signal_e"] + own["optics_e"]
-    slope = 1 - 2 * 0.1 * total / 7e6
-    read = math.hypot(own["shot_noise_e"], 400.0 / slope) / own["responsivity_e_per_K"]
-    assert bent.readouts("merit")["netd_K"] == pytest.approx(read, rel=1e-9)
-
-
 def test_shares_of_the_noise_budget(tmp_path):
     bench = bench_of(tmp_path)
     own = bench.readouts("fpa")
@@ -93,22 +82,3 @@ def test_frames_have_the_noise_that_is_predicted(tmp_path, params, scene):
     for name, spread in (("temporal", 1 / math.sqrt(2 * samples * FRAMES)),
                          ("fixed", 1 / math.sqrt(2 * samples))):  # fmt: skip
         assert table[f"{name}_measured"] == pytest.approx(table[name], rel=6 * spread), name
-
-
-def test_noise_before_the_focal_plane_arrives_in_its_numbers(tmp_path):
-    before = ("poisson_noise", {"mode": "photon", "photons_per_unit": 1e4})
-    bench = bench_of(tmp_path, {"read_noise_e": 0, "integration_time_s": 0.02}, before=before)
-    image = bench.value("fpa.image")
-    budget = bench.readouts("budget")
-    total = math.hypot(budget["sigma_temporal"], budget["sigma_fixed"])
-    assert np.std(image) == pytest.approx(total, rel=0.03)
-    quiet = bench_of(tmp_path, {"read_noise_e": 0, "integration_time_s": 0.02})
-    assert budget["sigma_temporal"] > 5 * quiet.readouts("budget")["sigma_temporal"]
-
-
-def test_pixels_of_a_sum_before_keep_the_background(tmp_path):
-    """The scene's temperature is that of the scene, whatever was summed on the way."""
-    before = ("combine_pixels", {"factor_x": 2, "factor_y": 2, "mode": "sum"})
-    bench = bench_of(tmp_path, {"full_well_e": 7e7, "bits": 0}, before=before)
-    table = bench.value("merit.table").as_dict()
-    assert table["background_K"] == pytest.approx(300.0, rel=1e-9)

@@ -116,15 +116,6 @@ def test_a_warm_band_behind_a_response_has_the_electrons_and_netd_of_its_black_b
     assert made["netd_K"] == pytest.approx(expected_netd(law), rel=2e-6)
 
 
-@pytest.mark.parametrize("name", RESPONSES)
-def test_a_cube_behind_a_response_has_them_too(tmp_path, name):
-    params, law = RESPONSES[name]
-    made, merit = figures(tmp_path, cube(tmp_path, [(LOW, HIGH)]), params)
-    assert made["signal_e"] == pytest.approx(electrons(law, 300.0), rel=2e-5)  # of the bands
-    assert made["netd_K"] == pytest.approx(expected_netd(law), rel=2e-5)
-    assert merit["netd_K"] == pytest.approx(expected_netd(law), rel=2e-5)
-
-
 def test_light_in_the_gaps_of_a_cube_is_no_part_of_its_temperature(tmp_path):
     parts = [(3.7, 4.0), (4.5, 4.8)]
     made, _ = figures(tmp_path, cube(tmp_path, parts), {})

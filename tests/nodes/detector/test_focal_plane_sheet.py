@@ -2,11 +2,9 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.evaluation.region import Region
 from focal_plane_bench import CAMERA_SHEET, cautions, focal_plane_bench
 
 CHARGE_C = 1.602176634e-19
@@ -131,20 +129,6 @@ def test_a_photoconductor_by_hand(tmp_path):
     assert other["dark_e"] * 0.3 == pytest.approx(1e-6 * 225e-8 / CHARGE_C * 0.004, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("params", "factor"),
-    [({"ionization_ratio": 0.02}, 0.02 * 10 + 0.98 * 1.9), ({"excess_noise_factor": 1.3}, 1.3)],
-)
-def test_an_avalanche_in_averaged_frames(tmp_path, params, factor):
-    apd = {"charge_gain": "avalanche", "charge_gain_factor": 10.0, "frames_averaged": 4, "bits": 0}
-    given = {**CAMERA_SHEET, **apd, **params, **exposure_of(200.0)}
-    bench = focal_plane_bench(tmp_path, given, size=(200, 150))
-    wanted = math.sqrt((factor * 200 + 40.0**2) / 4)
-    assert bench.readouts("it")["temporal_noise_e"] == pytest.approx(wanted, rel=1e-9)
-    spread = bench.value("it.electrons").std()
-    assert spread == pytest.approx(wanted, rel=4 / math.sqrt(2 * 200 * 150))
-
-
 def test_excess_noise_in_noise_budget_and_figures_of_merit(tmp_path):
     bench = focal_plane_bench(
         tmp_path, {**CAMERA_SHEET, **QWIP}, behind=("figures_of_merit", "noise_budget")
@@ -154,17 +138,6 @@ def test_excess_noise_in_noise_budget_and_figures_of_merit(tmp_path):
     temporal = own["temporal_noise_e"] / own["gain_e_per_dn"]
     assert found["sigma_temporal"] == pytest.approx(temporal, rel=1e-6)
     assert "Excess" in bench.value("noise_budget.noise").bars
-
-
-def test_a_region_has_the_bits_of_the_whole_behind_a_gain(tmp_path):
-    params = {**CAMERA_SHEET, **EMCCD, **exposure_of(20.0), "frames_averaged": 2}
-    benches = [
-        focal_plane_bench(tmp_path, params, scene={"kind": "dormitory"}, size=(97, 61),
-                          precision="single") for _ in range(2)
-    ]  # fmt: skip
-    region = Region(13, 29, 21, 40)
-    part = benches[1].work.part(benches[1].port("it.image").recipe, region)
-    np.testing.assert_array_equal(part, benches[0].value("it.image")[region.slices])
 
 
 def test_a_gain_setting_in_decibels_moves_the_converter_and_not_the_noise(tmp_path):

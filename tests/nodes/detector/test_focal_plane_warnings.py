@@ -2,7 +2,7 @@
 
 import pytest
 
-from focal_plane_bench import CAMERA_SHEET, LIBRARY, MWIR, SENSOR, cautions, focal_plane_bench
+from focal_plane_bench import CAMERA_SHEET, LIBRARY, SENSOR, cautions, focal_plane_bench
 from node_bench import NodeBench
 
 
@@ -84,48 +84,3 @@ def test_optics_of_another_band_than_the_cold_filter_are_warned_of(
     if warned and params:
         for words in ("(lens)", "7.5 to 12 µm", "7.7 to 9.3 µm", "cut_on_um = 7.7"):
             assert words in found[0].text
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("3,0.5\n4.2,0.6\n", ("ends at 4.2 µm with 0.6", "3.7 to 4.8 µm")),
-        ("4,0.5\n5,0.6\n", ("begins at 4 µm with 0.5",)),
-        ("4,0\n4.1,0.5\n4.2,0\n", ()),
-        ("3.7,0.5\n4.8,0.6\n", ()),
-    ],
-    ids=["ends", "begins", "closed", "whole"],
-)
-def test_a_response_that_breaks_off_within_the_band_is_warned_of(tmp_path, text, said):
-    (tmp_path / "qe.csv").write_text(text)
-    bench = focal_plane_bench(tmp_path, {**CAMERA_SHEET, "response": "qe.csv"}, size=(8, 8))
-    found = cautions(bench, "response_ends")
-    assert len(found) == bool(said)
-    for words in said:
-        assert words in found[0].text
-
-
-@pytest.mark.parametrize(
-    ("smear", "warned"),
-    [
-        ({"line_transfer_time_s": 1e-6}, True),
-        ({"line_transfer_time_s": 1e-6, "integration_time_s": 6e-4}, False),
-        ({}, False),
-    ],
-)
-def test_another_exposure_on_frame_transfer_smear_is_warned_of(tmp_path, smear, warned):
-    scene = {"kind": "uniform", "width": 8, "height": 8, **MWIR}
-    nodes = {
-        "scene": ("test_scene", scene),
-        "init": ("init_trans", SENSOR),
-        "smear": ("frame_transfer_smear", smear),
-        "lag": ("charge_trails", {"serial_efficiency": 0.999}),
-        "it": ("focal_plane", {"integration_time_s": 6e-4}),
-    }
-    links = [("scene.image", "init.image"), ("scene.image", "smear.image"),
-             ("smear.image", "lag.image"), ("lag.image", "it.image"),
-             ("init.context", "it.context")]  # fmt: skip
-    found = cautions(NodeBench(LIBRARY, tmp_path, nodes, links), "exposure")
-    assert len(found) == warned
-    if warned:
-        assert "0.0006 s here, 0.01 s on smear: enter" in found[0].text

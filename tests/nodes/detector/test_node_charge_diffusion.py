@@ -2,7 +2,7 @@
 
 import pytest
 
-from core.physics.detector.charge_diffusion import diffusion_mtf, silicon_absorption_per_um
+from core.physics.detector.charge_diffusion import diffusion_mtf
 from node_bench import NodeBench
 from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases
@@ -30,17 +30,6 @@ def test_the_reference(case, tmp_path):
     bench = bench_of(tmp_path, given, pixel_um=500.0 / frequency)
     found = bench.readouts("it")["mtf_at_pixel_nyquist_x"]
     assert found == pytest.approx(float(case["expected"]["mtf"]), rel=1e-9)
-
-
-def test_silicon_over_a_narrow_band_is_that_of_its_middle(tmp_path):
-    bench = bench_of(tmp_path, {}, band=(0.8499, 0.8501))
-    found = bench.readouts("it")
-    alpha = float(silicon_absorption_per_um(wavelength_um=0.85))
-    assert found["mean_absorption_per_um"] == pytest.approx(alpha, rel=1e-4)
-    expected = diffusion_mtf(
-        cycles_per_mm=50.0, absorption_per_um=alpha, depletion_um=5.0, diffusion_length_um=50.0
-    )
-    assert found["mtf_at_pixel_nyquist_y"] == pytest.approx(float(expected), rel=1e-4)
 
 
 def test_red_light_blurs_most_from_the_front_and_blue_from_the_back(tmp_path):

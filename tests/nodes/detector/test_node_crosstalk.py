@@ -46,15 +46,6 @@ def test_a_lit_pixel_shows_the_kernel(tmp_path, text):
     np.testing.assert_allclose(seen, expected, rtol=0, atol=1e-10)
 
 
-def test_no_crosstalk_changes_nothing(tmp_path):
-    bench = bench_of(tmp_path, {})
-    assert bench.port("it.magnitude").key == bench.port("init.magnitude").key
-    assert bench.readouts("it")["crosstalk_percent"] == 0.0
-    assert bench_of(tmp_path, {"kernel": SIDES}).readouts("it")["crosstalk_percent"] == (
-        pytest.approx(15.0)
-    )
-
-
 def test_an_asymmetric_kernel_needs_the_phase(tmp_path):
     even = "0 0.02 0; 0.03 0.9 0.03; 0 0.02 0"
 

@@ -41,16 +41,6 @@ def test_the_readouts_of_a_focal_plane_of_the_reference(case, tmp_path):
     assert found["snr"] == pytest.approx(found["signal_e"] / found["temporal_noise_e"])
 
 
-def test_the_mean_number_of_a_noisy_picture_is_that_of_the_figures(tmp_path):
-    bench = focal_plane_bench(tmp_path, CAMERA_SHEET, size=(256, 200))
-    image, found = bench.value("it.image"), bench.readouts("it")
-    sigma_dn = found["temporal_noise_e"] / found["gain_e_per_dn"]
-    assert image.mean() == pytest.approx(found["mean_dn"], abs=4 * sigma_dn / 226)
-    assert image.std() == pytest.approx(sigma_dn, rel=0.02)
-    assert (image == np.rint(image)).all()
-    assert found["saturated_pixels"] == 0
-
-
 def test_electrons_are_poisson_distributed_pixel_by_pixel(tmp_path):
     dim = {"integration_time_s": 6e-8, "units": "electrons"}
     bench = focal_plane_bench(
@@ -99,15 +89,6 @@ def test_the_order_is_pattern_then_read_noise_then_well_then_numbers(tmp_path):
     )
     assert full.readouts("it")["saturated_pixels"] == np.count_nonzero(marked)
     assert 0.4 < marked.mean() < 0.7
-
-
-def test_the_noise_is_what_differs_from_the_expected_electrons(tmp_path):
-    bench = focal_plane_bench(tmp_path, {**CAMERA_SHEET, "nonlinearity_percent": 5.0})
-    noise, electrons = bench.value("it.noise"), bench.value("it.electrons")
-    total = bench.readouts("it")["signal_e"]
-    expected = total * (1 - 0.05 * total / 7e6)
-    np.testing.assert_allclose(electrons - noise, expected, rtol=1e-12)
-    assert bench.readouts("it")["mean_dn"] == pytest.approx(expected * 16383 / 7e6)
 
 
 def test_noise_and_responsivity_are_those_behind_the_nonlinearity(tmp_path):
@@ -179,34 +160,6 @@ def test_a_region_has_the_bits_of_the_whole(tmp_path, precision, port):
     np.testing.assert_array_equal(part, whole[region.slices])
 
 
-def test_a_typed_seed_gives_the_same_noise_under_any_name_and_another_one_other_noise(tmp_path):
-    typed = {**CAMERA_SHEET, "seed_mode": "typed", "seed": 4}
-    one, two = (focal_plane_bench(tmp_path, typed).value("it.image") for _ in range(2))
-    np.testing.assert_array_equal(one, two)
-    assert (focal_plane_bench(tmp_path, {**typed, "seed": 5}).value("it.image") != one).any()
-
-
-def test_an_edit_of_the_read_noise_draws_nothing_again(tmp_path):
-    quiet, loud = (
-        focal_plane_bench(tmp_path, {**CAMERA_SHEET, "bits": 0, "read_noise_e": sigma})
-        for sigma in (100.0, 300.0)
-    )
-    clean = focal_plane_bench(tmp_path, {**CAMERA_SHEET, "bits": 0, "read_noise_e": 0.0})
-    base = clean.value("it.electrons")
-    np.testing.assert_allclose(
-        loud.value("it.electrons") - base, 3 * (quiet.value("it.electrons") - base), atol=1e-6
-    )
-
-
-def test_twenty_four_bits_are_whole_numbers_in_single_precision(tmp_path):
-    params = {**CAMERA_SHEET, "bits": 24, "offset_dn": 3.0}
-    bench = focal_plane_bench(tmp_path, params, precision="single")
-    image, electrons = bench.value("it.image"), bench.value("it.electrons")
-    assert image.dtype == np.float32
-    exact = np.rint(electrons.astype(float) / (7e6 / (2**24 - 1)) + 3.0)
-    np.testing.assert_array_equal(image, exact)
-
-
 def test_a_response_file_takes_the_place_of_the_number(tmp_path):
     (tmp_path / "qe.csv").write_text("um,QE\n3.0,0.7\n5.2,0.7\n")
     sheet = {**CAMERA_SHEET, "reference_radiance": 2.0}
@@ -220,17 +173,6 @@ def test_a_response_file_takes_the_place_of_the_number(tmp_path):
     short = focal_plane_bench(tmp_path, params).readouts("it")
     narrow = focal_plane_bench(tmp_path, {**CAMERA_SHEET, "cut_off_um": 4.0}).readouts("it")
     assert short["signal_e"] == pytest.approx(narrow["signal_e"], rel=1e-11)
-
-
-def test_rule_07_and_the_typed_current(tmp_path):
-    rule = {"rule_07": True, "detector_K": 120.0, "material_cutoff_um": 5.0}
-    dark = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **rule}).readouts("it")["dark_e"]
-    # 6.5408535053481733711e-9 A/cm² of the reference on 225 µm² in 4 ms
-    assert dark == pytest.approx(6.5408535053481733711e-9 * 225e-8 / 1.602176634e-19 * 0.004)
-    typed = {**CAMERA_SHEET, "dark_current_e_per_s": dark / 0.004}
-    assert focal_plane_bench(tmp_path, typed).readouts("it")["dark_e"] == pytest.approx(
-        dark, rel=1e-12
-    )
 
 
 def test_reflected_light_has_no_netd(tmp_path):

@@ -124,12 +124,6 @@ def test_each_band_is_read_alone(tmp_path, module):
     np.testing.assert_allclose(means, wanted, rtol=0.006)  # predicted for a uniform picture
 
 
-def test_finer_samples_are_no_pixels(tmp_path):
-    bench, _, _ = made(tmp_path, np.eye(9), "blooming", {}, focal_length_mm=25)
-    (caution,) = bench.engine.warnings(bench.plan, bench.work)
-    assert "4 samples per pixel" in str(caution)
-
-
 @pytest.mark.parametrize(("well", "warned"), [(10000.0, True), (150.0, False), (None, False)])
 def test_a_well_in_another_unit_is_warned_of(tmp_path, well, warned):
     bench, _, _ = made(tmp_path, 20.0 * np.eye(9), "blooming", {"full_well": well})

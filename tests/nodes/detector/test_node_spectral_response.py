@@ -104,20 +104,6 @@ def test_a_response_beside_the_band_is_refused(tmp_path, cube):
     assert "3 to 5 µm" in str(error)
 
 
-def test_a_source_beside_bands_is_not_used_and_says_so(tmp_path, cube):
-    params = {"centre_um": 4.0, "width_um": 1.0, "source_K": 400.0}
-    read = {"path": "cube.img", "bands": "all"}
-    (caution,) = bench(tmp_path, params, read=read).plan.nodes["filter"].warnings
-    assert "400 K is not used" in caution.message
-
-
-def test_a_file_without_a_path_is_refused(tmp_path, cube):
-    params = {"shape": "file"}
-    error = bench(tmp_path, params, read={"path": "cube.img", "bands": "all"}).error("filter")
-    assert isinstance(error, ParameterError)
-    assert "path" in str(error)
-
-
 def test_what_knows_no_bands_says_that_it_took_their_sum(tmp_path, cube):
     nodes = {
         "read": ("read_image", {**FOV, "path": "cube.img", "bands": "all"}),
@@ -148,11 +134,3 @@ def test_a_file_counts_between_points_that_lie_beyond_the_band(tmp_path, points,
     places = fine(3.0, 5.0)
     want = 2.0 * np.average(law(places), weights=planck(places, 300.0))
     np.testing.assert_allclose(there.value("filter.image"), want, rtol=1e-9)
-
-
-def test_a_file_that_is_1_at_both_ends_of_the_band_changes_nothing(tmp_path):
-    np.save(tmp_path / "one.npy", np.full(SIZE, 2.0))
-    (tmp_path / "r.csv").write_text("2,1\n6,1\n")
-    read = {"path": "one.npy", "cut_on_um": 3.0, "cut_off_um": 5.0}
-    there = bench(tmp_path, {"shape": "file", "path": "r.csv"}, read=read)
-    assert there.port("filter.image").recipe is there.port("read.image").recipe

@@ -24,27 +24,6 @@ def bench_of(folder, params, init=INIT):
     return NodeBench(LIBRARY, folder, nodes, links)
 
 
-@pytest.mark.parametrize(("direction", "pitch"), [("y", 4.0), ("x", 2.0)])
-def test_the_picture_is_the_mean_of_shifted_exposures(tmp_path, direction, pitch):
-    """Each instant's picture moved by where the image is ahead of its charge, then averaged."""
-    params = {"stages": 6, "phases": 2, "velocity_mismatch_percent": 5.0, "direction": direction}
-    bench = bench_of(tmp_path, params)
-    scene, found = bench.value("scene.image"), bench.value("back.image")
-    spectrum = np.fft.fft2(scene)
-    # Nyquist's wave has no place to move to: it is the same either way.
-    frequency = np.fft.fftfreq(SIZE)
-    frequency = frequency[:, np.newaxis] if direction == "y" else frequency
-    instants, expected = 200, np.zeros_like(scene)
-    steps = np.arange(12)[:, np.newaxis]
-    shares = (np.arange(instants) + 0.5) / instants
-    ahead = ((1.05 * (steps + shares) - steps) * pitch / 2).ravel()
-    ahead -= 0.5 * (ahead[0] + ahead[-1])
-    for shift in ahead:
-        expected += np.fft.ifft2(spectrum * np.exp(-2j * np.pi * frequency * shift)).real
-    expected /= len(ahead)
-    np.testing.assert_allclose(found, expected, atol=2e-5 * np.ptp(scene))
-
-
 @pytest.mark.parametrize("direction", ["y", "x"])
 @pytest.mark.parametrize("phases", [2, 0])
 def test_an_image_askew_is_the_mean_of_exposures_shifted_both_ways(tmp_path, direction, phases):

@@ -47,16 +47,6 @@ def test_plain_sinusoid(tmp_path):
     np.testing.assert_array_equal(image, picture() + noise)
 
 
-def test_whole_periods_are_one_line_of_the_spectrum(tmp_path):
-    interval = np.radians(2.0) * 1000 / 44
-    params = {"amplitude": 2.0, "xi": 5 / (44 * interval), "phase_deg": 90}
-    _, noise = outputs(tmp_path, "periodic_noise", params)
-    spectrum = np.abs(np.fft.rfft2(noise)) / noise.size
-    assert spectrum[0, 5] == pytest.approx(1.0, abs=1e-13)
-    spectrum[0, 5] = 0
-    assert spectrum.max() < 1e-13
-
-
 def test_modulation(tmp_path):
     params = {"amplitude": 1.0, "xi": 0.4, "modulation": 0.5, "modulation_eta": 0.05}
     params |= {"modulation_xi": 0.0, "modulation_phase_deg": 45.0}
@@ -68,41 +58,12 @@ def test_modulation(tmp_path):
     np.testing.assert_allclose(noise, envelope * np.sin(2 * np.pi * 0.4 * x), atol=1e-12)
 
 
-def test_no_amplitude_passes_the_key_and_needs_no_interval(tmp_path):
-    engine, plan = planned(tmp_path, "periodic_noise", {}, reading={})
-    assert plan.output("out.image").key == plan.output("in.image").key
-    noise = engine.value(plan, "out.noise", engine.work(Policy()))
-    assert noise.shape == (31, 44)
-    assert not noise.any()
-
-
-def test_sinusoid_needs_the_interval(tmp_path):
-    _, plan = planned(tmp_path, "periodic_noise", {"amplitude": 1.0}, reading={})
-    error = plan.nodes["out"].error
-    assert isinstance(error, DataError)
-    assert "sampling interval" in str(error)
-
-
-def test_threads_change_no_bit(tmp_path):
-    params = {"amplitude": 1.0, "xi": 0.31, "eta": 0.2, "modulation": 1.0}
-    one = outputs(tmp_path, "periodic_noise", params, "single", 1)[0]
-    two = outputs(tmp_path, "periodic_noise", params, "single", 2)[0]
-    assert one.dtype == np.float32
-    np.testing.assert_array_equal(one, two)
-
-
 def test_noise_file_is_added_with_its_scale(tmp_path):
     cube = np.random.default_rng(3).normal(size=(31, 44, 2))
     np.save(tmp_path / "noise.npy", cube)
     image, noise = outputs(tmp_path, "noise_file", {"path": "noise.npy", "band": 1, "scale": 0.5})
     np.testing.assert_array_equal(noise, 0.5 * cube[:, :, 1])
     np.testing.assert_array_equal(image, picture() + noise)
-
-
-def test_noise_file_of_scale_zero_passes_the_key(tmp_path):
-    np.save(tmp_path / "noise.npy", picture(seed=2))
-    _, plan = planned(tmp_path, "noise_file", {"path": "noise.npy", "scale": 0.0})
-    assert plan.output("out.image").key == plan.output("in.image").key
 
 
 @pytest.mark.parametrize(

@@ -104,20 +104,6 @@ def test_what_is_slower_than_the_frames_is_measured_as_fixed(tmp_path):
     assert table["sigma_vh_measured"] ** 2 == pytest.approx(common, rel=0.06)
 
 
-def test_the_spectrum_over_frames_falls_as_one_over_f(tmp_path):
-    pink = bench_of(tmp_path, PINK, frames=0)
-    white = bench_of(tmp_path, {"sigma_tvh": 0.2}, frames=0)
-    cube = np.array([frame(pink, n, "noise.noise") - frame(white, n, "noise.noise")
-                     for n in range(256)])  # fmt: skip
-    window = np.hanning(257)[:-1, np.newaxis, np.newaxis]
-    power = (np.abs(np.fft.rfft(cube * window, axis=0)) ** 2).mean(axis=(1, 2))
-    frequency = np.fft.rfftfreq(256, 1 / 50.0)
-    part = (frequency > 0.7) & (frequency < 24.0)
-    weight = 1.0 / np.sqrt(frequency[part])
-    slope, _ = np.polyfit(np.log(frequency[part]), np.log(power[part]), 1, w=weight)
-    assert slope == pytest.approx(-1.0, abs=0.1)
-
-
 def test_a_typed_seed_and_a_region_give_the_same_samples(tmp_path):
     from core.evaluation.region import Region
 

@@ -10,12 +10,10 @@ from app.run.saving import save_value
 from core.chain.engine import Engine
 from core.chain.results import CurveData, Series
 from core.chain.wires import Curve
-from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import Module, NodeContext
 from linked_network import linked_network
-from nodes.files.arrays import read_matrix
 from nodes.input_output.write_matrix import WriteMatrix
 from small_library import library_of
 
@@ -93,19 +91,9 @@ def test_bars_are_written_with_their_names(tmp_path, by):
     ]
 
 
-def test_a_plain_matrix_of_bars_has_their_numbers(tmp_path):
-    path, _, _ = written(tmp_path, "finite", "b.txt")
-    np.testing.assert_array_equal(read_matrix(path), [[0, 0], [1, 1 / 7], [2, 2 / 7]])
-
-
 def test_an_infinite_value_is_written_as_csv(tmp_path):
     path, plan, work = written(tmp_path, "mrtd", "m.csv")
     wanted = [["frequency (cyc/mrad)", "MRTD"], ["0.5", "0.2"], ["1.0", "inf"]]
     assert rows_of(path) == wanted
     save_value(plan.output("mrtd.curve"), tmp_path / "s.csv", work, port="mrtd.curve")
     assert rows_of(tmp_path / "s.csv") == wanted
-
-
-def test_a_plain_matrix_has_no_infinite_values(tmp_path):
-    with pytest.raises(DataError, match="finite"):
-        written(tmp_path, "mrtd", "m.prn")

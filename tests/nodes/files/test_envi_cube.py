@@ -11,11 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.errors import FileError
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_weights_um
-from nodes.files.envi_cube import weighted_sums
-from nodes.files.envi_header import read_layout
 from picture_samples import envi
 
 INTERLEAVES = ("bsq", "bil", "bip")
@@ -51,21 +48,6 @@ def test_a_file_cut_short_while_it_is_read_is_an_error_and_no_end_of_the_process
     assert f"FileError: {data}: ends before its last sample" in ended.stderr
 
 
-@pytest.mark.parametrize("dtype", ["f4", "f8"])
-@pytest.mark.parametrize("interleave", INTERLEAVES)
-@pytest.mark.parametrize("used", [(1, 2), (0, 2, 3), (2,), (0, 1, 2)])
-def test_a_band_without_weight_may_hold_what_is_no_number(tmp_path, interleave, dtype, used):
-    cube = np.random.default_rng(3).random((7, 6, 5))
-    weights = np.zeros((2, 5))
-    weights[:, used] = np.random.default_rng(4).random((2, len(used)))
-    want = np.einsum("wb,rcb->wrc", weights, cube.astype("f4").astype("f8"))
-    others = [band for band in range(5) if band not in used]
-    cube[:, :, others[0]], cube[2, 3, others[1]] = np.nan, np.inf
-    layout = read_layout(envi(tmp_path / "x.img", cube.astype("f4"), interleave))
-    sums = weighted_sums(layout, weights, dtype=np.dtype(dtype))
-    np.testing.assert_allclose(sums, want, rtol=1e-6 if dtype == "f4" else 1e-14)
-
-
 def info(centres, widths):
     return PictureInfo(
         path=Path("x.img"),
@@ -98,10 +80,3 @@ def test_overlapping_bands_in_any_order_share_what_they_cover():
     np.testing.assert_allclose(widths, [4 / 3, 1.0, 4 / 3, 1 / 3], rtol=1e-15)
     cut = band_weights_um(described, cut_on_um=4.5, cut_off_um=5.5)
     np.testing.assert_allclose(cut, [1 / 6 + 0.5, 0.0, 1 / 6, 1 / 6], rtol=1e-15)
-
-
-def test_a_file_that_is_shorter_than_its_header_says_is_refused(tmp_path):
-    data = envi(tmp_path / "x.img", np.ones((4, 4, 3), "f4"))
-    os.truncate(data, 100)
-    with pytest.raises(FileError, match="92 missing"):
-        read_layout(data)

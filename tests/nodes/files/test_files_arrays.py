@@ -3,13 +3,10 @@ import os
 import numpy as np
 import pytest
 
-from child_process import run_program
-from core.chain.results import CurveData
 from core.errors import DataError, FileError
 from core.machine import usable_bytes
 from nodes.files import arrays
-from nodes.files.frame_reading import open_frames
-from nodes.files.read import check_finite, read_info, read_pixels
+from nodes.files.read import read_info, read_pixels
 
 
 @pytest.mark.parametrize(
@@ -39,19 +36,6 @@ def test_npy_of_every_real_type(tmp_path, dtype, wanted, order):
     assert np.array_equal(read, truth.astype(wanted))
     info = read_info(tmp_path / "a.npy")
     assert (info.rows, info.columns, info.bands, info.kind) == (3, 4, 1, "npy")
-
-
-@pytest.mark.parametrize("order", ["C", "F"])
-def test_planes_of_an_npy_of_three_axes_read_in_small_blocks(tmp_path, monkeypatch, order):
-    """Bands are its last axis, frames its first, in either order of the file."""
-    monkeypatch.setattr(arrays, "_BLOCK_SAMPLES", 7)
-    truth = np.random.default_rng(0).random((3, 4, 5))
-    np.save(tmp_path / "a.npy", np.asarray(truth, order=order))
-    for band in range(5):
-        assert np.array_equal(read_pixels(tmp_path / "a.npy", band), truth[:, :, band])
-    frames = list(open_frames(tmp_path / "a.npy").each())
-    assert np.array_equal(frames, truth)
-    assert np.array_equal(arrays.whole_npy(tmp_path / "a.npy"), truth)
 
 
 def test_npy_band(tmp_path):
@@ -104,17 +88,6 @@ def test_damaged_npy(tmp_path):
         read_pixels(path)
 
 
-def test_npy_is_written_as_promised(tmp_path):
-    path = tmp_path / "a.npy"
-    for dtype, wanted in (("f4", "f4"), ("f8", "f8"), ("i2", "f8"), ("f2", "f8"), (">f8", "f8")):
-        truth = np.asfortranarray(np.arange(6).reshape(2, 3).astype(dtype))
-        arrays.write_npy(path, truth)
-        read = np.load(path)
-        assert read.dtype == np.dtype(wanted)
-        assert read.flags.c_contiguous
-        assert np.array_equal(read, truth)
-
-
 @pytest.mark.parametrize("suffix", [".txt", ".csv", ".prn"])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_text_matrix_reads_back_bit_for_bit(tmp_path, suffix, dtype):
@@ -165,15 +138,6 @@ def test_a_text_that_is_too_long_is_refused_before_it_is_read(tmp_path, length):
             read(path)
 
 
-def test_curves(tmp_path):
-    path = tmp_path / "c.csv"
-    columns = {"=xi (cyc/mrad)": np.linspace(0, 1, 5), "-b": np.float32([1, 0.9, 0.1, 0, -0.1])}
-    arrays.write_curves(path, CurveData("", "", "", ()), columns)
-    first, *lines = path.read_text().splitlines()
-    assert first == "'=xi (cyc/mrad),'-b"
-    assert lines == ["0.0,1.0", "0.25,0.9", "0.5,0.1", "0.75,0.0", "1.0,-0.1"]
-
-
 def test_what_cannot_be_written_leaves_no_file(tmp_path):
     path = tmp_path / "m.txt"
     with pytest.raises(
@@ -185,25 +149,6 @@ def test_what_cannot_be_written_leaves_no_file(tmp_path):
     with pytest.raises(DataError, match="not real"):
         arrays.write_npy(path, np.ones(2, dtype=complex))
     assert not list(tmp_path.iterdir())
-
-
-def test_finite_samples_pass():
-    check_finite(np.zeros((3, 4)), "x")
-    check_finite(np.full((1, 1), 3e38, dtype=np.float32), "x")
-
-
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_samples_not_finite_are_counted_and_the_first_is_named(dtype):
-    samples = np.zeros((3001, 1000), dtype=dtype)
-    samples[2999, 7] = np.nan
-    samples[2999, 5] = -np.inf
-    samples[3000, 0] = np.inf
-    with pytest.raises(
-        DataError, match=r"^scene: 3 samples are not finite .*\(-inf\) at row 2999, column 5$"
-    ):
-        check_finite(samples, "scene")
-    with pytest.raises(DataError, match=r"1 sample is not finite .*at row 0, column 2"):
-        check_finite(np.array([[0, 1, np.nan]], dtype=dtype), "scene")
 
 
 def test_paths_that_cannot_be_read(tmp_path):
@@ -232,32 +177,3 @@ def test_paths_that_cannot_be_read(tmp_path):
             with pytest.raises(FileError, match=message) as caught:
                 read(path)
             assert "\n" not in caught.value.message
-
-
-# As root nothing is forbidden: the child becomes an ordinary user first.
-FORBIDDEN = """
-import os, tempfile
-from pathlib import Path
-from core.errors import FileError
-from nodes.files.read import read_pixels
-if os.getuid() == 0:
-    os.setuid(65534)
-with tempfile.TemporaryDirectory() as name:
-    folder = Path(name)
-    (folder / "in").mkdir()
-    for path in (folder / "a.tif", folder / "in" / "a.tif"):
-        path.write_bytes(b"II")
-    (folder / "a.tif").chmod(0)
-    (folder / "in").chmod(0)
-    for path in (folder / "a.tif", folder / "in" / "a.tif"):
-        try:
-            read_pixels(path)
-        except FileError as error:
-            print(error.message.removeprefix(f"{path}: "))
-    (folder / "in").chmod(0o700)
-"""
-
-
-def test_files_without_permission():
-    done = run_program(FORBIDDEN)
-    assert done.stdout == "no permission to read this file\nPermission denied\n"

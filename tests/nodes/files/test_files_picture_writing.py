@@ -1,16 +1,15 @@
-import time
 import tracemalloc
 
 import numpy as np
 import pytest
 
-from child_process import kill_program, run_program
+from child_process import run_program
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.common.stored_samples import as_stored
 from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
 from nodes.files.write import write_picture
-from picture_samples import SPECIAL, samples_of
+from picture_samples import SPECIAL
 
 
 @pytest.mark.parametrize(
@@ -63,36 +62,12 @@ def test_channels_are_bands(tmp_path, name):
             read_pixels(tmp_path / name, band)
 
 
-@pytest.mark.parametrize("name", ["a.png", "a.tif"])
-@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
-def test_integers_are_their_own_values(tmp_path, name, dtype):
-    truth = samples_of(dtype)
-    write_picture(tmp_path / name, truth, dtype=dtype)
-    read = read_band(tmp_path / name)
-    assert read.dtype == np.float32
-    assert np.array_equal(read, truth)
-
-
 @pytest.mark.parametrize(("dtype", "top"), [("uint8", 255), ("uint16", 65535)])
 def test_display_scaling(tmp_path, dtype, top):
     values = np.array([[-1e300, 9.9, 10, 15, 20, 20.1, 1e300]])
     write_picture(tmp_path / "a.png", values, dtype=dtype, low=10, high=20)
     middle = round(top / 2)
     assert read_band(tmp_path / "a.png").tolist() == [[0, 0, 0, middle, top, top, top]]
-
-
-def test_same_samples_give_the_same_bytes(tmp_path):
-    truth = np.random.default_rng(0).random((40, 30))
-    for name, dtype, scale in (
-        ("a.tif", "float", {}),
-        ("a.exr", "half", {}),
-        ("a.png", "uint16", {"low": 0, "high": 1}),
-    ):
-        write_picture(tmp_path / name, truth, dtype=dtype, **scale)
-        first = (tmp_path / name).read_bytes()
-        time.sleep(1.1 if name == "a.tif" else 0)  # a clock in the file counts seconds
-        write_picture(tmp_path / name, truth, dtype=dtype, **scale)
-        assert (tmp_path / name).read_bytes() == first
 
 
 @pytest.mark.parametrize("name", ["a.tif", "a.exr", "a.png"])
@@ -171,24 +146,3 @@ def test_full_disk_is_noticed_at_every_place_and_keeps_the_old_picture(tmp_path)
     done = run_program(FULL_DISK, str(tmp_path))
     assert done.stdout == "['a.exr', 'a.png', 'a.tif']\n"
     assert done.stderr == ""
-
-
-WRITE_FOR_EVER = """
-import itertools, sys
-import numpy as np
-from nodes.files.write import write_picture
-for count in itertools.count(1):
-    write_picture(sys.argv[1], np.full((600, 700), count, dtype=np.float32))
-    if count == 1:
-        print("first", flush=True)
-"""
-
-
-@pytest.mark.parametrize("name", ["a.tif", "a.exr"])
-def test_killed_at_any_time_the_picture_is_whole(tmp_path, name):
-    path = tmp_path / name
-    for delay_s in (0.0, 0.013, 0.031, 0.05):
-        kill_program(WRITE_FOR_EVER, str(path), says="first", after_s=delay_s)
-        read = read_band(path)
-        assert read.shape == (600, 700)
-        assert np.all(read == read[0, 0])

@@ -5,19 +5,13 @@ import ast
 import numpy as np
 import pytest
 
-from app.options.option_values import save_target
 from child_process import ROOT
-from core.errors import UsageError
-from core.modules.declaration import declaration
-from nodes.files.common.file_format import CSV, HTML, JSON, SVG, dialog_filter
-from nodes.files.formats import PICTURES, WRITTEN, format_of, readable_formats
+from nodes.files.common.file_format import CSV, HTML, JSON, SVG
+from nodes.files.formats import PICTURES, WRITTEN, format_of
 from nodes.files.read import read_info, read_pixels
 from nodes.files.write import write_picture
-from nodes.input_output.read_image import ReadImage
-from nodes.input_output.write_image import WriteImage
 
 WHOLE = np.arange(12.0).reshape(3, 4)  # exact in every type of sample
-SHIPPED = ("by_suffix", "exr", "tif", "png", "npy")  # what network files may say
 # Where a suffix may stand in the source: the formats themselves, and what networks are called.
 PLACES = {
     "nodes/files/formats.py",
@@ -26,13 +20,6 @@ PLACES = {
     "nodes/files/lens_samples.py",  # listings of lens programs, and no pictures
     "app/editor/window/files.py",
 }
-
-
-def test_the_longest_name_a_file_can_have(tmp_path):
-    """It has no room for the suffix of an ENVI header, which is looked for beside it."""
-    write_picture(tmp_path / "a.png", WHOLE, dtype="uint8")
-    longest = (tmp_path / "a.png").rename(tmp_path / ("a" * 255))
-    np.testing.assert_array_equal(read_pixels(longest), WHOLE)
 
 
 @pytest.mark.parametrize(
@@ -45,14 +32,6 @@ def test_each_type_of_each_format_comes_back(tmp_path, suffix, dtype):
     numpy_name = {"half": "float16", "float": "float32", "double": "float64"}.get(dtype, dtype)
     assert read_info(path).dtype == numpy_name
     np.testing.assert_array_equal(read_pixels(path), WHOLE)
-
-
-def test_no_suffix_and_no_name_stands_twice():
-    every = [suffix for each in PICTURES for suffix in each.suffixes]
-    assert len(set(every)) == len(every)
-    assert all(suffix == suffix.lower() and suffix.startswith(".") for suffix in every)
-    assert len({each.name for each in PICTURES}) == len(PICTURES)
-    assert all(bool(each.write) == bool(each.dtypes) for each in PICTURES)
 
 
 @pytest.mark.parametrize(
@@ -74,17 +53,6 @@ def test_the_format_is_known_by_suffix_content_and_header(tmp_path, name, conten
     (tmp_path / "beside.hdr").write_bytes(b"ENVI\n")
     (tmp_path / name).write_bytes(content)
     assert format_of(tmp_path / name).name == wanted
-
-
-def test_what_follows_from_the_registry():
-    choices = declaration(WriteImage).parameter("format").choices
-    assert [name for name in choices if name in SHIPPED] == list(SHIPPED)
-    assert readable_formats() in declaration(ReadImage).parameter("path").param.text
-    for suffix in (".exr", ".tif", ".tiff", ".png", ".npy", ".csv"):
-        assert save_target(f"a.b=c{suffix}").text == f"c{suffix}"
-    with pytest.raises(UsageError, match=r"must end in \.exr, \.tif, \.tiff, \.png, .* or \.csv"):
-        save_target("a.b=c.jpg")
-    assert dialog_filter("Pictures", *WRITTEN[:2]) == "Pictures (*.exr *.tif *.tiff)"
 
 
 def literals(path):

@@ -10,7 +10,6 @@ from PIL import Image as Pillow
 
 from core.errors import FileError
 from nodes.files.frame_writing import (
-    FRAME_FORMATS,
     STORE,
     FrameSeries,
     frame_format,
@@ -44,12 +43,6 @@ def written(folder, name, samples, known=KNOWN):
 
 @pytest.mark.parametrize("dtype", TYPES)
 class TestTypes:
-    def test_npy(self, tmp_path, dtype):
-        samples = drawn(dtype)
-        back = np.load(written(tmp_path, "f.npy", samples))
-        assert back.dtype == samples.dtype
-        np.testing.assert_array_equal(back, samples)
-
     def test_bsq_and_its_header(self, tmp_path, dtype):
         samples = drawn(dtype)
         path = written(tmp_path, "f.bsq", samples)
@@ -119,14 +112,6 @@ def test_beyond_four_gigabytes_a_tiff_is_big(tmp_path):
         assert picture.tag_v2[273] == (place,)
         with pytest.raises(EOFError):
             picture.seek(40)
-
-
-def test_sixteen_bits_for_numbers_of_sixteen():
-    single = np.dtype(np.float32)
-    tif, npy = (next(kind for kind in FRAME_FORMATS if kind.name == n) for n in ("tif", "npy"))
-    stored = {bits: tif.stored_type(single, bits).str for bits in (None, 1, 12, 16, 17, 24)}
-    assert stored == {None: "<f4", 1: "<u2", 12: "<u2", 16: "<u2", 17: "<u4", 24: "<u4"}
-    assert npy.stored_type(single, 12).str == "<f4"
 
 
 def test_without_room_it_is_refused_before(tmp_path):

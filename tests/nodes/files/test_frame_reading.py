@@ -10,7 +10,7 @@ import pytest
 from PIL import Image as Pillow
 
 from child_process import PEAK, ROOT
-from core.errors import DataError, FileError
+from core.errors import FileError
 from nodes.files.frame_reading import open_frames
 from picture_samples import envi
 
@@ -61,14 +61,6 @@ def test_bands_of_an_envi_file(tmp_path, interleave):
     check(path.with_name("f.bsq.hdr"))
 
 
-@pytest.mark.parametrize("dtype", ["<u2", ">i4", "<f8", "|u1"])
-def test_arrays(tmp_path, dtype):
-    frames = (FRAMES / 300).astype(dtype)
-    check(npy(tmp_path / "f.npy", frames), frames)
-    check(npy(tmp_path / "g.npy", np.asfortranarray(frames)), frames)
-    check(npy(tmp_path / "h.npy", frames[2]), frames[2:3])
-
-
 def refusal(path):
     with pytest.raises(FileError) as raised:
         open_frames(path)
@@ -117,14 +109,6 @@ def test_directories_in_a_circle(tmp_path):
     content[after : after + 4] = first.to_bytes(4, "little")
     path.write_bytes(content)
     assert refusal(path).endswith("the directories form a loop")
-
-
-def test_a_frame_that_is_not_finite(tmp_path):
-    frames = FRAMES.astype(np.float32)
-    frames[3, 2, 1] = np.nan
-    path = npy(tmp_path / "f.npy", frames)
-    with pytest.raises(DataError, match="frame 3"):
-        list(open_frames(path).each())
 
 
 @pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])

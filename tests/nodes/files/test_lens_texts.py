@@ -9,7 +9,7 @@ import pytest
 
 from core.errors import FileError
 from nodes.files.lens_samples import read_listing
-from nodes.files.mtf_table import read_mtf_table, unit_of
+from nodes.files.mtf_table import read_mtf_table
 
 TABLE = "frequency (cyc/mm),mtf_x,mtf_y,phase_x (deg)\n0,1,1,0\n10,0.8,0.7,5\n20,0.3,0.2,9\n"
 LISTING = (
@@ -50,15 +50,6 @@ def test_ways_to_name_the_columns(tmp_path, heading):
     table = read_mtf_table(path)
     assert table.unit == "cyc/mm"
     assert table.column("mtf") == (1.0, 0.5)
-
-
-def test_units_by_their_names():
-    for text in ("cyc/mrad", "cycles/mrad", "lp/mrad", "cycles per milliradian"):
-        assert unit_of(text) == "cyc/mrad"
-    for text in ("cyc/pixel", "c/p", "cycles/px", "cy/pix"):
-        assert unit_of(text) == "cyc/pixel"
-    for text in ("", "mm", "cyc", "cyc/deg", "lines/mm", "rad/mm"):
-        assert unit_of(text) is None
 
 
 @pytest.mark.parametrize("text", [TABLE, LISTING], ids=["table", "listing"])

@@ -60,13 +60,6 @@ def test_tape7(tmp_path, head, solar):
     assert [value for _, value in radiance] == pytest.approx(expected, rel=1e-14)
 
 
-def test_an_exponent_of_three_digits(tmp_path):
-    """Fortran has no room for the E: 2.000-105."""
-    text = tape7(rows=[ROWS[0], (2500.0, 1.0, 2e-9, 0.0)]).replace("  2.000E-09", "  2.000-105")
-    _, radiance = read_path_table(written(tmp_path, text))
-    assert radiance[0][1] == pytest.approx(2e-105 * 1e4 * 625.0, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [

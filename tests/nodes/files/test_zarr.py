@@ -2,9 +2,6 @@
 
 import os
 import resource
-import subprocess
-import sys
-from pathlib import Path
 
 import numcodecs
 import numpy as np
@@ -17,7 +14,6 @@ from nodes.files.read import read_info, read_pixels
 from nodes.files.zarr_array import write_store
 
 RNG = np.random.default_rng(7)
-ROOT = Path(__file__).resolve().parents[3]
 
 
 def stored(path, samples, **how):
@@ -115,14 +111,6 @@ def test_damage_is_one_line(tmp_path):
         read_info(stored(tmp_path / "b.zarr", np.zeros(4), chunks=(2,)))
 
 
-def test_a_lost_chunk_of_our_own_store_is_damage(tmp_path, monkeypatch):
-    monkeypatch.setattr(zarr_array, "_CHUNK", 16)
-    write_store(tmp_path / "a.zarr", np.ones((40, 20), np.float32), {})
-    (tmp_path / "a.zarr" / "c" / "1" / "1").unlink()
-    with pytest.raises(FileError, match=r"a\.zarr: damaged: its chunk c/1/1 is missing"):
-        read_pixels(tmp_path / "a.zarr")
-
-
 @pytest.mark.parametrize(
     "how",
     [{"chunks": (1, 4, 8)}, {"chunks": (3, 2, 2), "shards": (3, 4, 8)}, {"zarr_format": 2}],
@@ -143,16 +131,6 @@ def test_a_chunk_that_is_not_there_is_missing_samples(tmp_path, monkeypatch, how
     truth = np.where(cube[1] == 0.0, np.nan, cube[1])
     assert read_info(path).absent_chunks == 3 // how.get("shards", how["chunks"])[0]
     np.testing.assert_array_equal(read_pixels(path, 1), truth)
-
-
-def test_a_folder_in_place_of_a_chunk_is_missing_samples(tmp_path):
-    truth = 1 + RNG.random((20, 20)).astype(np.float32)
-    path = stored(tmp_path / "a.zarr", truth, chunks=(10, 10))
-    (path / "c" / "1" / "0").unlink()
-    (path / "c" / "1" / "0").mkdir()
-    truth[10:, :10] = np.nan
-    assert read_info(path).absent_chunks == 1
-    np.testing.assert_array_equal(read_pixels(path), truth)
 
 
 @pytest.mark.parametrize("packing", ["gzip", "zlib", "blosc"])
@@ -179,38 +157,6 @@ def test_a_chunk_of_blosc_cut_short_is_refused(tmp_path, version):
         read_pixels(path)
 
 
-def test_a_shard_of_no_bytes_is_damage(tmp_path):
-    """The library gives the fill value for all of it."""
-    path = stored(tmp_path / "a.zarr", RNG.random((20, 20)), chunks=(5, 5), shards=(10, 10))
-    (path / "c" / "1" / "0").write_bytes(b"")
-    with pytest.raises(FileError, match=r"a\.zarr: damaged: its chunk c/1/0 is cut short"):
-        read_pixels(path)
-
-
-READ = """
-import sys
-from core.errors import FileError
-from nodes.files.read import read_pixels
-try:
-    read_pixels(sys.argv[1])
-except FileError as error:
-    sys.exit(f"one line: {error}")
-"""
-
-
-def test_a_damaged_chunk_among_many_is_one_line(tmp_path):
-    """The library reads them side by side, and tells of those that are left over at the end."""
-    path = stored(tmp_path / "a.zarr", RNG.random((200, 200)), chunks=(10, 10))
-    (path / "c" / "0" / "0").write_bytes(b"abc")
-    done = subprocess.run(
-        [sys.executable, "-c", READ, str(path)], cwd=ROOT, capture_output=True, text=True,
-        timeout=100, check=False,
-    )  # fmt: skip
-    assert done.returncode == 1
-    (line,) = done.stderr.splitlines()
-    assert line.startswith(f"one line: {path}: rows 0 to 200, columns 0 to 200 cannot be read: ")
-
-
 @pytest.mark.parametrize("name", ["c/1/0", "scene.zarr/zarr.json", "new"])
 def test_pipes_devices_and_linked_folders_in_a_store_are_refused(tmp_path, name):
     path = stored(tmp_path / "a.zarr", np.ones((20, 20)), chunks=(10, 10))
@@ -225,15 +171,6 @@ def test_pipes_devices_and_linked_folders_in_a_store_are_refused(tmp_path, name)
         put()
         with pytest.raises(FileError, match=rf"{name}: not a regular file"):
             read_pixels(path)
-
-
-def test_without_the_package(tmp_path, monkeypatch):
-    path = stored(tmp_path / "a.zarr", np.zeros((2, 2)), chunks=(2, 2))
-    monkeypatch.setattr(zarr_array.importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(
-        FileError, match=r"Zarr needs the package zarr: run pip install '\.\[zarr\]'"
-    ):
-        read_info(path)
 
 
 def test_a_store_is_replaced_whole_or_not_at_all(tmp_path):

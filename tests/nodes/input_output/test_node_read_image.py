@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -237,10 +236,3 @@ def test_a_picture_of_nothing_has_no_mean(tmp_path):
     np.save(tmp_path / "a.npy", np.full((3, 4), np.nan))
     with pytest.raises(DataError, match="none of its 12 samples is finite"):
         reading(tmp_path, path="a.npy", missing="mean").value("in.image")
-
-
-def test_reads_the_real_frame_where_it_is_there():
-    frame = Path(__file__).parents[3] / "../shared/data/sc660_lwir.img"
-    if frame.exists():
-        bench = reading(frame.parent, path=frame.name)
-        assert bench.value("in.image").shape == bench.port("in.image").shape

@@ -76,35 +76,6 @@ def test_bands_integrated_by_the_files_unit_or_the_typed_one(tmp_path, unit, typ
     np.testing.assert_allclose(bench.value("in.image"), wanted, rtol=1e-14)
 
 
-@pytest.mark.parametrize(
-    "params", [{"band": 1}, {"bands": "all"}, {"cut_on_um": 8.0, "cut_off_um": 9.5}]
-)
-def test_a_cube_whose_unit_nobody_names_is_refused(tmp_path, params):
-    cube_in(tmp_path, "")
-    error = reading(tmp_path, path="x.img", **params).error("in")
-    assert isinstance(error, FileError)
-    assert "x.img: its header has no data units: add a line such as data units = W" in error.message
-    for named in ({"unit": "W/m²/sr/µm"}, {"scale": 2.0}):
-        assert reading(tmp_path, path="x.img", **params, **named).value("in.image").min() > 0
-
-
-@pytest.mark.parametrize(
-    ("typed", "factor", "name"),
-    [
-        ("uW/cm^2/sr", 1e-2, "W/m²/sr"),
-        ("W/m2/sr", 1.0, "W/m²/sr"),
-        ("photons/s/cm²/sr", 1e4, "photons/s/m²/sr"),
-        ("K", 1.0, "K"),
-        ("counts", 1.0, "counts"),
-    ],
-)
-def test_a_typed_unit_where_the_file_has_none(tmp_path, typed, factor, name):
-    np.save(tmp_path / "a.npy", CUBE[0])
-    bench = reading(tmp_path, path="a.npy", unit=typed, scale=3.0)
-    assert bench.port("in.image").unit == name
-    np.testing.assert_allclose(bench.value("in.image"), 3 * CUBE[0] * factor, rtol=1e-15)
-
-
 def test_a_scale_stands_for_the_conversion(tmp_path):
     cube_in(tmp_path, "furlongs of W/sr")
     bench = reading(tmp_path, path="x.img", scale=5.0)
@@ -176,15 +147,3 @@ def test_header_says_integers_and_channels(tmp_path):
         np.testing.assert_array_equal(bench.value("in.image"), colours[:, :, 1])
     write_picture(tmp_path / "b.png", colours[:, :, :2], dtype="uint8")  # grey and alpha
     assert reading(tmp_path, path="b.png").port("in.image").header.channels == ()
-
-
-@pytest.mark.parametrize(("unit", "silent"), [("", False), ("K", True), ("W/m2/sr", True)])
-def test_whole_numbers_of_a_unit_that_the_file_names_are_not_warned_of(tmp_path, unit, silent):
-    cards = {"SIMPLE": "T", "BITPIX": "16", "NAXIS": "2", "NAXIS1": "3", "NAXIS2": "2"}
-    if unit:
-        cards["BUNIT"] = f"'{unit:8}'"
-    header = "".join(f"{key:8}= {value:>20}".ljust(80) for key, value in cards.items())
-    samples = np.arange(6, dtype=">i2").tobytes()
-    (tmp_path / "a.fits").write_bytes(f"{header}END".ljust(2880).encode() + samples.ljust(2880))
-    warnings = reading(tmp_path, path="a.fits").plan.nodes["in"].warnings
-    assert ([each.check for each in warnings] == []) == silent

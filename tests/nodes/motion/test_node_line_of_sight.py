@@ -55,13 +55,6 @@ def test_frames_are_shifted_by_the_motion_between_them(tmp_path):
     assert abs(np.corrcoef(shifts.T)[0, 1]) < 4 / np.sqrt(300)
 
 
-def test_within_and_between_make_the_whole_motion(tmp_path):
-    found = bench_of(tmp_path, PARAMS).readouts("los")
-    for axis in "xy":
-        whole = np.hypot(found[f"within_{axis}_mrad"], found[f"between_{axis}_mrad"])
-        assert whole == pytest.approx(PARAMS[f"rms_{axis}_mrad"], rel=1e-3)
-
-
 def test_a_frame_is_the_scene_moved_and_blurred(tmp_path):
     """The whole frame by hand: one Gaussian mean and one ramp over both axes."""
     bench = bench_of(tmp_path, PARAMS, size=47)
@@ -104,23 +97,6 @@ def test_a_frame_depends_on_its_number_alone(tmp_path):
     assert not np.array_equal(third, frame(two, 4))
 
 
-def test_a_wait_moves_nothing_where_there_is_no_motion(tmp_path):
-    bench = bench_of(tmp_path, {})
-    assert at_frame(bench.port("back.image").recipe, 5).key == bench.port("back.image").recipe.key
-
-
-def test_the_mean_is_kept(tmp_path):
-    bench = bench_of(tmp_path, PARAMS)
-    assert frame(bench, 9).mean() == pytest.approx(bench.value("scene.image").mean(), rel=1e-12)
-
-
-def test_a_uniform_scene_has_no_noise_of_motion(tmp_path):
-    more = {"cube": ("noise_3d", {"frames": 6})}
-    bench = bench_of(tmp_path, PARAMS, kind="uniform", more=more)
-    table = bench.value("cube.table").as_dict()
-    assert table["temporal_measured"] == pytest.approx(0.0, abs=1e-9 * table["mean"])
-
-
 def test_a_spectrum_of_a_file(tmp_path):
     (tmp_path / "psd.csv").write_text("# gyro\nHz,x,y\n1,1e-2,4e-2\n100,1e-6,4e-6\n")
     params = {"psd_path": "psd.csv", "integration_time_s": 0.01}
@@ -147,9 +123,3 @@ def test_a_file_that_is_no_spectrum_is_refused(tmp_path, text, words):
     error = str(bench_of(tmp_path, {"psd_path": "psd.csv"}).error("los"))
     assert words in error
     assert "\n" not in error
-
-
-def test_exposures_that_overlap_are_warned_of(tmp_path):
-    bench = bench_of(tmp_path, {**PARAMS, "frame_rate_Hz": 100.0})
-    (found,) = [caution for caution in bench.plan.checks() if caution.node == "los"]
-    assert "longer than a frame" in found.message

@@ -90,14 +90,6 @@ def test_a_filter_that_the_picture_has_come_through_counts_too(folder, key):
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_all_alike_but_for_the_response(folder, key):
-    params = {"weighting": "uniform", "response": "detector.csv"}
-    filtered = {"shape": "rectangle", "width_um": 0.2, "source_K": 300.0}
-    xi, mtf = across(bench(folder, key, params, filtered=filtered))
-    assert np.abs(mtf - weighted_otf(xi, RESPONSE)).max() <= 2e-5
-
-
-@pytest.mark.parametrize("key", KINDS)
 def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(folder, key):
     wavelengths, width = centres(6)
     samples = materials_cube(SHAPE, wavelengths)
@@ -115,13 +107,6 @@ def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(folder, key):
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_one_wavelength_says_that_nothing_is_weighted(folder, key):
-    there = bench(folder, key, {"response": "detector.csv", "wavelengths": 1})
-    (caution,) = there.plan.warnings()
-    assert "response is not used" in str(caution)
-
-
-@pytest.mark.parametrize("key", KINDS)
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
@@ -136,14 +121,3 @@ def test_refusals(folder, key, name, text, words):
     (error,) = bench(folder, key, {"response": name}).plan.errors()
     assert error.node == "otf"
     assert words in str(error)
-
-
-def test_the_readouts_are_of_the_weighted_band(folder):
-    there = bench(folder, "diffraction_mtf", {"response": "detector.csv"})
-    readouts = there.engine.readouts(there.plan, "otf", there.engine.work(Policy("double", 0.0)))
-    assert readouts["estimated_error"] <= 1e-13
-    many = "".join(f"{3 + 0.002 * i}, {0.5 + 0.1 * (i % 3)}\n" for i in range(1001))
-    (folder / "many.csv").write_text(many, encoding="utf-8")
-    there = bench(folder, "diffraction_mtf", {"response": "many.csv"})
-    readouts = there.engine.readouts(there.plan, "otf", there.engine.work(Policy("double", 0.0)))
-    assert 1e-13 < readouts["estimated_error"] <= 1e-6

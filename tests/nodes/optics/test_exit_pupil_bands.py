@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.evaluation.policy import Policy
-from cube_files import C2_UM, band_by_band, centres, disc_otf, materials_cube, write_cube
+from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -56,13 +56,6 @@ def delivered(there):
 
 
 ALL = {"path": "cube.img", "bands": "all"}
-
-
-def test_a_disc_blurs_every_band_as_its_closed_form(tmp_path, cube):
-    made = delivered(bench(tmp_path, read=ALL))
-    weights = np.full(BANDS, cube[2])
-    want = band_by_band(cube[0], cube[1], weights, interval_mrad=INTERVAL, aperture_mm=100.0)
-    assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
 
 @pytest.mark.parametrize(

@@ -129,19 +129,6 @@ def test_a_second_transform_takes_the_camera_and_not_the_first(planned):
     assert image.pixel_mrad == (0.15, 0.15)
 
 
-def test_wide_fields_by_the_tangent_are_no_disagreement(planned):
-    """60° of 2·atan(n·p/2f): its pixels' angles add up to 66°."""
-    focal = 640 * 0.015 / (2 * math.tan(math.radians(30)))
-    camera = {"pixels_x": 640, "pitch_um": 15, "focal_length_mm": focal}
-    _, plan = planned(camera, read={"fov_x_deg": 60, "fov_y_deg": 49.6})
-    assert not [text for text in texts(plan) if "field of view" in text]
-
-
-def test_the_pixels_of_a_camera_without_a_focal_length_are_unknown(planned):
-    _, plan = planned({"pixels_x": 640, "pixels_y": 512, "pitch_um": 15})
-    assert "no field of view is known" in str(plan.errors()[0])
-
-
 def test_another_focal_length_in_the_file():
     image = Image(Step.of(np.zeros), 8, 8, header=Header(focal_length_mm=50.0))
     caution = Camera.build({"focal_length_mm": 100}).focal_length(image)
@@ -189,11 +176,6 @@ def test_few_samples_are_counted(planned, scale, words):
     fov = {f"fov_{a}_deg": math.degrees(0.15e-3 / scale * n) for a, n in (("x", 1280), ("y", 1024))}
     _, plan = planned(MWIR, read=fov)
     assert any(f"the picture has {words} pixel, each" in text for text in texts(plan))
-
-
-def test_an_orbit_on_the_ground_is_refused(planned):
-    _, plan = planned({**MWIR, "altitude_km": 0})
-    assert "altitude_km = 0 km is not allowed: a number above 0" in str(plan.errors()[0])
 
 
 @pytest.mark.parametrize(

@@ -62,16 +62,6 @@ def test_a_ray_by_mpmath():
     np.testing.assert_allclose(found, (float(u), float(v)), rtol=1e-14)
 
 
-def test_no_ray_lands_beyond_the_fold():
-    """With x − x³ nothing lands beyond 2/√27."""
-    edge = 2 / math.sqrt(27)
-    found, _ = Distortion("brown", (-1.0, 0.0, 0.0)).undistorted(
-        np.array([0.999 * edge, 1.001 * edge]), np.zeros(2)
-    )
-    assert list(np.isfinite(found)) == [True, False]
-    assert Distortion("fisheye", (0.0,) * 4).fold == pytest.approx(math.pi / 2)
-
-
 @pytest.mark.parametrize(("frequency", "amplitude"), [(0.03, 1e-7), (0.1, 5e-5), (0.15, 1e-3),
                                                       (0.2, 5e-3)])  # fmt: skip
 def test_waves_between_samples_keep_their_place(frequency, amplitude):

@@ -86,25 +86,6 @@ def test_gaussians_of_a_real_scene_within_the_stated_error(tmp_path, scene, tile
     assert error < {12: 0.1, 32: 0.4}[tile] < stated < {12: 0.9, 32: 3.0}[tile]
 
 
-def test_a_wide_psf_keeps_its_light(tmp_path):
-    """60 samples rms, of which half a tile of 64 holds but a sixth."""
-    picture = np.zeros((300, 280))
-    picture[140:152, 100:112] = 100.0
-    params = {"tangential_mrad": [6.0, 6.0, 6.0]}
-    bench = field_bench(tmp_path, picture, "field_psf", params, step_mrad=STEP)
-    expected = scipy.ndimage.gaussian_filter(picture, 60, mode="reflect", truncate=8)
-    np.testing.assert_allclose(bench.value("it.image"), expected, atol=3e-3 * expected.max())
-    assert bench.readouts("it")["error_percent"] < 1
-    assert not bench.engine.warnings(bench.plan, bench.work)
-
-
-def test_a_large_error_warns(tmp_path):
-    params = {"positions": [0.0, 1.0], "tangential_mrad": [0.05, 1.5], "tile": 100}
-    bench = field_bench(tmp_path, np.ones((150, 170)), "field_psf", params, step_mrad=STEP)
-    (caution,) = bench.engine.warnings(bench.plan, bench.work)
-    assert f"up to {bench.readouts('it')['error_percent']:.2g} %" in caution.message
-
-
 def test_files_of_mtf_within_the_stated_error(tmp_path, scene):
     """Exponentials, e^(−a·f) along the radius and e^(−b·f) across; here by a fine transform."""
     rates = [(0.3, 0.3), (0.4, 0.35), (0.8, 0.5)]
@@ -203,18 +184,6 @@ def test_lineage_bands_blocks_and_a_uniform_field(tmp_path):
     bands = bench.port("it.image").bands
     whole = sum(width * bench.work.value(bands.band(n)) for n in range(3))
     np.testing.assert_allclose(whole, bench.value("it.image"), rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("params", "words"),
-    [({}, "nothing is blurred: tangential_mrad is empty"),
-     ({"path_2": "1.csv"}, "path_2 is not used: kind is gaussian"),
-     ({"kind": "mtf", "path_1": "1.csv", "tile": 16}, "same at all 3 positions")],
-)  # fmt: skip
-def test_what_has_no_effect_warns(tmp_path, params, words):
-    (tmp_path / "1.csv").write_text("frequency (cyc/mrad),mtf\n0,1\n5,0.4\n20,0\n")
-    bench = field_bench(tmp_path, np.ones((40, 40)), "field_psf", params, step_mrad=STEP)
-    assert words in str(next(iter(bench.engine.warnings(bench.plan, bench.work))))
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,6 @@ contrast (Parseval).
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
@@ -113,18 +111,6 @@ def test_a_radial_table_is_round(tmp_path, column):
     np.testing.assert_allclose(got, wanted, atol=error)
 
 
-def test_an_airy_curve_of_a_table_is_that_of_the_aperture(tmp_path):
-    """Ends at the cutoff, 6 cyc/mrad: no error but the interpolation's, 1e-4 near the cutoff."""
-    s = np.linspace(0.0, 1.0, 200)
-    mtf = 2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s * s))
-    params = table(tmp_path, 6.0 * s, radial=mtf)
-    band = {"cut_on_um": 10.0, "cut_off_um": 10.0, "aperture_mm": 60.0}
-    wanted = picture(tmp_path, "diffraction_mtf", band, port="it.mtf")
-    got = picture(tmp_path, "mtf_file", params, port="it.mtf")
-    assert wanted.min() < 0.7
-    np.testing.assert_allclose(got, wanted, atol=1e-4)
-
-
 @pytest.mark.parametrize("column", ["mtf_x", "radial"])
 @pytest.mark.parametrize("unit", ["cyc/mm", "cyc/pixel"])
 def test_one_curve_in_every_unit_is_one_picture(tmp_path, column, unit):
@@ -139,15 +125,6 @@ def test_one_curve_in_every_unit_is_one_picture(tmp_path, column, unit):
     own = {"focal_length_mm": FOCAL_LENGTH_MM, "detector_x_um": PITCH_X_UM,
            "detector_y_um": PITCH_X_UM}  # fmt: skip
     np.testing.assert_array_equal(picture(tmp_path, "mtf_file", {**params, **own}, init={}), got)
-
-
-def test_pixels_of_unequal_sides_make_an_ellipse(tmp_path):
-    f, error = curve(160)
-    params = table(tmp_path, f * UNITS["cyc/pixel"], "c/p", radial=gaussian(f, 0.34))
-    got = picture(tmp_path, "mtf_file", params, port="it.mtf")
-    sigma = {"sigma_x_mrad": 0.34, "sigma_y_mrad": 0.34 * PITCH_Y_UM / PITCH_X_UM}
-    wanted = picture(tmp_path, "gaussian_mtf", sigma, port="it.mtf")
-    np.testing.assert_allclose(got, wanted, atol=error)
 
 
 @pytest.mark.parametrize("direction", ["x", "y"])
@@ -273,32 +250,6 @@ def test_normalised_by_its_value_at_zero(tmp_path):
     assert dict(law.parameters)["values"] == (1.0, 0.5, 0.0)
 
 
-def test_missing_focal_length_and_missing_file(tmp_path):
-    (tmp_path / "lens.csv").write_text(GOOD)
-    for params, words in (
-        ({"path": "lens.csv"}, "focal_length_mm"),
-        ({"path": "other.csv"}, "other.csv: no such file"),
-        ({"path": "."}, "a folder, not a file"),
-    ):
-        errors = plan_of(tmp_path, "mtf_file", params, init={})[1].errors()
-        assert len(errors) == 1
-        assert words in str(errors[0])
-
-
-def test_another_content_is_another_key(tmp_path):
-    def key():
-        return plan_of(tmp_path, "mtf_file", {"path": "lens.csv"})[1].output("it.magnitude").key
-
-    path = tmp_path / "lens.csv"
-    path.write_text(GOOD)
-    before = key()
-    path.write_text(GOOD.replace("0.5", "0.6"))
-    os.utime(path, ns=(1, 1))
-    assert key() != before
-    path.write_text(GOOD)
-    assert key() == before
-
-
 def cautions(folder, params, **how):
     plan = plan_of(folder, "mtf_file", params, **how)[1]
     assert plan.errors() == []
@@ -327,13 +278,3 @@ def test_warns_of_what_amplifies_of_no_file_and_of_another_geometry(tmp_path):
     found = cautions(tmp_path, {**params, "focal_length_mm": 150.0})
     assert "focal_length_mm = 150 mm here, 120 mm on Init & Trans" in found["geometry"]
     assert "geometry" not in cautions(tmp_path, {**params, "focal_length_mm": 120.0})
-
-
-def test_warns_of_a_phase_that_goes_nowhere(tmp_path):
-    with_phase = table(tmp_path, [0.0, 3.0], mtf_x=[1.0, 0.0], phase_x=[0.0, -1.0])
-    assert "no_phase" not in cautions(tmp_path, with_phase)
-    assert "PTF is left out" in cautions(tmp_path, with_phase, linked=False)["no_phase"]
-    alone = {**with_phase, "apply": "filter_only"}
-    assert "no_phase" not in cautions(tmp_path, alone, linked=False)
-    without = table(tmp_path, [0.0, 3.0], mtf_x=[1.0, 0.0])
-    assert "no_phase" not in cautions(tmp_path, without, linked=False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from scipy.ndimage import convolve
@@ -14,7 +12,6 @@ from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.file import format_network
 from linked_network import linked_network
-from nodes.files.write import write_picture
 from nodes.library import standard_library
 
 FOCAL_LENGTH_MM = 100.0
@@ -132,18 +129,6 @@ def test_an_airy_disc_of_a_file_blurs_as_its_aperture(tmp_path):
     assert np.abs(got - wanted).max() > 1e-4
 
 
-@pytest.mark.parametrize("suffix", [".tif", ".exr", ".txt", ".csv"])
-def test_every_format_is_one_picture(tmp_path, suffix):
-    wanted = np.round(8 * COMET).astype(np.float64)
-    np.save(tmp_path / "psf.npy", wanted)
-    if suffix in (".txt", ".csv"):
-        np.savetxt(tmp_path / f"psf{suffix}", wanted, delimiter="," if suffix == ".csv" else " ")
-    else:
-        write_picture(tmp_path / f"psf{suffix}", wanted.astype(np.float32))
-    pictures = [value(tmp_path, {"path": f"psf{end}", **PITCH}) for end in (".npy", suffix)]
-    np.testing.assert_array_equal(*pictures)
-
-
 def test_micrometres_at_the_focal_plane_and_unequal_samples(tmp_path):
     """A file at half the interval along, every other row of it empty but the middle's, is one at
     the whole interval."""
@@ -199,17 +184,6 @@ def test_bad_files_are_one_clear_line(tmp_path, name, content, words):
     assert len(message) < 400
 
 
-def test_what_is_missing(tmp_path):
-    np.save(tmp_path / "psf.npy", COMET)
-    np.save(tmp_path / "pupil.npy", COMET + 1j)
-    assert "sample_pitch" in refusal(tmp_path, {"path": "psf.npy"})
-    params = {"path": "psf.npy", "sample_pitch": 5.0}
-    assert "focal_length_mm" in refusal(tmp_path, params, focal_length_mm=None)
-    assert "no such file" in refusal(tmp_path, {"path": "other.npy", **PITCH})
-    assert "no band 1" in refusal(tmp_path, {"path": "psf.npy", "band": 1, **PITCH})
-    assert "complex" in refusal(tmp_path, {"path": "pupil.npy", **PITCH})
-
-
 def test_of_several_bands_one_is_chosen(tmp_path):
     np.save(tmp_path / "psf.npy", COMET)
     np.save(tmp_path / "cube.npy", np.stack([COMET[::-1], COMET], axis=-1))
@@ -218,18 +192,6 @@ def test_of_several_bands_one_is_chosen(tmp_path):
     np.testing.assert_array_equal(chosen, value(tmp_path, {"path": "psf.npy", **PITCH}))
     first = value(tmp_path, {"path": "cube.npy", "band": 0, **PITCH})
     assert np.abs(first - chosen).max() > 0.01 * chosen.max()
-
-
-def test_another_content_is_another_key(tmp_path):
-    def key():
-        return planned(tmp_path, {"path": "psf.npy", **PITCH})[1].output("it.magnitude").key
-
-    np.save(tmp_path / "psf.npy", COMET)
-    before = key()
-    assert key() == before
-    np.save(tmp_path / "psf.npy", COMET + 1)
-    os.utime(tmp_path / "psf.npy", ns=(1, 1))
-    assert key() != before
 
 
 def cautions(folder, params, **how):

@@ -58,15 +58,6 @@ def test_a_measured_curve_and_a_polynomial(tmp_path, against, of_tangent):
     np.testing.assert_allclose(found, 1 - 0.3 * share - 0.1 * share**2, rtol=1e-12)
 
 
-def test_a_short_file_holds_its_last_value_and_warns(tmp_path):
-    (tmp_path / "lens.csv").write_text("5 0.9\n10 0.7\n")
-    how = {"natural": False, "measured": "file", "path": "lens.csv"}
-    bench, found = light(tmp_path, how)
-    assert found[0, 0] == pytest.approx(0.7)
-    (caution,) = bench.engine.warnings(bench.plan, bench.work)
-    assert "ends at 10 deg" in caution.message
-
-
 def test_shot_noise_follows_from_the_vignetted_light(tmp_path):
     """Variance and mean of the electrons are equal, at the corner as in the middle."""
     scene = {"kind": "uniform", "width": 512, "height": 512, "fov_x_deg": 60, "fov_y_deg": 60,

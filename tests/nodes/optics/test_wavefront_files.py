@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import struct
 
 import numpy as np
@@ -12,7 +11,6 @@ from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
 from linked_network import linked_network
-from nodes.files.lens_samples import read_listing
 from nodes.library import standard_library
 from picture_samples import fits as fits_of
 
@@ -142,30 +140,6 @@ def test_a_map_of_noll_7_is_that_polynomial_typed_in(tmp_path, of_map, shift):
     np.testing.assert_allclose(got, wanted, atol=1e-7)
 
 
-def test_a_map_alone_brings_its_aperture(tmp_path):
-    """Its mask of whole samples is as good as one of partly covered ones to 1e-2, of 40 samples."""
-    samples = disc()
-    written(tmp_path, samples, on_support(samples))
-    masked = {"shape": "file", "wavefront_path": "opd.npy"}
-    np.save(tmp_path / "amplitude.npy", (samples > 0).astype(float))
-    wanted = otf(tmp_path, {"shape": "file", "path": "amplitude.npy", "zernike_waves": Z7})
-    np.testing.assert_allclose(otf(tmp_path, masked), wanted, atol=1e-12)
-    typed = {"radius": RADIUS, "size_x": SIZE, "size_y": SIZE, "zernike_waves": Z7}
-    np.testing.assert_allclose(otf(tmp_path, masked), otf(tmp_path, typed), atol=2e-2)
-
-
-def test_zernike_typed_beside_a_map_is_on_the_same_disc(tmp_path):
-    samples = disc((5, 9))
-    written(tmp_path, samples, on_support(samples))
-    pupil = {"shape": "file", "path": "amplitude.npy", "wavefront_path": "opd.npy"}
-    minus = [-value for value in Z7]
-    flat = otf(tmp_path, {"shape": "file", "path": "amplitude.npy"})
-    np.testing.assert_allclose(otf(tmp_path, {**pupil, "zernike_waves": minus}), flat, atol=1e-12)
-    engine, plan = planned(tmp_path, {"shape": "file", "wavefront_path": "opd.npy"})
-    found = engine.readouts(plan, "pupil", engine.work(Policy(precision="double")))
-    assert found["aperture_radius"] == pytest.approx(support_circle(samples)[2])
-
-
 @pytest.mark.parametrize(
     ("unit", "number", "wavelength_um"),
     [("waves", 0.5, 8.0), ("rad", np.pi, 8.0), ("um", 4.0, None), ("nm", 4000.0, 2.0)],
@@ -203,18 +177,6 @@ def test_the_wavelength_of_a_listing_is_taken(tmp_path):
     wanted = otf(tmp_path, {"shape": "file", "path": "amplitude.npy", "zernike_waves": typed})
     for picture in pictures:
         np.testing.assert_allclose(picture, wanted, atol=1e-7)
-
-
-def test_other_lengths_of_a_header_are_no_wavelength(tmp_path):
-    path = tmp_path / "opd.txt"
-    for text, expected in (
-        ("# lens of 100 mm at F/4\n1 2\n", None),
-        ("# lens of 100 mm at F/4\n# Wavelength: 4250 nm\n1 2\n", 4.25),
-        ("3.7 to 4.8 µm at 0.0 (deg).\n1 2\n", None),
-        ("0.55 microns at 0.0 (deg).\n1 2\n", 0.55),
-    ):
-        path.write_text(text, encoding="utf-8")
-        assert read_listing(path).wavelength_um == (expected and pytest.approx(expected))
 
 
 def test_row_0_is_at_the_top(tmp_path):
@@ -295,16 +257,3 @@ def test_what_does_not_fit(tmp_path):
         (of(None, "other.npy"), "no such file"),
     ):
         assert words in refusal(tmp_path, pupil)
-
-
-def test_another_content_is_another_key(tmp_path):
-    def key():
-        pupil = {"shape": "file", "wavefront_path": "opd.npy"}
-        return planned(tmp_path, pupil)[1].output("optics.mtf").key
-
-    np.save(tmp_path / "opd.npy", disc())
-    before = key()
-    assert key() == before
-    np.save(tmp_path / "opd.npy", 2 * disc())
-    os.utime(tmp_path / "opd.npy", ns=(1, 1))
-    assert key() != before

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import os
-import re
 import shutil
 import site
 import subprocess
@@ -18,11 +17,8 @@ import pytest
 
 from child_process import ROOT, finished
 from command_line import run_here
-from core.network.file import load_network
-from nodes.library import standard_library
 
 EXAMPLE = ROOT / "tests" / "example_plug_in"
-PAGE = ROOT / "app" / "handbook" / "pages" / "plug_ins.md"
 SHARE, SIGMA = 0.2, 3.0
 NETWORK = {
     "format": "imagechain-network",
@@ -46,22 +42,6 @@ NETWORK = {
         ["init.phase", "back.phase"],
     ],
 }
-WINDOW = """
-import sys
-from pathlib import Path
-from app.editor.window.main_window import MainWindow
-from app.editor.window.start import application
-from app.editor.window.recent_files import Settings
-from nodes.library import standard_library
-app = application()
-folder = Path(sys.argv[1])
-settings = Settings(folder / 's.ini')
-window = MainWindow(library=standard_library(), settings=settings, recovery=folder)
-window.open_first(sys.argv[2])
-print(sorted(key for key in window.library_view.tree.modules if "." in key))
-print(sorted(window.session.network.nodes))
-window.close_for_good()
-"""
 
 
 @pytest.fixture(scope="module")
@@ -120,15 +100,6 @@ def test_the_command_runs_it(fresh, network, tmp_path):
     assert "Harvey 1976" in shown
 
 
-def test_the_editor_offers_and_opens_it(fresh, network, tmp_path):
-    shown = ran(
-        fresh, "-c", WINDOW, tmp_path, network, folder=tmp_path,
-        env={"QT_QPA_PLATFORM": "offscreen"},
-    ).stdout.splitlines()  # fmt: skip
-    assert shown[0] == str(["imagechain_glare.glare_mtf", "imagechain_glare.neutral_filter"])
-    assert shown[1] == str(sorted(NETWORK["nodes"]))
-
-
 def test_its_battery_runs_where_it_is_installed(fresh, tmp_path):
     script = (
         "from imagechain.battery import check_module\n"
@@ -156,16 +127,6 @@ def test_without_the_package_a_line_names_it(network, tmp_path):
     done = run_here("run", network, "--output-dir", "out", folder=tmp_path)
     assert done.returncode == 2
     assert not (tmp_path / "out").exists()
-
-
-def test_without_it_the_network_opens_and_is_saved_as_it_is(network, tmp_path):
-    from app.editor.window.files import open_network_file
-
-    opened = open_network_file(network, library=standard_library())
-    assert "imagechain_glare, which is not installed here" in opened.remark
-    assert set(opened.document.network.nodes) == set(NETWORK["nodes"])
-    with pytest.raises(Exception, match="not installed"):
-        load_network(network, library=standard_library())
 
 
 BROKEN = {
@@ -350,20 +311,3 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     assert "1 0" in printed
     assert printed[-3:-1] == ["KeyError('step') glass", 'return image + {}["step"]']
     assert printed[-1].startswith("a fault of the module faulty_optics.filter in the plug-in")
-
-
-def test_the_package_of_the_handbook_is_complete(fresh, tmp_path):
-    blocks = re.findall(r"```(\w+)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    project, module = blocks[:2]
-    assert (project[0], module[0]) == ("toml", "python")
-    source = tmp_path / "acme_optics"
-    source.mkdir()
-    (source / "pyproject.toml").write_text(project[1], encoding="utf-8")
-    (source / "acme_optics.py").write_text(module[1], encoding="utf-8")
-    installed(fresh, source)
-    commands = next(block for kind, block in blocks if kind == "bash").splitlines()
-    words = commands[1].removeprefix(".venv/bin/imagechain ").split()
-    assert "scattered_share" in ran(fresh, "-m", "app.command.cli", *words, folder=tmp_path).stdout
-    ran(fresh, "-c", next(block for kind, block in blocks if kind == "text"), folder=tmp_path)
-    saved = json.loads((tmp_path / "with_glare.json").read_text(encoding="utf-8"))
-    assert saved["nodes"]["glare"]["module"] == "acme_optics.glare_mtf"

@@ -251,7 +251,3 @@ def test_what_does_not_hold_is_named(module, words):
         assert len(faults) == 1 or module in (Failing, Restless), faults
     with pytest.raises(AssertionError, match=module.__name__), np.errstate(all="ignore"):
         check_module(module)
-
-
-def test_an_amplifier_may_say_so():
-    assert faults_of(Loud, passive=False) == []

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from edge_pictures import edge_mtf, edge_picture
-from merit_sensor import sensor
 from node_bench import NodeBench
 from readout_bench import (
     COLUMNS,
@@ -92,50 +91,6 @@ def test_readouts_of_the_noise_budget(tmp_path):
             "eta": 0.4 * NYQUIST_Y,
         },
         rel=1e-3,
-    )
-
-
-@pytest.mark.parametrize(("platform", "pattern"), [("array", "sigma_vh"), ("push", "sigma_h")])
-def test_readouts_of_noise_by_direction(tmp_path, platform, pattern):
-    """A detector for each sample, or one for each column."""
-    bench = noisy(tmp_path, "noise_3d", {"frames": 0}, platform)
-    level = float(bench.value("scene.image").mean())
-    one, two = detector_sigma(), GAIN * level
-    expected = {f"sigma_{name}": 0.0 for name in ("tvh", "vh", "v", "h", "t", "tv", "th")}
-    expected |= {"sigma_tvh": one, pattern: two, "temporal": one, "fixed": two}
-    found = bench.readouts("it")
-    assert (found.pop("temporal_measured"), found.pop("fixed_measured")) == (None, None)
-    assert found == pytest.approx(expected, rel=1e-3, abs=1e-9)
-
-
-def test_measured_noise_is_about_the_predicted(tmp_path):
-    """Five standard errors: 1/√(2·384) of one pattern, 1/√(2·384·15) of sixteen frames."""
-    found = noisy(tmp_path, "noise_3d", {"frames": 16}).readouts("it")
-    assert found["temporal_measured"] == pytest.approx(found["temporal"], rel=5 / math.sqrt(11520))
-    assert found["fixed_measured"] == pytest.approx(found["fixed"], rel=5 / math.sqrt(768))
-
-
-def test_readouts_of_a_comparison(tmp_path):
-    one, two = np.random.default_rng(6).uniform(20, 60, (2, 9, 14))
-    two[3, 5] = 1.0  # a range of the reference's own
-    np.save(tmp_path / "one.npy", one)
-    np.save(tmp_path / "two.npy", two)
-    nodes = {name: ("read_image", {"path": f"{name}.npy"}) for name in ("one", "two")}
-    bench = NodeBench(
-        LIBRARY,
-        tmp_path,
-        {**nodes, "it": ("compare_images", {})},
-        [("one.image", "it.image"), ("two.image", "it.reference")],
-    )
-    rms = math.sqrt(float(((one - two) ** 2).mean()))
-    assert bench.readouts("it") == pytest.approx(
-        {
-            "rmse": rms,
-            "max_error": float(abs(one - two).max()),
-            "psnr_dB": 20 * math.log10((two.max() - two.min()) / rms),
-            "mean_difference": float((one - two).mean()),
-        },
-        rel=1e-11,
     )
 
 
@@ -230,13 +185,3 @@ def test_readouts_of_a_measured_edge(tmp_path):
     assert table["mtf50_error"] != table["at_nyquist_error"]
     for name in ("expected_mtf50", "expected_at_nyquist", "largest_difference"):
         assert found[name] is None  # no chain is known behind a file
-
-
-def test_readouts_of_merit_are_figures_of_the_table(tmp_path):
-    """Formulas of the table are tested beside the module; here no figure stands for another."""
-    engine, plan, work = sensor()
-    found = engine.readouts(plan, "merit", work)
-    table = engine.value(plan, "merit.table", work).as_dict()
-    rows = {"mrtd_x_K": "mrtd_x_50_percent_nyquist", "mrtd_y_K": "mrtd_y_50_percent_nyquist"}
-    assert found == {name: table[rows.get(name, name)] for name in found}
-    assert len(set(found.values())) == 9

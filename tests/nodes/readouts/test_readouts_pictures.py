@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
-from core.errors import ImagechainError
 from node_bench import NodeBench
 from nodes.library import standard_library
 from readout_bench import (
@@ -17,7 +15,6 @@ from readout_bench import (
     FILL_X,
     FILL_Y,
     FOCAL_LENGTH_MM,
-    LIBRARY,
     NYQUIST_X,
     NYQUIST_Y,
     PITCH_X_UM,
@@ -68,51 +65,6 @@ def test_readouts_of_the_transform_without_a_detector(tmp_path, missing, empty):
 def test_readouts_of_the_anti_aliaser(tmp_path, factor):
     found = bench_of(tmp_path, "anti_alias", {"factor": factor}).readouts("it")
     expected = {"new_nyquist_x": NYQUIST_X / factor, "new_nyquist_y": NYQUIST_Y / factor}
-    assert found == pytest.approx(expected, rel=1e-12)
-
-
-def reading(folder, samples, *, examined=False, **params):
-    np.save(folder / "in.npy", samples)
-    nodes = {"it": ("read_image", {"path": "in.npy", "unit": "W/m²/sr", **params})}
-    links = []
-    if examined:
-        nodes["figures"] = ("examine_image", {})
-        links = [("it.image", "figures.image")]
-    return NodeBench(LIBRARY, folder, nodes, links)
-
-
-def holed():
-    """Five samples of 7 × 11 that are no numbers, more in a row than in any column."""
-    samples = np.random.default_rng(3).uniform(10.0, 50.0, (7, 11))
-    samples[2, [1, 4, 9]] = np.nan
-    samples[5, 4], samples[6, 0] = np.inf, -np.inf
-    return samples
-
-
-@pytest.mark.parametrize("missing", ["mean", "zero"])
-def test_samples_that_are_no_numbers(tmp_path, missing):
-    assert reading(tmp_path, holed(), missing=missing).readouts("it") == {"missing_samples": 5}
-
-
-def test_none_is_missing_where_none_may_be(tmp_path):
-    """The file with holes is refused where its samples are looked at."""
-    whole = np.nan_to_num(holed(), posinf=1.0, neginf=1.0)
-    assert reading(tmp_path, whole).readouts("it") == {"missing_samples": 0}
-    refusing = reading(tmp_path, holed())
-    with pytest.raises(ImagechainError, match=r"in\.npy"):
-        refusing.value("it.image")
-
-
-def test_figures_of_a_picture(tmp_path):
-    samples = np.random.default_rng(4).uniform(10.0, 50.0, (7, 11))
-    samples[5, 9], samples[1, 2] = 3.0, 90.0
-    found = reading(tmp_path, samples, examined=True).readouts("figures")
-    expected = {
-        "minimum": 3.0,
-        "maximum": 90.0,
-        "mean": samples.sum() / 77,
-        "sigma": np.sqrt(((samples - samples.sum() / 77) ** 2).sum() / 77),
-    }
     assert found == pytest.approx(expected, rel=1e-12)
 
 

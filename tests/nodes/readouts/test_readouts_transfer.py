@@ -5,7 +5,6 @@ from __future__ import annotations
 import cmath
 import math
 
-import numpy as np
 import pytest
 from scipy.special import j0
 
@@ -232,14 +231,6 @@ def test_readouts_at_the_pixels_nyquist_frequencies(tmp_path, key, law_x, law_y)
         assert found[f"mtf_at_pixel_nyquist_{axis}"] == pytest.approx(expected, rel=1e-11)
 
 
-def test_the_phase_at_the_pixels_nyquist_frequency(tmp_path):
-    """Half a turn for each packet that is left behind: alternate ones are lost and come late."""
-    params = {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"}
-    found = bench_of(tmp_path, "charge_eff_phase", params).readouts("it")
-    assert found["ptf_at_pixel_nyquist_x"] == pytest.approx(0.0, abs=1e-9)
-    assert found["ptf_at_nyquist_x"] != pytest.approx(0.0, abs=1e-3)
-
-
 def pupil(folder, shape, size_x=64, size_y=40, **settings):
     """A pupil of radius 15 samples, of 12/64 mm across and 20/40 mm along."""
     made = {"shape": shape, "radius": 15.0, "size_x": size_x, "size_y": size_y}
@@ -272,39 +263,6 @@ def test_readouts_of_a_disc(tmp_path):
     }
     check(of_samples(bench.readouts("it")), expected)
     assert bench.readouts("pupil") == {"aperture_radius": 15.0}
-
-
-def test_cutoffs_of_half_a_disc(tmp_path):
-    """Half as wide across, as high along."""
-    expected = {**PITCHES, "cutoff_x": 15 * 12 / 64 / MEAN_UM, "cutoff_y": 1.5}
-    found = pupil(tmp_path, "half_moon").readouts("it")
-    check({name: found[name] for name in expected}, expected)
-
-
-def test_cutoffs_and_radius_of_a_pupil_from_a_file(tmp_path):
-    """A bar of 9 columns and 21 rows, hence 1.7 by 10.5 mm."""
-    samples = np.zeros((40, 64))
-    samples[10:31, 28:37] = 1.0
-    np.save(tmp_path / "bar.npy", samples)
-    params = {"size_x_cm": 1.2, "size_y_cm": 2.0}
-    more = {"pupil": ("exit_pupil", {"shape": "file", "path": "bar.npy"})}
-    bench = bench_of(
-        tmp_path, "exit_pupil_mtf", params, more=more, links=[("pupil.pupil", "it.pupil")]
-    )
-    found = bench.readouts("it")
-    expected = {
-        **PITCHES,
-        "cutoff_x": 9 * 12 / 64 / MEAN_UM,
-        "cutoff_y": 21 * 20 / 40 / MEAN_UM,
-        # A bar's MTF is a triangle.
-        "mtf_at_nyquist_y": 1 - NYQUIST_Y / (21 * 20 / 40 / MEAN_UM),
-        "mtf_at_nyquist_x": 0.0,  # beyond the cutoff, of 0.17 cycles/mrad
-    }
-    for name, value in expected.items():
-        assert found[name] == pytest.approx(value, rel=1e-3, abs=1e-9), name
-    # Within a sample of the least circle: about the array's middle, column 31.5 and row 19.5.
-    about = math.hypot(36 - 31.5, 30 - 19.5)
-    assert bench.readouts("pupil")["aperture_radius"] == pytest.approx(about, rel=1e-12)
 
 
 def test_readouts_of_photon_noise(tmp_path):

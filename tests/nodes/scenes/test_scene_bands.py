@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from core.evaluation.policy import Policy
-from cube_files import band_by_band
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import draw
@@ -27,16 +26,6 @@ def scene(folder, policy=DOUBLE, **parameters):
     return bench.port("scene.image"), bench.engine.work(policy)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("bands", [1, 7])
-def test_all_bands_of_grey_surfaces_are_the_scene_without_bands(tmp_path, kind, bands):
-    # Every band holds its own integral of Planck's law, so that nothing is lost between them.
-    made, work = scene(tmp_path, kind=kind, bands=bands, emissivity="grey")
-    plain, _ = scene(tmp_path, kind=kind)
-    assert (made.bands.count, plain.bands) == (bands, None)
-    np.testing.assert_allclose(work.value(made.recipe), work.value(plain.recipe), rtol=1e-12)
-
-
 @pytest.mark.parametrize("at_once", [False, True])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_sum_is_that_of_its_bands_and_means_are_theirs(tmp_path, monkeypatch, kind, at_once):
@@ -47,15 +36,6 @@ def test_a_sum_is_that_of_its_bands_and_means_are_theirs(tmp_path, monkeypatch, 
     sums = work.value(made.bands.sums(weights))
     np.testing.assert_allclose(sums, np.tensordot(weights, cube, 1), atol=1e-13 * cube.max())
     np.testing.assert_allclose(work.value(made.bands.means()), cube.mean(axis=(1, 2)), rtol=1e-12)
-
-
-def test_bands_are_equal_and_fill_the_interval(tmp_path):
-    made, _ = scene(tmp_path, bands=16)
-    centres, widths = np.array(made.bands.centres_um), np.array(made.bands.widths_um)
-    np.testing.assert_allclose(widths, 0.1, rtol=1e-12)
-    np.testing.assert_allclose(centres, 3.45 + 0.1 * np.arange(16), rtol=1e-12)
-    assert made.bands.band_um == pytest.approx((3.4, 5.0))
-    assert made.unit == "W/m²/sr"
 
 
 def spectra(low, high, bands=1, **parameters):
@@ -81,15 +61,6 @@ def test_a_surface_by_hand_in_a_narrow_band(name):
     assert made == pytest.approx([light / (high - low)], rel=1e-5)
 
 
-def test_wide_bands_weight_emissivity_by_their_light():
-    # One band of the whole interval against 400: shares are averaged with the light they are of.
-    for low, high, sun in ((3.0, 5.0, 0.0), (8.0, 12.0, 0.0), (0.4, 0.9, 50.0)):
-        one, many = (spectra(low, high, n, sun_elevation_deg=sun) for n in (1, 400))
-        for name in SURFACES:
-            whole = many[name].sum() * (high - low) / 400
-            assert one[name][0] * (high - low) == pytest.approx(whole, rel=1e-9), name
-
-
 def test_plants_are_bright_beyond_the_edge_and_the_ground_is_not():
     red, near = (
         spectra(low, high, sun_elevation_deg=50.0) for low, high in ((0.64, 0.68), (0.78, 0.9))
@@ -98,45 +69,6 @@ def test_plants_are_bright_beyond_the_edge_and_the_ground_is_not():
     for name, least, most in (("lawn", 4, 12), ("asphalt", 0.4, 1.2), ("water", 0.2, 0.9)):
         ratio = near[name][0] / red[name][0]
         assert least < ratio * sun / 2 < most, name
-
-
-def test_every_surface_has_a_material_and_every_material_a_surface():
-    assert {material for _, _, material in SURFACES.values()} == set(MATERIALS)
-    for spectrum in MATERIALS.values():
-        assert all(0.0 <= value <= 1.0 and 0.3 < um <= 14.0 for um, value in spectrum.points)
-
-
-def test_optics_filter_each_band_at_its_wavelength(tmp_path):
-    size = {"width": 80, "height": 64}
-    interval = 0.035
-    fov = {
-        "fov_x_deg": float(np.degrees(interval * 1e-3 * 80)),
-        "fov_y_deg": float(np.degrees(interval * 1e-3 * 64)),
-    }
-    values = {"cut_on_um": 3.0, "cut_off_um": 5.0, "bands": 12, **size, **fov, **LIGHT}
-    nodes = {
-        "scene": ("test_scene", values),
-        "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0}),
-        "optics": ("diffraction_mtf", {"aperture_mm": 100.0}),
-        "back": ("back_transform", {}),
-    }
-    links = [
-        ("scene.image", "init.image"),
-        ("init.context", "optics.context"),
-        ("init.magnitude", "optics.magnitude"),
-        ("init.phase", "optics.phase"),
-        ("optics.magnitude", "back.magnitude"),
-        ("optics.phase", "back.phase"),
-    ]
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
-    work = bench.engine.work(DOUBLE)
-    bands = bench.port("scene.image").bands
-    cube = np.stack([work.value(bands.band(index)) for index in range(12)])
-    want = band_by_band(
-        cube, bands.centres_um, bands.widths_um, interval_mrad=interval, aperture_mm=100.0
-    )
-    made = bench.engine.value(bench.plan, "back.image", work)
-    assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
 
 @pytest.mark.parametrize("kind", ["dormitory", "airfield"])

@@ -9,7 +9,6 @@ import pytest
 from nodes.scenes.coverage import (
     band,
     bell,
-    cell_edges,
     ellipse_coverage,
     half_plane_coverage,
     power,
@@ -17,7 +16,6 @@ from nodes.scenes.coverage import (
     steps,
     wave,
 )
-from nodes.scenes.scene_canvas import Canvas, Drawing
 
 
 def clip_polygon(polygon, a, b, c):
@@ -81,14 +79,6 @@ def test_ellipse_matches_quadrature_and_total_area():
     assert total == pytest.approx(np.pi * 0.31 * 0.4, rel=1e-14)
 
 
-def test_small_and_distant_ellipses():
-    edges = cell_edges(count=8192, start=4000, stop=4100)
-    shape = {"centre_x": 0.494, "centre_y": 0.494, "radius_x": 2e-5, "radius_y": 3e-5}
-    share = ellipse_coverage(edges, edges, **shape)
-    assert share.sum() / 8192**2 == pytest.approx(np.pi * 6e-10, rel=1e-9)
-    assert ellipse_coverage(edges, edges, **{**shape, "centre_x": 0.1}).max() == 0.0
-
-
 @pytest.mark.parametrize(("width", "height"), [(8, 6), (9, 7), (8, 7), (31, 40)])
 @pytest.mark.parametrize("spokes", [1, 2, 5, 8])
 def test_star_is_the_sum_of_its_wedges(width, height, spokes):
@@ -126,18 +116,3 @@ def test_profiles_match_quadrature():
             assert mean == pytest.approx(float(exact / (edges[k + 1] - edges[k])), abs=1e-12)
     comb = steps([0.1, 0.3], [0.2, 0.8], [2.0, -1.0]).means(np.array([0.0, 0.15, 0.5, 1.0]))
     assert comb == pytest.approx([0.1 / 0.15, (0.1 - 0.2) / 0.35, -0.3 / 0.5], abs=1e-14)
-
-
-def test_painted_shapes_match_supersampling():
-    drawing = Drawing("wall")
-    radiances = {"wall": 1.0, "roof": 3.0}
-    drawing.paint_trapezoid("roof", (0.2, 0.4, 0.5), (0.83, 0.1, 0.77))
-    picture = drawing.render(radiances, Canvas(9, 7, np.float64))
-    fine_x = (np.arange(9 * 400) + 0.5) / (9 * 400)
-    fine_y = ((np.arange(7 * 400) + 0.5) / (7 * 400))[:, None]
-    way = (fine_y - 0.2) / 0.63
-    inside = (way > 0) & (way < 1) & (fine_x > 0.4 - 0.3 * way) & (fine_x < 0.5 + 0.27 * way)
-    exact = 1.0 + 2.0 * inside.reshape(7, 400, 9, 400).mean(axis=(1, 3))
-    assert picture == pytest.approx(exact, abs=4e-3)
-    whole = drawing.render(radiances, Canvas(1, 1, np.float64))
-    assert whole[0, 0] == pytest.approx(1.0 + 2.0 * 0.63 * (0.1 + 0.67) / 2, rel=1e-14)

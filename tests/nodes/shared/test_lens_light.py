@@ -1,7 +1,5 @@
 """Light of real lenses, from Camera to electrons, NER and a bolometer's noise."""
 
-import math
-
 import pytest
 
 from node_bench import NodeBench
@@ -156,22 +154,3 @@ def test_fields_of_view_of_the_reference(case, tmp_path):
     assert found["fov_x_deg"] == pytest.approx(float(case["expected"]["fov_deg"]), rel=1e-9)
     of_pixel = given["pitch_um"] / given["focal_length_mm"]
     assert found["pixel_x_mrad"] == pytest.approx(of_pixel, rel=1e-15)
-
-
-def test_a_published_field_of_view_is_that_of_a_flat_picture(tmp_path):
-    """57° across 160 pixels of 12 µm behind 1.77 mm: a sample is a pixel, 6.78 mrad on the axis."""
-    camera = {"pixels_x": 160, "pixels_y": 120, "pitch_um": 12.0, "focal_length_mm": 1.77}
-    seen = {"width": 160, "height": 120, "fov_x_deg": 57.0, "fov_y_deg": 44.3}
-    bench = bench_of(tmp_path, {**camera, "f_number": 1.1}, scene=seen)
-    found = bench.readouts("camera")
-    # 57° is 56.95° rounded: tan(28.5°)/tan(28.474°)
-    assert found["samples_per_pixel_x"] == pytest.approx(0.99891, rel=1e-4)
-    assert found["samples_per_pixel_y"] == pytest.approx(1.0, rel=2e-3)
-    assert not cautions(bench, "field_of_view")
-    # a scanner's field is divided into equal angles (thesis, eq. 4.1), and so is another field
-    other = bench_of(
-        tmp_path, {**camera, "f_number": 1.1}, scene={**seen, "fov_x_deg": 40.0, "fov_y_deg": 30.0}
-    )
-    interval = math.radians(40.0) * 1000 / 160
-    assert other.readouts("init")["interval_x_mrad"] == pytest.approx(interval, rel=1e-12)
-    assert "56.95°" in cautions(other, "field_of_view")[0]

@@ -50,15 +50,6 @@ def test_two_frame_rates(tmp_path):
     assert not cautions(tmp_path, "timing", detector=bolometer, merit={"frame_rate_Hz": 60})
 
 
-def test_stages_typed_twice(tmp_path):
-    (said,) = cautions(tmp_path, "stages", tdi={"stages": 32},
-                       detector=("focal_plane", {"tdi_stages": 16}))  # fmt: skip
-    assert "tdi_stages = 16 here, 32 on stages" in said
-    for stages in (1, 32):
-        plane = ("focal_plane", {"tdi_stages": stages})
-        assert not cautions(tmp_path, "stages", tdi={"stages": stages}, detector=plane)
-
-
 @pytest.mark.parametrize(
     ("integration_time_s", "stages", "said"),
     [

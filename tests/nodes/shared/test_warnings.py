@@ -1,7 +1,6 @@
 """What modules warn of: each warning with values that bring it about, and with sound ones."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from core.chain.engine import Engine
 from core.modules.declaration import declaration
 from core.network.file import parse_network
 from nodes.library import standard_library
-from nodes.shared.shared_warnings import band_caution
 
 LIBRARY = standard_library()
 SCENE = {"width": 16, "height": 16, "fov_x_deg": 1.0, "cut_on_um": 8.0, "cut_off_um": 12.0}
@@ -330,21 +328,3 @@ def test_declared_as_contracted(key):
         assert check.meaning.endswith("."), check
         assert {*check.needs} <= inputs | {"outputs", "given"}, check
         assert check.name not in taken
-
-
-@pytest.mark.parametrize("key", sorted({key for key, _ in CASES}))
-def test_a_disabled_node_warns_of_nothing(planned, key):
-    plan = planned(key, next(CASES[each][0] for each in CASES if each[0] == key))
-    network = plan.network
-    off = network.with_node(replace(network.nodes["node"], disabled=True))
-    assert Engine(LIBRARY).plan(off, folder=plan.folder).nodes["node"].warnings == ()
-
-
-@pytest.mark.parametrize("numbers", [(5e-324, 1.7e308), (1.7e308, 5e-324), (1.7e308, 1.7e308)])
-def test_extreme_numbers_are_no_error(planned, numbers):
-    focal, size = numbers
-    plan = planned("exit_pupil_mtf", {"size_x_cm": 12.8})
-    module = type(plan.nodes["node"].module).build({"size_x_cm": size})
-    context = replace(plan.output("init.context"), focal_length_mm=focal)
-    module.aperture(context, plan.output("pupil.pupil"))
-    band_caution((5e-324, 1.7e308), *sorted(numbers))

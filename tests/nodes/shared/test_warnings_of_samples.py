@@ -64,19 +64,6 @@ class TestRadianceOfFiles:
         )
         assert "such as K" in caution.remedy
 
-    @pytest.mark.parametrize("band", [LWIR, MWIR, VISIBLE])
-    def test_kelvin_in_a_band_is_more_than_a_scene_gives(self, tmp_path, band):
-        np.save(tmp_path / "a.npy", KELVIN)
-        (caution,) = checks(tmp_path, path="a.npy", unit="W/m²/sr", **band)
-        assert caution.message.startswith("the samples' mean, 290 W/m²/sr, is more than the ")
-        assert caution.message.endswith("they look like temperatures in kelvin")
-
-    def test_counts_in_a_band(self, tmp_path):
-        np.save(tmp_path / "a.npy", frame(8000.0, 500.0))
-        (caution,) = checks(tmp_path, path="a.npy", scale=2.0, **LWIR)
-        assert "mean, 1.6e+04 W/m²/sr, is more than" in caution.message
-        assert "kelvin" not in caution.message
-
     @pytest.mark.parametrize(
         ("samples", "params"),
         [
@@ -95,11 +82,6 @@ class TestRadianceOfFiles:
     def test_what_may_be_radiance_is_silent(self, tmp_path, samples, params):
         np.save(tmp_path / "a.npy", samples)
         assert checks(tmp_path, path="a.npy", **params) == []
-
-    def test_whole_numbers_are_warned_of_once(self, tmp_path):
-        np.save(tmp_path / "a.npy", KELVIN.astype(np.int16))
-        found = [each.check for each in checks(tmp_path, path="a.npy")]
-        assert found == ["numbers_without_unit"]
 
 
 class TestRadianceOfElectronics:
@@ -135,19 +117,6 @@ class TestRadianceOfElectronics:
             "can give in 8 to 12 µm; they look like temperatures in kelvin"
         )
 
-    @pytest.mark.parametrize("kelvin", [250.0, 300.0, 340.0])
-    def test_radiance_of_a_surface_is_silent(self, tmp_path, kelvin):
-        mean = planck(8.0, 12.0, kelvin)
-        assert self.cautions(tmp_path, frame(mean, 0.05 * mean)) == []
-
-    def test_a_band_of_the_picture_is_warned_of_once(self, tmp_path):
-        (caution,) = self.cautions(tmp_path, KELVIN, cut_on_um=8.0, cut_off_um=12.0)
-        assert caution.node == "read"
-
-    def test_another_unit_is_warned_of_once(self, tmp_path):
-        (caution,) = self.cautions(tmp_path, KELVIN, unit="K")
-        assert (caution.node, caution.check) == ("electronics", "unit")
-
 
 def planck(cut_on_um, cut_off_um, kelvin):
     """Band radiance by the midpoint rule, from Planck's law as written."""
@@ -181,13 +150,6 @@ class TestFiles:
         one = ImageOutput(image(Header(channels=("Y",))))
         assert ReadImage.build({}).one_channel(one, frozenset()) is None
 
-    @pytest.mark.parametrize("params", [{"band": 0}, {"band": 2}, {}])
-    def test_a_channel_that_was_chosen_is_not_warned_of(self, tmp_path, params):
-        """Not even the first one, which is the default."""
-        write_picture(tmp_path / "a.png", np.zeros((4, 4, 3)), dtype="uint8")
-        found = [each.check for each in checks(tmp_path, path="a.png", unit="DN", **params)]
-        assert ("one_channel" in found) is not bool(params)
-
     @pytest.mark.parametrize(
         ("params", "warned"),
         [({}, True), ({"band": 0}, False), ({"band": 2}, False), (BANDS, False)],
@@ -204,14 +166,6 @@ class TestFiles:
         if warned:
             assert found["one_band"].message == "only band 0 is read: the file contains 3 bands"
             assert found["one_band"].remedy == "for another band set band, 0 to 2"
-
-    def test_gains_of_the_header_that_are_not_applied(self):
-        outputs = ImageOutput(image(Header(not_applied=("data gain values",))))
-        caution = ReadImage.build({}).as_stored(outputs)
-        assert "data gain values" in caution.message
-        assert "scale" in caution.remedy
-        assert ReadImage.build({"scale": 0.01}).as_stored(outputs) is None
-        assert ReadImage.build({}).as_stored(ImageOutput(image(Header()))) is None
 
     def test_a_focal_length_other_than_the_files(self):
         init = InitTrans.build({"focal_length_mm": 100.0})

@@ -52,18 +52,6 @@ def test_combining_by_three_crops(tmp_path, precision, size, left):
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("steps", [((2, 3), (3, 2)), ((4, 1), (1, 5)), ((5, 5), (2, 2))])
-def test_combining_twice_is_combining_once(tmp_path, precision, steps):
-    picture = scene(60, 60)
-    tail = tuple(("combine_pixels", {"factor_y": y, "factor_x": x}) for y, x in steps)
-    twice, _ = delivered(tmp_path, picture, ("pixel", "late"), precision, "reflect", tail)
-    fine, _ = delivered(tmp_path, picture, ("pixel", "late"), precision, "reflect")
-    y, x = np.prod(steps, axis=0)
-    expected = fine.reshape(60 // y, y, 60 // x, x).mean(axis=(1, 3))
-    assert np.abs(twice - expected).max() <= FOLD_ERROR[precision] * expected.max()
-
-
-@pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("factors", [(2, 3), (5, 4)])
 def test_sum_is_mean_times_samples(tmp_path, precision, factors):
     found = {}

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic_stages import ALL, CHAINS, INTERVAL_X, STAGES, analytic, expected_h
-from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from analytic_stages import ALL, CHAINS, INTERVAL_X, analytic, expected_h
 from delivered_chains import (
-    LIBRARY,
     MEAN_ERROR,
     MTF_ERROR,
     PRECISIONS,
@@ -38,26 +35,6 @@ def test_delivered_mtf_is_the_analytic_product(tmp_path, size, chain, precision)
     )  # fmt: skip
     expected = expected_h(CHAINS[chain], rows, columns)
     assert np.abs(np.fft.fft2(found) * towards - expected).max() <= MTF_ERROR[precision]
-
-
-@pytest.mark.parametrize("stage", STAGES)
-def test_each_stage_alone_and_as_shown(tmp_path, stage):
-    rows, columns = 15, 12
-    point = np.zeros((rows, columns))
-    point[0, 0] = 1.0
-    found, plan = delivered(tmp_path, point, (stage,), "double")
-    assert np.abs(np.fft.fft2(found) - expected_h((stage,), rows, columns)).max() <= 1e-12
-    engine = Engine(LIBRARY)
-    work = engine.work(Policy(precision="double"))
-    shown = np.ones((rows, columns), complex)
-    if "mtf" in plan.nodes[stage].outputs:
-        shown = shown * engine.value(plan, f"{stage}.mtf", work)
-    if "ptf" in plan.nodes[stage].outputs:
-        shown = shown * np.exp(1j * engine.value(plan, f"{stage}.ptf", work))
-    expected = expected_h((stage,), rows, columns)  # also at Nyquist, where the Hermitian part acts
-    if "mtf" not in plan.nodes[stage].outputs:
-        expected = expected / np.abs(expected)  # a phase alone is 0 or π there
-    assert np.abs(shown - expected).max() <= 1e-12
 
 
 @pytest.mark.parametrize("edges", ["periodic", "reflect"])

@@ -51,13 +51,6 @@ def test_magnitude_of_one_and_phase_of_another(tmp_path, size, late):
     assert abs(found.mean() / a.mean() - 1) <= 1e-13
 
 
-def test_two_images_of_different_size_are_refused(tmp_path):
-    np.save(tmp_path / "a.npy", scene(8, 8))
-    np.save(tmp_path / "b.npy", scene(8, 9))
-    plan = Engine(LIBRARY).plan(two_images((8, 8), (8, 9)), folder=tmp_path)
-    assert [error.node for error in plan.errors()] == ["back"]
-
-
 def test_two_samplings_of_one_size_are_kept_apart(tmp_path):
     """A PTF belongs to the frequencies of its own Init & Trans, whatever it is combined with."""
     picture = scene(16, 12)

@@ -123,15 +123,6 @@ def test_no_unit_is_taken_for_another(chain, unit, key, words):
     assert "\n" not in str(error)
 
 
-def test_no_band_and_another_size(chain):
-    _, plan, _, _ = chain(KELVIN, {"unit": "K"}, ("to_radiance", {}))
-    assert "cut_on_um" in str(plan.errors()[0])
-    assert "the image has no band" in str(plan.errors()[0])
-    share = np.ones((3, 3))
-    _, plan, _, _ = chain(KELVIN, {"unit": "K", **BAND}, ("to_radiance", {}), emissivity=share)
-    assert "3 × 3 samples and the picture 3 × 2" in str(plan.errors()[0])
-
-
 @pytest.mark.parametrize(
     ("samples", "key", "unit", "params", "shares", "words"),
     [

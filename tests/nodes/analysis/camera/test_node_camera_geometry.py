@@ -115,13 +115,6 @@ def test_each_sample_is_the_mean_of_its_rectangle(tmp_path):
         assert found[row, column] == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("precision", ["single", "double"])
-def test_a_uniform_scene_stays_uniform(tmp_path, precision):
-    picture = np.full((100, 120), np.float32(7.31))
-    tilted = {**WIDE, "kind": "framing", "fov_x_deg": 50.0, "yaw_deg": 20.0, "pitch_deg": 5.0}
-    assert (value(tmp_path, picture, precision=precision, **tilted) == np.float32(7.31)).all()
-
-
 def test_all_of_the_scene_is_covered_or_the_fill_is_seen(tmp_path):
     picture = scene()
     assert (value(tmp_path, picture, port="coverage", **WIDE) == 1.0).all()
@@ -169,12 +162,6 @@ def test_what_does_not_follow_is_refused_by_name(tmp_path, changes, name):
     assert "\n" not in str(error)
 
 
-def test_past_the_horizon(tmp_path):
-    error = refused(tmp_path, **{**WIDE, "kind": "framing", "pitch_deg": 80.0})
-    assert isinstance(error, DataError)
-    assert "horizon" in str(error)
-
-
 def test_an_edit_computes_what_it_moves(tmp_path):
     """Another value for the scene leaves the footprints; another fill leaves their share."""
     picture = scene()
@@ -189,29 +176,3 @@ def test_an_edit_computes_what_it_moves(tmp_path):
     before = set(work.log.computed)
     engine.value(third, "camera.image", work)
     assert len(work.log.computed - before) == 3  # footprints, their share, the picture
-
-
-def test_planning_computes_nothing(tmp_path):
-    large = {**WIDE, "columns": 65536, "rows": 65536, "outside": "fill"}
-    _, plan = planned(tmp_path, scene(), **large)
-    assert plan.errors() == []
-    assert plan.output("camera.image").shape == (65536, 65536)
-
-
-def test_the_curve_is_that_of_secants(tmp_path):
-    curve = value(tmp_path, scene(), port="curve", **WIDE)
-    across, along, spacing = curve.series
-    secant = 1 / np.cos(np.radians(across.x))
-    step = 50 * math.pi / 200
-    assert across.y == pytest.approx(step * secant**2, rel=3e-4)
-    assert along.y == pytest.approx(step * secant, rel=1e-9)
-    assert spacing.y == pytest.approx(step)
-    assert across.x[[0, -1]] == pytest.approx([-44.55, 44.55])
-
-
-def test_the_error_of_strips_is_told(tmp_path):
-    askew = {**WIDE, "kind": "framing", "fov_x_deg": 40.0, "yaw_deg": 30.0, "pitch_deg": 4.0}
-    few = value(tmp_path, scene(), port="table", **askew, strips=1).as_dict()
-    many = value(tmp_path, scene(), port="table", **askew, strips=8).as_dict()
-    assert few["footprint_error"] > 4 * many["footprint_error"] > 0
-    assert many["strips"] == 8

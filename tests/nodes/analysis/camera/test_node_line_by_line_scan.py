@@ -37,20 +37,6 @@ class TestGeometry:
         assert told["interval_nadir_mrad"] == pytest.approx(ACROSS * math.cos(0.035), rel=1e-12)
         assert told["interval_edge_mrad"] == pytest.approx(ACROSS * math.cos(0.385), rel=1e-12)
 
-    @pytest.mark.parametrize("aside", [{"look_angle_deg": math.degrees(0.36)}, {"nadir_column": 0}])
-    def test_to_one_side(self, tmp_path, aside):
-        told = self.told(tmp_path, **aside)
-        assert told["view_first_deg"] == pytest.approx(0.0, abs=1e-12)
-        assert told["interval_nadir_mrad"] == pytest.approx(ALONG, rel=1e-12)
-        assert told["interval_edge_mrad"] == pytest.approx(ALONG * math.cos(0.72), rel=1e-12)
-
-    def test_typed_spacing(self, tmp_path):
-        """7 m at 100 m are 70 mrad, at 140 m 50."""
-        told = self.told(tmp_path, spacing="typed", line_spacing_m=7.0)
-        assert told["interval_nadir_mrad"] == pytest.approx(70.0, rel=1e-12)
-        told = self.told(tmp_path, spacing="typed", line_spacing_m=7.0, altitude_m=140.0)
-        assert told["interval_nadir_mrad"] == pytest.approx(50.0, rel=1e-12)
-
     def test_spacing_of_the_flight(self, tmp_path):
         """60 m/s and 10 turns a second: 6 m, at 100 m 60 mrad."""
         flight = {"velocity_m_per_s": -60.0, "scan_velocity_mrad_per_s": 20000 * math.pi}

@@ -100,15 +100,6 @@ def test_stages_and_sampling(tmp_path):
     assert len(found.part("ptf")) == 1
 
 
-def test_a_picture_straight_from_its_file_has_none(tmp_path):
-    np.save(tmp_path / "in.npy", np.ones((4, 5)))
-    nodes = {"in": ("read_image", {"path": "in.npy", "fov_x_deg": 1.0, "fov_y_deg": 1.0})}
-    plan = Engine(LIBRARY).plan(linked_network(nodes), folder=tmp_path)
-    image = plan.output("in.image")
-    assert transfer_of(image).stages == ()
-    assert transfer_of(image).source is image.recipe
-
-
 def test_a_picture_without_interval_is_refused(tmp_path):
     np.save(tmp_path / "in.npy", np.ones((4, 5)))
     plan = Engine(LIBRARY).plan(

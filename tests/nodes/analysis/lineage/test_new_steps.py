@@ -91,11 +91,6 @@ def test_its_noise_arrives(work):
     assert variance == pytest.approx(true, rel=4 * np.sqrt(2 / (400 * SEEN.size)))
 
 
-def test_without_its_noise(work):
-    _, image = chain()
-    np.testing.assert_array_equal(work.value(noise_free(image.recipe)), 0.5 * SEEN)
-
-
 def test_its_gain_and_its_source():
     scene, image = chain()
     passed = transfer_of(image)

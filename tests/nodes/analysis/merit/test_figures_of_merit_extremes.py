@@ -92,11 +92,3 @@ def test_numbers_or_one_line(model, merit, given):
     for series in curves[2].series:
         assert ((series.y >= 0) & (series.y <= 1)).all()
         assert (np.diff(series.y) <= 1e-12).all()
-
-
-def test_sign_of_the_difference_has_no_effect():
-    tables = []
-    for delta in (2.0, -2.0):
-        engine, plan, work = sensor({"target_delta_K": delta})
-        tables.append(engine.value(plan, "merit.table", work).as_dict())
-    assert tables[0] == tables[1]

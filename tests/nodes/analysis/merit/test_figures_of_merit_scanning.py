@@ -115,14 +115,6 @@ class TestPatternOfDetectors:
         assert spoilt[name.format("x")] > 5 * clean[name.format("x")]
         assert spoilt[name.format("y")] == pytest.approx(clean[name.format("y")], rel=0.05)
 
-    def test_one_detector_that_is_n_times_as_fast_is_noisier_by_the_root(self):
-        slow, fast = (
-            table_of("line", noise={"bandwidth_Hz": bandwidth}) for bandwidth in (1e3, 64e3)
-        )
-        assert fast["netd_K"] == pytest.approx(8 * slow["netd_K"], rel=1e-3)
-        name = "mrtd_x_50_percent_nyquist"
-        assert fast[name] == pytest.approx(8 * slow[name], rel=1e-3)
-
 
 @pytest.mark.parametrize(
     ("platform", "scanning", "ends"),
@@ -162,61 +154,8 @@ class TestNoiseBehindAFilter:
         found = np.interp(0.125, curve["horizontal"].x, curve["horizontal"].y)
         assert found == pytest.approx(truth, rel=0.08)  # 720 bars: σ to 2.6 %
 
-    @pytest.mark.parametrize("model", ["ratches_1976", "flir92"])
-    def test_more_than_white_noise_of_the_same_netd_gives(self, model):
-        """At low frequency √(π/atan π) = 1.577 times what white noise of its variance would give.
-
-        Power 1/(1 + (π·x)²), x of Nyquist, has a mean of atan(π)/π = 0.402 of that at zero, of 96
-        samples mirrored at their ends 1.2 % more: averages over wide bars leave the noise as it
-        was before the filter.
-        """
-        settings = {"model": model, "frame_rate_Hz": None}
-        plain, filtered = (
-            {
-                **table_of("line", settings, noise=noise),
-                "curve": curves_of("mrtd", "line", settings, noise=noise)["horizontal"],
-            }
-            for noise in ({}, self.FILTERED)
-        )
-        assert filtered["netd_K"] / plain["netd_K"] == pytest.approx(math.sqrt(0.402), rel=0.01)
-        f = plain["curve"].x[2]
-        ratio = filtered["curve"].y[2] / plain["curve"].y[2]
-        pole = math.sqrt(1 + (math.pi * f / NYQUIST) ** 2)
-        assert ratio == pytest.approx(pole, rel=0.02)  # 0.634·1.577 = 1: as of unfiltered noise
-
-
-@pytest.mark.parametrize("detectors", [1, 2])
-def test_zero_between_two_frequencies_ends_the_curve(detectors):
-    """Of 83 µm/100 mm at 1.2048 cycles/mrad; of two the product sinc² does not change its sign."""
-    curve = curves_of("mrtd", "line", detectors=detectors, pitch_um=83.0)["horizontal"]
-    assert 1.19 < curve.x[-1] < 1 / 0.83
-    assert (np.diff(curve.y) > 0).all()
-
-
-def test_sum_of_pixels_is_no_hotter_scene():
-    """Sums of 2 × 2 samples: half of the NETD of one, at the same background."""
-    one, four = table_of("array"), table_of("array", factor=2)
-    assert four["background_K"] == pytest.approx(one["background_K"], abs=1e-3)
-    assert four["netd_K"] == pytest.approx(one["netd_K"] / 2, rel=1e-3)
-
 
 def test_gain_error_as_printed_is_refused():
     engine, plan, work = sensor(noise={"gain_model": "literal", "gain_percent": 1.0})
     with pytest.raises(DataError, match="gain_model = literal"):
         engine.value(plan, "merit.table", work)
-
-
-def test_without_noise_the_limit_is_nyquists():
-    """2.3 m span 0.75 cycles of the last frequency below Nyquist at 2.3·1/0.75 = 3.07 km."""
-    found = table_of("array", {"extinction_per_km": 0.0}, noise={"d_star": 1e40})
-    assert found["detection_range_km"] == pytest.approx(2.3 * NYQUIST / 0.75, rel=0.01)
-
-
-@pytest.mark.parametrize("background_K", [5.0, 8.0])
-def test_background_that_emits_next_to_nothing_is_refused(background_K):
-    engine, plan, work = sensor(
-        merit={"background_K": background_K, "cut_on_um": 3.0, "cut_off_um": 5.0}
-    )
-    with pytest.raises(DataError, match="almost nothing") as caught:
-        engine.value(plan, "merit.table", work)
-    assert "\n" not in str(caught.value)

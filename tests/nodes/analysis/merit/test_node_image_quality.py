@@ -117,13 +117,6 @@ def test_the_elevation_is_that_of_the_orbit(tmp_path):
             )
 
 
-def test_a_level_of_digital_numbers_does_not_count_as_signal(tmp_path):
-    plain = bench_of(tmp_path, camera={"units": "electrons"}).readouts("merit")
-    lifted = {"bits": 16, "gain_e_per_dn": 300.0, "offset_dn": 500.0, "full_well_e": 2e7}
-    found = bench_of(tmp_path, camera=lifted).readouts("merit")
-    assert found["snr"] == pytest.approx(plain["snr"], rel=1e-3)  # less rounding
-
-
 def test_a_warning_names_what_lies_beyond_the_limits(tmp_path):
     """A camera of high SNR, as many satellites have; one within them is silent."""
     bench = bench_of(tmp_path, {"snr": 279.0, "range_m": 1000.0})
@@ -197,13 +190,3 @@ def test_a_contrast_of_unknown_reflectances_is_warned_of(tmp_path):
     assert "its mean radiance is assumed to come from a surface of 15 %" in said
     assert not cautions(bench_of(tmp_path, {"snr": 50.0}), "contrast")
     assert not cautions(bench_of(tmp_path, {"snr_of": "mean"}), "contrast")
-
-
-def test_two_views_at_once_are_warned_of(tmp_path):
-    (said,) = cautions(bench_of(tmp_path, {"elevation_deg": 40, "off_nadir_deg": 20}), "view")
-    assert "off_nadir_deg = 20° is not used: elevation_deg = 40°" in said
-    (said,) = cautions(bench_of(tmp_path, {"gsd_m": 0.5, "range_m": 2e3}), "view")
-    assert "range_m = 2000 m is not used: gsd_m = 0.5 m" in said
-    typed = bench_of(tmp_path, {"gsd_m": 0.5, "rer_x": 0.45, "rer_y": 0.31}).readouts("merit")
-    assert typed["gsd_m"] == 0.5
-    assert typed["rer"] == pytest.approx(math.sqrt(0.45 * 0.31), rel=1e-14)

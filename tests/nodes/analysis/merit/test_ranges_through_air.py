@@ -93,15 +93,6 @@ def test_grey_air_is_an_extinction(air):
     assert warned == []
 
 
-def test_figures_are_those_at_the_camera():
-    """A camera's NETD and MRTD are its own: air as warm as the scene changes nothing of them."""
-    plain, curves, _ = evaluated()
-    seen, through, _ = evaluated(air=[{"transmission": 0.3, "range_m": 900, "air_K": 300.0}])
-    for name in ("netd_K", "ner", "snr", "mrtd_x_50_percent_nyquist", "background_K"):
-        assert seen[name] == pytest.approx(plain[name], rel=1e-9)
-    np.testing.assert_allclose(through["2-D"].y, curves["2-D"].y, rtol=1e-9)
-
-
 def test_an_extinction_beside_a_path_is_a_warning():
     grey = {"model": "extinction_per_km", "extinction_per_km": 0.6, "range_m": 250, "air_K": 300}
     _, _, warned = evaluated({"extinction_per_km": 0.5}, air=[grey])
@@ -110,11 +101,3 @@ def test_an_extinction_beside_a_path_is_a_warning():
     assert evaluated({"extinction_per_km": 0.6}, air=[grey])[2] == []
     assert len(evaluated({"extinction_per_km": 0.6}, air=[PATH])[2]) == 1
     assert evaluated({"extinction_per_km": 0.6})[2] == []
-
-
-def test_no_range_is_one_clear_line():
-    _, plan, _ = sensor(air=[{"transmission": 0.5}], init={"range_m": None})
-    (error,) = plan.errors()
-    assert error.node == "merit"
-    assert "has a transmission but no range" in str(error)
-    assert "\n" not in str(error)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.errors import DataError
 from core.evaluation.policy import Policy
 from linked_network import linked_network
 from nodes.analysis.compare_images import CompareImages
@@ -60,22 +59,6 @@ def test_figures_of_the_difference(tmp_path):
     np.testing.assert_array_equal(engine.value(plan, "out.difference", work), a - b)
 
 
-def test_equal_pictures_have_no_peak_signal_to_noise(tmp_path):
-    engine, plan, work = compared(tmp_path, picture(), picture())
-    found = engine.value(plan, "out.table", work).as_dict()
-    assert found == {"rmse": 0, "max_error": 0, "psnr_dB": None, "mean_difference": 0}
-    for series in engine.value(plan, "out.curve", work).series:
-        np.testing.assert_allclose(series.y, 1, rtol=1e-14)
-
-
-def test_sizes_must_match(tmp_path):
-    _, plan, _ = compared(tmp_path, picture(), picture(size=(40, 55)))
-    error = plan.nodes["out"].error
-    assert isinstance(error, DataError)
-    assert "56 × 40" in str(error)
-    assert "55 × 40" in str(error)
-
-
 def blurred(array, fov_deg, sigma, edges):
     """Gaussian blur by plain numpy: on the frame itself, or on the mirrored one."""
     mirrored = edges == "reflect"
@@ -103,32 +86,6 @@ def test_ratio_of_a_blurred_picture_is_the_mtf(tmp_path, edges, size):
     (ring,) = engine.value(plan, "out.curve", work).series
     assert ring.y[0] == pytest.approx(1.0, rel=1e-12)
     np.testing.assert_allclose(ring.y, blur(0.4, ring.x), rtol=0.01, atol=2e-3)
-
-
-def test_ratio_through_a_chain_in_single_precision():
-    document = linked_network(
-        {
-            "scene": ("test_scene", {"width": 128, "height": 96, "fov_x_deg": 3, "fov_y_deg": 2}),
-            "init": ("init_trans", {}),
-            "jitter": ("jitter_mtf", {"sigma_mrad": 0.3}),
-            "back": ("back_transform", {}),
-            "out": ("compare_images", {}),
-        },
-        [
-            ("scene.image", "init.image"),
-            ("init.context", "jitter.context"),
-            ("init.magnitude", "jitter.magnitude"),
-            ("jitter.magnitude", "back.magnitude"),
-            ("init.phase", "back.phase"),
-            ("back.image", "out.image"),
-            ("scene.image", "out.reference"),
-        ],
-    )
-    engine = Engine(LIBRARY)
-    work = engine.work(Policy())
-    for series in engine.value(engine.plan(document), "out.curve", work).series:
-        assert len(series.x) > 20
-        np.testing.assert_allclose(series.y, blur(0.3, series.x), atol=0.01)
 
 
 def test_without_interval_frequencies_are_per_sample(tmp_path):

@@ -108,10 +108,6 @@ def test_right_angles_are_the_axes(angle, direction):
         np.testing.assert_array_equal(a.y, b.y)
 
 
-def sinc_smear(xi, eta, bx, by):
-    return np.sinc(bx * xi + by * eta)
-
-
 def lopsided(xi, eta):
     """Complex and Hermitian, with phases."""
     return np.exp(-0.1 * (xi**2 + eta**2)) * np.exp(1j * (xi**3 + 0.4 * xi * eta**2 + eta))
@@ -129,17 +125,6 @@ def curve_of(transfer, **slicing):
     return engine.work(Policy()).value(output.curve.recipe)
 
 
-def test_planar_factors_keep_their_sign():
-    factor = Planar(Law.of(sinc_smear, bx=3.0, by=2.0), symmetric=False, label="Smear")
-    for direction, x, y in (("horizontal", 1, 0), ("vertical", 0, 1), ("angle", 0.6, 0.8)):
-        angle = np.degrees(np.arctan2(y, x))
-        settings = {"direction": direction, "angle_deg": angle, "stages": False}
-        (series,) = curve_of(Transfer(GRID, "mtf", (factor,)), **settings).series
-        expected = np.sinc((3 * x + 2 * y) * series.x)
-        np.testing.assert_allclose(series.y, expected, atol=1e-13)
-        assert series.y.min() < -0.1
-
-
 def test_complex_factors_and_phases():
     modulus = Planar(Law.of(lopsided), symmetric=False, take="modulus", label="Pupil")
     phase = replace(modulus, take="phase")
@@ -154,12 +139,6 @@ def test_complex_factors_and_phases():
     np.testing.assert_allclose(later.y, -0.2 * np.pi * xi, atol=1e-12)
     np.testing.assert_allclose(total.y, pupil.y + later.y, atol=1e-14)
     assert total.label == "Total PTF"
-
-
-def test_no_stage_is_one():
-    (total,) = curve_of(Transfer(GRID, "mtf")).series
-    assert (total.y == 1).all()
-    assert total.x[-1] == GRID.nyquist_x
 
 
 def tent(work, *, rows, columns, step_x, step_y):

@@ -7,7 +7,6 @@ import pytest
 
 from core.evaluation.policy import Policy
 from core.network.network import Link, Node
-from core.physics.noise.noise_components import COMPONENTS
 from noisy_sensors import noisy_sensor
 
 ALL = ("photons", "gain", "bias", "detector", "amplifier", "quantization", "periodic")
@@ -56,33 +55,6 @@ def test_fixed_pattern_of_one_sensor(tmp_path):
     # What sums of squares of doubles leave of the pattern where nothing changes: the root of 1e-16.
     assert table["temporal_measured"] < 1e-7 * table["fixed"]
     assert table["temporal"] < 1e-9
-
-
-def test_all_together_adds_in_squares(tmp_path):
-    tables = {
-        kinds: measured(tmp_path, kinds, frames=0)[1]
-        for kinds in (*((kind,) for kind in ALL if kind != "quantization"), ALL[:5])
-    }
-    together = tables[ALL[:5]]
-    for name in COMPONENTS:
-        alone = sum(tables[(kind,)][f"sigma_{name}"] ** 2 for kind in ALL[:5])
-        assert together[f"sigma_{name}"] ** 2 == pytest.approx(alone, rel=0.02, abs=1e-12), name
-
-
-def test_prediction_alone_simulates_nothing(tmp_path):
-    _, table, bars, told = measured(tmp_path, ("amplifier",), frames=0)
-    assert not [name for name in table if "measured" in name]
-    assert [series.label for series in bars.series] == ["predicted"]
-    assert bars.bars == tuple(f"σ {name}" for name in COMPONENTS)
-    assert told["temporal_measured"] is None
-    assert told["sigma_tvh"] == table["sigma_tvh"] > 0
-
-
-def test_bars_are_the_table(tmp_path):
-    _, table, bars, _ = measured(tmp_path, ALL, frames=8)
-    for series, ending in zip(bars.series, ("", "_measured"), strict=True):
-        expected = [max(table[f"sigma_{name}{ending}"], 0.0) for name in COMPONENTS]
-        assert list(series.y) == expected
 
 
 def test_a_single_frame_is_refused(tmp_path):

@@ -145,21 +145,6 @@ def test_amounts_are_deviations_and_losses():
     )
 
 
-@pytest.mark.parametrize("share_of_nyquist", [0.1, 0.5, 1.0])
-def test_blurs_are_those_of_the_law(share_of_nyquist):
-    figures = sensor({"frequency": share_of_nyquist})("budget.table").as_dict()
-    xi, eta = share_of_nyquist * 0.5 / X, share_of_nyquist * 0.5 / Y
-    assert (figures["xi"], figures["eta"]) == pytest.approx((xi, eta))
-    for axis, f, sigmas in (("x", xi, (0.4, 0.2)), ("y", eta, (0.1, 0.3))):
-        whole = sum(s**2 for s in sigmas)
-        for name, sigma in zip("ab", sigmas, strict=True):
-            mtf = math.exp(-2 * (math.pi * sigma * f) ** 2)
-            assert figures[f"{name}.mtf_{axis}"] == pytest.approx(mtf, rel=1e-9)
-            assert figures[f"{name}.share_{axis}"] == pytest.approx(100 * sigma**2 / whole)
-        together = math.exp(-2 * math.pi**2 * whole * f**2)
-        assert figures[f"mtf_{axis}"] == pytest.approx(together, rel=1e-9)
-
-
 def test_what_amplifies_makes_up_for_blur():
     """A boost 1 + (g − 1)·(1 − cos πu)/2, u = f·v/corner, after a Gaussian blur."""
     boost = {"scan_mirror_rate_Hz": 1.0, "post_filter": "boost", "post_gain": 3.0,
@@ -175,13 +160,6 @@ def test_what_amplifies_makes_up_for_blur():
     assert bars(value("budget.blur"))["horizontal"] == pytest.approx(
         {"Gaussian MTF": 100.0, "Electronics": -100 * math.log(gain) / lost}, rel=1e-9
     )
-
-
-def test_the_error_of_a_single_detector_spreads_nothing():
-    value = sensor(noise={"bias_percent": 3.0}, platform="line")
-    figures = value("budget.table").as_dict()
-    assert figures["noise.bias.fixed"] == 0
-    assert figures["noise.bias.fixed_share"] == 0
 
 
 def test_nothing_to_share_out_is_said():

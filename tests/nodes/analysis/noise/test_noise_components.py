@@ -52,13 +52,6 @@ def test_prediction_is_the_mean_of_estimates(tmp_path, setting, kinds):
     assert largest > 0 or (setting, kinds) == ("scanner", ("bias",))
 
 
-def test_a_bias_of_one_detector_is_no_pattern(tmp_path):
-    """It moves the whole frame, for good: none of the seven components."""
-    found, predicted = simulated(tmp_path, ("bias",), **SETTINGS["scanner"])
-    assert np.all(np.abs(found) < 1e-13)  # of a picture of 30: the rounding of its samples
-    assert np.all(np.abs(predicted) < 1e-13)
-
-
 def test_each_source_has_its_term(tmp_path):
     image, work = picture_of(*noisy_sensor(tmp_path, *ALL), tmp_path, 1)
     noise = work.value(NoiseOf(image))

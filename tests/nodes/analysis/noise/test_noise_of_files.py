@@ -87,23 +87,6 @@ def test_components_of_a_file(tmp_path, name):
     assert f"sigma_{COMPONENTS[0]}" not in figures
 
 
-def test_readouts_without_a_picture(tmp_path):
-    write(tmp_path, "f.npy", drawn())
-    engine, plan = planned(tmp_path, {"path": "f.npy"})
-    told = engine.readouts(plan, "noise", engine.work(Policy()))
-    assert told["sigma_tvh"] is None
-    expected = np.sqrt(9.0**2 + 2.0**2 + 2.5**2 + 1.5**2)
-    assert told["temporal_measured"] == pytest.approx(expected, rel=0.05)
-
-
-def test_a_prediction_stands_beside(tmp_path):
-    write(tmp_path, "f.npy", drawn())
-    np.save(tmp_path / "one.npy", np.full((ROWS, COLUMNS), 5000.0))
-    figures = table(tmp_path, {"path": "f.npy"}, image={"path": "one.npy", "unit": "DN"}).as_dict()
-    assert figures["sigma_tvh"] == 0.0
-    assert figures["sigma_tvh_measured"] == pytest.approx(9.0, rel=0.01)
-
-
 def test_what_is_refused(tmp_path):
     cube = drawn()[:3]
     for name in ("f.npy", "f.bsq"):
@@ -131,45 +114,3 @@ def test_what_is_refused(tmp_path):
         "noise: f.bsq: frames in 'DN', but the linked picture is in 'K': "
         "link a picture in the same unit, or none"
     )
-
-
-def test_frames_of_a_chain_measure_what_it_predicts(imagechain_run):
-    """400 frames of a focal plane, through a multi-page TIFF of whole numbers."""
-    figures = imagechain_run
-    for name in ("tvh", "vh"):
-        off = figures[f"sigma_{name}_measured"] - figures[f"sigma_{name}"]
-        assert abs(off) < 4 * figures[f"sigma_{name}_error"], name
-
-
-@pytest.fixture
-def imagechain_run(tmp_path):
-    from app.command.cli import main
-
-    scene = {"kind": "uniform", "width": 24, "height": 20, "fov_x_deg": 1.0, "fov_y_deg": 0.8}
-    scene |= {"cut_on_um": 3.7, "cut_off_um": 4.8}
-    init = {"detector_x_um": 15.0, "detector_y_um": 15.0, "focal_length_mm": 100.0, "f_number": 4.0}
-    camera = {
-        "integration_time_s": 0.004, "full_well_e": 7e6, "bits": 14, "read_noise_e": 400.0,
-        "prnu_percent": 0.3, "dsnu_e": 300.0,
-    }  # fmt: skip
-    document = {
-        "format": "imagechain-network", "version": 1, "seed": 3,
-        "nodes": {
-            "scene": {"module": "test_scene", "params": scene},
-            "init": {"module": "init_trans", "params": {**init, "platform": "array"}},
-            "camera": {"module": "focal_plane", "params": camera},
-            "noise": {"module": "noise_3d", "params": {"frames": 0}},
-        },
-        "links": [
-            ["scene.image", "init.image"], ["scene.image", "camera.image"],
-            ["init.context", "camera.context"], ["camera.image", "noise.image"],
-        ],
-    }  # fmt: skip
-    (tmp_path / "net.json").write_text(json.dumps(document))
-    words = ["run", str(tmp_path / "net.json"), "--frames", "400", "--output-dir"]
-    assert main([*words, str(tmp_path / "out"), f"--save=camera.image={tmp_path / 'f.tif'}"]) == 0
-    document["nodes"]["noise"]["params"] = {"path": "f.tif"}
-    engine = Engine(LIBRARY)
-    plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=tmp_path)
-    assert plan.errors() == []
-    return engine.value(plan, "noise.table", engine.work(Policy())).as_dict()

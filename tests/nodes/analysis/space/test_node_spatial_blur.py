@@ -9,7 +9,6 @@ import pytest
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, STAGES
 from core.chain.engine import Engine
-from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.network.network import Link, Network, Node
 from delivered_chains import LIBRARY, chain_network, scene
@@ -131,15 +130,6 @@ def test_equals_the_fourier_way(tmp_path, size, chain, edges):
     assert np.abs(space - fourier).max() <= CLOSE * np.abs(picture).max()
 
 
-@pytest.mark.parametrize("chain", ["separable", "optics, detector and phase"])
-def test_single_precision(tmp_path, chain):
-    picture = scene(40, 30)
-    (exact,) = values(tmp_path, picture, CHAINS[chain], truncation="none")
-    (found,) = values(tmp_path, picture, CHAINS[chain], precision="single", truncation="none")
-    assert found.dtype == np.float32
-    assert np.abs(found - exact).max() <= 2e-6 * exact.max()
-
-
 @pytest.mark.thorough(but=29)
 @pytest.mark.parametrize("chain", [name for name in CHAINS if name != "nothing"])
 @pytest.mark.parametrize("edges", EDGES)
@@ -191,14 +181,6 @@ def test_the_bound_is_reached_by_the_worst_picture(tmp_path, monkeypatch):
     assert table.as_dict()["taps"] == 9
 
 
-@pytest.mark.parametrize("chain", ["separable", "phase", "optics"])
-def test_periodic_frames_keep_their_mean(tmp_path, chain):
-    picture = scene(20, 33)
-    for params in ({"half_width_px": 2}, {"truncation": "none"}):
-        (found,) = values(tmp_path, picture, CHAINS[chain], "periodic", **params)
-        assert found.mean() == pytest.approx(picture.mean(), rel=1e-13)
-
-
 def test_separable_factors_are_two_passes_and_others_a_plane(tmp_path):
     picture = scene(24, 16)
     ports = ("table", "curve")
@@ -232,40 +214,3 @@ def test_the_impulse_response_is_that_of_the_law(tmp_path, monkeypatch):
     np.testing.assert_allclose(series.x, lags * INTERVAL_X, rtol=1e-12)
     expected = np.exp(-((lags / sigma) ** 2) / 2) / (sigma * math.sqrt(2 * math.pi))
     np.testing.assert_allclose(series.y, expected, atol=1e-9)
-
-
-def test_different_images_are_refused(tmp_path):
-    np.save(tmp_path / "in.npy", scene(8, 9))
-    np.save(tmp_path / "other.npy", scene(8, 9, seed=6))
-    fov = {"fov_x_deg": 1.0, "fov_y_deg": 1.0}
-    nodes = {
-        "a": Node("a", "read_image", {"path": "in.npy", **fov}),
-        "b": Node("b", "read_image", {"path": "other.npy", **fov}),
-        "one": Node("one", "init_trans"),
-        "two": Node("two", "init_trans"),
-        "space": Node("space", "spatial_blur"),
-    }
-    links = (
-        Link("a", "image", "one", "image"), Link("b", "image", "two", "image"),
-        Link("one", "magnitude", "space", "magnitude"), Link("two", "phase", "space", "phase"),
-    )  # fmt: skip
-    plan = Engine(LIBRARY).plan(Network(nodes=nodes, links=links), folder=tmp_path)
-    error = plan.nodes["space"].error
-    assert isinstance(error, DataError)
-    assert "Back Transform" in str(error)
-
-
-def test_what_would_never_end_is_refused(tmp_path):
-    picture = np.ones((1400, 1400))
-    engine, plan = planned(tmp_path, picture, ("optics",), "periodic", truncation="none")
-    with pytest.raises(DataError, match="half_width_px"):
-        engine.value(plan, "space.image", engine.work(Policy()))
-
-
-@pytest.mark.parametrize("threads", [1, 3])
-def test_the_bits_do_not_depend_on_threads(tmp_path, threads):
-    picture = scene(200, 300)
-    engine, plan = planned(tmp_path, picture, ("optics", "pixel", "late"), "reflect")
-    found = engine.value(plan, "space.image", engine.work(Policy(threads=threads)))
-    other = engine.value(plan, "space.image", engine.work(Policy(threads=2)))
-    np.testing.assert_array_equal(found, other)
