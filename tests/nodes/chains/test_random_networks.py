@@ -46,7 +46,7 @@ def check(comparison: Comparison, networks: list[Drawn]) -> None:
     assert max(left_out.values(), default=0) <= LARGEST_SHARE * len(networks) + 5, left_out
 
 
-@pytest.mark.thorough(but=3)
+@pytest.mark.thorough(but=2)
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_small_frames_are_as_the_direct_sums_say(tmp_path, chunk):
     comparison = Comparison(tmp_path, SMALL, threads=1)
