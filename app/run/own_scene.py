@@ -28,6 +28,7 @@ from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_ends_um, coverage
 from nodes.files.read import read_info, read_pixels
+from nodes.input_output.read_image import header_band
 from nodes.input_output.sample_unit import is_spectral
 from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance
 from nodes.shared.shared_warnings import is_radiance, is_temperature
@@ -231,11 +232,11 @@ class _Replacing:
         elif info.bands > 1:
             self._kind = f"samples, the first of {info.bands} channels (band = 0)"
         unit, stated = _worded(own.unit) or _worded(info.unit or ""), bool(own.unit)
-        band = own.band_um or _header_band(info) or (None if before is None else before.band_um)
+        band = own.band_um or header_band(info, 0) or (None if before is None else before.band_um)
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
             whose = (
-                "" if own.band_um else " from its header" if _header_band(info) else " as before"
+                "" if own.band_um else " from its header" if header_band(info, 0) else " as before"
             )
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)
@@ -569,13 +570,6 @@ def grey(array: Array) -> Array:
         shape = " × ".join(map(str, array.shape))
         raise DataError(f"an array of {shape}: give (rows, columns), or (rows, columns, 3)")
     return array
-
-
-def _header_band(info: PictureInfo) -> Pair | None:
-    if info.wavelengths_um is None or info.fwhm_um is None:
-        return None
-    centre, half = info.wavelengths_um[0], info.fwhm_um[0] / 2.0
-    return centre - half, centre + half
 
 
 def _radiance(unit: str) -> RadianceUnit | None:

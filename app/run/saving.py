@@ -29,7 +29,7 @@ from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.stored_samples import integer_type
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, written_format
+from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, write_picture, written_format
 from nodes.files.frame_writing import (
     FrameFormat,
     FrameSeries,
@@ -40,9 +40,9 @@ from nodes.files.frame_writing import (
     write_tiled_tiff,
 )
 from nodes.files.read import check_finite
-from nodes.files.write import write_picture
 from nodes.files.zarr_array import check_zarr, write_store
 from nodes.input_output.write_image import Cube
+from nodes.input_output.write_matrix import curve_columns
 
 Array = NDArray[Any]
 _TABLES = (CSV,)
@@ -163,7 +163,7 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
 def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
     if CSV.matches(path) and shared and curve.series:
-        write_curves(path, curve, _columns(curve))
+        write_curves(path, curve, curve_columns(curve))
     elif CSV.matches(path):
         points = [
             (series.label, repr(float(x)), repr(float(y)))
@@ -172,25 +172,10 @@ def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
         ]
         write_text(path, csv_lines([("series", curve.x_label, curve.y_label), *points]))
     elif shared and curve.series:
-        columns = [curve.series[0].x, *(series.y for series in curve.series)]
-        save_array(path, real_array(np.stack(columns, axis=1), work), {})
+        columns = np.stack(list(curve_columns(curve).values()), axis=1)
+        save_array(path, real_array(columns, work), {})
     else:
         raise UsageError(f"{path}: curves with different axes must be written as .csv")
-
-
-def _columns(curve: CurveData) -> dict[str, Array]:
-    columns: dict[str, Array] = {}
-    for name, values in [
-        (curve.x_label, curve.series[0].x),
-        *((series.label, series.y) for series in curve.series),
-    ]:
-        clean = " ".join(name.replace(",", ";").replace('"', "'").split()) or "curve"
-        label, number = clean, 1
-        while label in columns:
-            number += 1
-            label = f"{clean} ({number})"
-        columns[label] = values
-    return columns
 
 
 def _context_rows(context: Context) -> list[tuple[Any, ...]]:

@@ -17,7 +17,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
-from nodes.files.common.paths import readable_file
+from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside
 from nodes.files.frame_reading import FrameFile, open_frames
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of

@@ -29,8 +29,7 @@ from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.atmosphere.modtran_tables import table_path
-from nodes.files.path_table import Points, read_path_table
-from nodes.files.spectrum_tables import read_wavelengths
+from nodes.files.spectrum_tables import Points, read_path_table, read_wavelengths
 from nodes.shared.module_ports import PictureTable, TableFigures, WeightingSource
 from nodes.shared.shared_warnings import apart_caution, first, watts_factor
 from nodes.shared.steps import mean_of

@@ -19,15 +19,18 @@ from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError
 from core.scratch import Empty
 from nodes.files.common.file_format import CSV
-from nodes.files.common.paths import checked_band, first_bytes, readable_file
 from nodes.files.common.picture_info import (
     MetadataValue,
     PictureInfo,
     Samples,
     delivered_dtype,
+    oversized,
+    refuse_oversized,
+    refuse_oversized_text,
+    refuse_shape,
+    refuse_unreal,
 )
-from nodes.files.common.size_limits import oversized, refuse_oversized, refuse_oversized_text
-from nodes.files.common.stored_bytes import stored_bytes
+from nodes.files.common.stored_bytes import checked_band, first_bytes, readable_file, stored_bytes
 from nodes.files.common.table_cells import csv_lines, line_refused
 
 if TYPE_CHECKING:
@@ -271,13 +274,8 @@ def whole_npy(path: Path) -> NDArray[Any]:
 
 
 def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -> PictureInfo:
-    if dtype.kind not in "buif":
-        raise FileError(f"{path}: contains samples of type {dtype}; allowed: real numbers")
-    if len(shape) not in (2, 3) or 0 in shape:
-        raise FileError(
-            f"{path}: contains an array of shape {shape}; allowed: (rows, columns) or (rows, "
-            "columns, bands), none of them 0"
-        )
+    refuse_unreal(path, dtype)
+    refuse_shape(path, shape)
     return PictureInfo(
         path=path,
         rows=shape[0],

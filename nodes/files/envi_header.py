@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from nodes.files.common.paths import first_bytes, is_file, readable_file
 from nodes.files.common.picture_info import delivered_dtype
+from nodes.files.common.stored_bytes import first_bytes, is_file, readable_file
 from nodes.files.common.table_cells import number_of
 
 REAL_TYPES: Mapping[str, str] = {

@@ -7,16 +7,19 @@ suffixes and help, and the dialogs of the editor follow.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from core.errors import FileError, ParameterError
 from nodes.files import arrays, envi, envi_header, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples
+from nodes.files.common.stored_samples import as_picture, as_stored
 from nodes.files.store_folder import is_store
 
 
@@ -24,31 +27,18 @@ from nodes.files.store_folder import is_store
 class PictureFormat(Format):
     """A format of picture files.
 
-    Attributes
-    ----------
-    read_info
-        Describes a file, known to be there and readable, without reading its samples.
-    read_band
-        Reads one band, counted from 0, as the numbers that the file stores, into an array (rows,
-        columns) of the precision of `delivered_dtype` that `empty` makes, perhaps on disk.
-    write
-        Writes samples (rows, columns, channels), which are of one of `dtypes` already, with the
-        metadata that the format can hold; None where the format is only read.
-    dtypes
-        Types of sample that it stores, of `nodes.files.common.stored_samples.SAMPLE_TYPES`, the
-        most precise integer last.
-    recognizes
-        Whether a file is of this format though its suffix is another.
-    plain
-        Whether a file holds samples and no picture that others would show.
+    `read_band` reads one band, counted from 0, as the numbers that the file stores, into an array
+    (rows, columns) of the precision of `delivered_dtype` that `empty` makes, perhaps on disk.
+    `write` takes samples (rows, columns, channels) of one of `dtypes`, names of
+    `nodes.files.common.stored_samples.SAMPLE_TYPES`, the most precise integer last.
     """
 
     read_info: Callable[[Path], PictureInfo]
     read_band: Callable[..., Samples]
     write: Callable[[Path, NDArray[Any], Mapping[str, MetadataValue]], None] | None = None
     dtypes: tuple[str, ...] = ()
-    recognizes: Callable[[Path], bool] | None = None
-    plain: bool = False
+    recognizes: Callable[[Path], bool] | None = None  # though the suffix is another
+    plain: bool = False  # samples, and no picture that others would show
 
     @property
     def stores_floats(self) -> bool:
@@ -58,10 +48,6 @@ class PictureFormat(Format):
     def claims(self, path: Path) -> bool:
         """Whether the file is of this format by its suffix, its content or what lies beside it."""
         return self.matches(path) or (self.recognizes is not None and self.recognizes(path))
-
-
-def _whatever(_path: Path) -> bool:
-    return True
 
 
 _OIIO = (pictures.read_info, pictures.read_band)
@@ -98,7 +84,7 @@ PICTURES: tuple[PictureFormat, ...] = (
         "text", suffixes(*MATRICES), "plain text", arrays.read_matrix_info,
         arrays.read_matrix_band,
     ),
-    PictureFormat("other", (), "others by their content", *_OIIO, recognizes=_whatever),
+    PictureFormat("other", (), "others by their content", *_OIIO, recognizes=lambda _: True),
 )  # fmt: skip
 # Those that can be written, pictures before plain samples.
 WRITTEN = tuple(
@@ -124,3 +110,31 @@ def written_format(path: Path) -> PictureFormat | None:
     return next(
         (picture_format for picture_format in WRITTEN if picture_format.matches(path)), None
     )
+
+
+def write_picture(
+    path: str | os.PathLike[str],
+    array: ArrayLike,
+    *,
+    dtype: str = "float",
+    low: float | None = None,
+    high: float | None = None,
+    metadata: Mapping[str, MetadataValue] | None = None,
+) -> None:
+    """Write a picture (rows, columns[, channels]) atomically; the same samples give the same bytes.
+
+    Float and double samples read back bit for bit. For `uint8` and `uint16`, `low` and `high`
+    are the values that become black and white (0 and 255 or 65535; linear, nearest, clipped);
+    without them the samples must be whole numbers within the range already. `metadata` are what
+    `read_info` finds again where the format has room: ``unit``, ``focal_length_mm``, ``fov_x_deg``
+    and ``fov_y_deg``.
+    """
+    file = Path(os.fspath(path))
+    suffix, kind = file.suffix.lower(), written_format(file)
+    if kind is None or kind.write is None:
+        allowed = ", ".join(suffixes(*WRITTEN))
+        raise FileError(f"{path}: unknown picture suffix {suffix!r}; allowed: {allowed}")
+    if dtype not in kind.dtypes:
+        allowed = f"a {suffix} file holds {', '.join(kind.dtypes)}"
+        raise ParameterError("dtype", dtype, allowed)
+    kind.write(file, as_stored(as_picture(array), dtype, low, high), metadata or {})

@@ -14,10 +14,14 @@ import numpy as np
 
 from core.errors import DataError, FileError
 from nodes.files.arrays import fill_plane, is_npy, npy_header
-from nodes.files.common.paths import readable_file
-from nodes.files.common.picture_info import Samples, delivered_dtype
-from nodes.files.common.size_limits import oversized
-from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
+from nodes.files.common.picture_info import (
+    Samples,
+    delivered_dtype,
+    oversized,
+    refuse_shape,
+    refuse_unreal,
+)
+from nodes.files.common.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.envi import band_of, info_of
 from nodes.files.envi_header import is_envi, read_layout
 from nodes.files.formats import NPY, TIFF
@@ -89,13 +93,8 @@ def tiff_pages(path: Path) -> int:
 def _npy(path: Path) -> FrameFile:
     header = npy_header(path)
     shape, dtype = header.shape, header.dtype
-    if dtype.kind not in "buif":
-        raise FileError(f"{path}: contains samples of type {dtype}; allowed: real numbers")
-    if len(shape) not in (2, 3) or 0 in shape:
-        raise FileError(
-            f"{path}: contains an array of shape {shape}; allowed: (frames, rows, columns), "
-            "none of them 0"
-        )
+    refuse_unreal(path, dtype)
+    refuse_shape(path, shape, "(frames, rows, columns)")
     frames, rows, columns = shape if len(shape) == 3 else (1, *shape)
     return FrameFile(path, "npy", frames, rows, columns, dtype, None)
 

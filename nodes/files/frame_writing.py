@@ -47,9 +47,8 @@ _STEP_PX = 16
 class FrameSeries:
     """Frames of one size and type.
 
-    `metadata` are texts and numbers of all frames, as `nodes.files.write.write_picture` takes them;
-    a tuple is a list with a number for each frame. `what` they are: bands of wavelength are written
-    as frames are.
+    `metadata` are texts and numbers of all frames, as `write_picture` takes them; a tuple is a list
+    with a number for each frame. `what` they are: bands of wavelength are written as frames are.
     """
 
     frames: int
@@ -73,107 +72,87 @@ class FrameSeries:
         return size if self.frames == 1 else f"{self.frames} {self.what} of {size}"
 
 
+class _Tiff:
+    """Parts of a little-endian TIFF; a `big` one has places of 8 bytes."""
+
+    def __init__(self, series: FrameSeries, *, big: bool) -> None:
+        self.big, self.word = big, _LONG8 if big else _LONG
+        text = b""
+        if series.metadata:
+            text = metadata_text(series.metadata).encode().ljust(_LEAST_TEXT) + b"\0"
+        even = text + b"\0" * (len(text) % 2)  # as directories begin
+        before = 16 if big else 8
+        first = before + len(even)
+        head = (b"II", 43, 8, 0, first) if big else (b"II", 42, first)
+        self.head = struct.pack("<2sHHHQ" if big else "<2sHI", *head) + even
+        self._entries: list[_Entry] = [
+            (256, _LONG, 1, series.columns),
+            (257, _LONG, 1, series.rows),
+            (258, _SHORT, 1, 8 * series.dtype.itemsize),
+            (259, _SHORT, 1, 1),
+            (262, _SHORT, 1, 1),
+            *([(270, _ASCII, len(text), before)] if text else []),
+            (277, _SHORT, 1, 1),
+            (284, _SHORT, 1, 1),
+            (339, _SHORT, 1, _SAMPLE_FORMATS[series.dtype.kind]),
+        ]
+        count = len(self._entries) + 4
+        self.directory_bytes = 16 + 20 * count if big else 6 + 12 * count
+
+    def directory(self, entries: Sequence[_Entry], following: int = 0) -> bytes:
+        """A directory with four more entries, and the place of the one that follows."""
+        every = sorted([*self._entries, *entries])
+        # Little-endian, so a short value stands first in its field, zeros behind it.
+        form, count, place = ("<HHQQ", "<Q", "<Q") if self.big else ("<HHII", "<H", "<I")
+        packed = b"".join(struct.pack(form, *entry) for entry in every)
+        return struct.pack(count, len(every)) + packed + struct.pack(place, following)
+
+
+def _tiff(series: FrameSeries, big: bool | None, blocks: int, block_bytes: int) -> _Tiff:
+    """A TIFF that is big, if not given, where classic TIFF could not address all of it."""
+    classic = _Tiff(series, big=False)
+    end = len(classic.head) + blocks * (classic.directory_bytes + block_bytes)
+    return _Tiff(series, big=True) if (end >= _CLASSIC_END if big is None else big) else classic
+
+
 def tiff_head(series: FrameSeries, *, big: bool | None = None) -> bytes:
     """What stands before the first page: header and description."""
-    return _header(_description(series), big=_is_big(series) if big is None else big)
+    return _tiff(series, big, series.frames, series.frame_bytes).head
 
 
 def tiff_page(series: FrameSeries, number: int, *, big: bool | None = None) -> bytes:
     """The directory before the samples of a page, counted from 0; that of the next one named."""
-    big = _is_big(series) if big is None else big
-    head = len(tiff_head(series, big=big))
-    known = _known_entries(series, head)
-    directory = _directory_bytes(len(known) + 4, big=big)
-    page = directory + series.frame_bytes
-    start = head + number * page
-    word = _LONG8 if big else _LONG
+    tiff = _tiff(series, big, series.frames, series.frame_bytes)
+    page = tiff.directory_bytes + series.frame_bytes
+    start = len(tiff.head) + number * page
     entries = [
-        *known,
         (254, _LONG, 1, _PAGE_OF_SEVERAL),
-        (273, word, 1, start + directory),
+        (273, tiff.word, 1, start + tiff.directory_bytes),
         (278, _LONG, 1, series.rows),
-        (279, word, 1, series.frame_bytes),
+        (279, tiff.word, 1, series.frame_bytes),
     ]
-    return _directory(entries, start + page if number + 1 < series.frames else 0, big=big)
+    return tiff.directory(entries, start + page if number + 1 < series.frames else 0)
 
 
 def tiled_head(series: FrameSeries, side: int, *, big: bool | None = None) -> bytes:
     """What stands before the first tile: header, description, directory, and the tiles' places."""
     count = -(-series.rows // side) * -(-series.columns // side)
     tile_bytes = side * side * series.dtype.itemsize
-    text = _description(series)
-    number = len(_known_entries(series, len(text))) + 4
-    if big is None:
-        lists = len(_header(text, big=False)) + _directory_bytes(number, big=False)
-        big = lists + count * (8 + tile_bytes) >= _CLASSIC_END
-    head = _header(text, big=big)
-    word, letter = (_LONG8, "Q") if big else (_LONG, "I")
-    lists = len(head) + _directory_bytes(number, big=big)
+    tiff = _tiff(series, big, 1, count * (8 + tile_bytes))
+    letter = "Q" if tiff.big else "I"
+    lists = len(tiff.head) + tiff.directory_bytes
     list_bytes = count * struct.calcsize(letter)
     start = lists + (2 * list_bytes if count > 1 else 0)
     places = struct.pack(f"<{count}{letter}", *range(start, start + count * tile_bytes, tile_bytes))
     sizes = struct.pack(f"<{count}{letter}", *[tile_bytes] * count)
     entries = [
-        *_known_entries(series, len(head)),
         (322, _LONG, 1, side),
         (323, _LONG, 1, side),
         # A single place stands in the entry itself.
-        (324, word, count, lists if count > 1 else start),
-        (325, word, count, lists + list_bytes if count > 1 else tile_bytes),
+        (324, tiff.word, count, lists if count > 1 else start),
+        (325, tiff.word, count, lists + list_bytes if count > 1 else tile_bytes),
     ]
-    return head + _directory(entries, 0, big=big) + (places + sizes if count > 1 else b"")
-
-
-def _is_big(series: FrameSeries) -> bool:
-    """Whether the pages would go beyond what classic TIFF can address."""
-    head = len(tiff_head(series, big=False))
-    entries = len(_known_entries(series, head)) + 4
-    page = _directory_bytes(entries, big=False) + series.frame_bytes
-    return head + series.frames * page >= _CLASSIC_END
-
-
-def _header(text: bytes, *, big: bool) -> bytes:
-    """The first bytes of a file, then the description, then comes the first directory."""
-    if big:
-        return struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16 + len(text)) + text
-    return struct.pack("<2sHI", b"II", 42, 8 + len(text)) + text
-
-
-def _description(series: FrameSeries) -> bytes:
-    """The metadata as a text that ends in a zero; of an even length, as directories begin."""
-    if not series.metadata:
-        return b""
-    text = metadata_text(series.metadata).encode().ljust(_LEAST_TEXT) + b"\0"
-    return text + b"\0" * (len(text) % 2)
-
-
-def _known_entries(series: FrameSeries, first: int) -> list[_Entry]:
-    """Size, type and description of a page, whose text ends where the first directory begins."""
-    text = _description(series)
-    entries = [
-        (256, _LONG, 1, series.columns),
-        (257, _LONG, 1, series.rows),
-        (258, _SHORT, 1, 8 * series.dtype.itemsize),
-        (259, _SHORT, 1, 1),
-        (262, _SHORT, 1, 1),
-        (277, _SHORT, 1, 1),
-        (284, _SHORT, 1, 1),
-        (339, _SHORT, 1, _SAMPLE_FORMATS[series.dtype.kind]),
-    ]
-    if text:
-        entries.append((270, _ASCII, len(text.rstrip(b"\0")) + 1, first - len(text)))
-    return entries
-
-
-def _directory_bytes(entries: int, *, big: bool) -> int:
-    return 16 + 20 * entries if big else 6 + 12 * entries
-
-
-def _directory(entries: list[_Entry], following: int, *, big: bool) -> bytes:
-    # Little-endian, so a short value stands first in its field, zeros behind it.
-    packed = b"".join(struct.pack("<HHQQ" if big else "<HHII", *entry) for entry in sorted(entries))
-    count, place = ("<Q", "<Q") if big else ("<H", "<I")
-    return struct.pack(count, len(entries)) + packed + struct.pack(place, following)
+    return tiff.head + tiff.directory(entries) + (places + sizes if count > 1 else b"")
 
 
 def envi_header_text(series: FrameSeries) -> str:
@@ -215,23 +194,12 @@ def _npy_head(series: FrameSeries) -> bytes:
 
 @dataclass(frozen=True)
 class FrameFormat(Format):
-    """A format of files of frames.
+    """A format of files of frames."""
 
-    Attributes
-    ----------
-    head
-        The bytes before the first frame.
-    page
-        The bytes before each frame, as many for all of them.
-    whole_numbers
-        Whether a converter's numbers are stored as integers.
-    beside
-        Text of the file beside it, of that name and `HEADER_SUFFIX`; None where there is none.
-    """
-
-    head: Callable[[FrameSeries], bytes] = _nothing
-    page: Callable[[FrameSeries, int], bytes] = _nothing
-    whole_numbers: bool = True
+    head: Callable[[FrameSeries], bytes] = _nothing  # bytes before the first frame
+    page: Callable[[FrameSeries, int], bytes] = _nothing  # before each, as many for all of them
+    whole_numbers: bool = True  # whether a converter's numbers are stored as integers
+    # text of the file beside it, of that name and `HEADER_SUFFIX`
     beside: Callable[[FrameSeries], str] | None = None
 
     def size_bytes(self, series: FrameSeries) -> int:

@@ -26,19 +26,20 @@ from numpy.typing import NDArray
 from core.atomic import atomic_file
 from core.errors import FileError
 from core.scratch import Empty
-from nodes.files.common.paths import checked_band, first_bytes
 from nodes.files.common.picture_info import (
+    FieldValue,
     MetadataValue,
     PictureInfo,
     Samples,
     delivered_dtype,
+    header_fields,
     metadata_text,
+    refuse_impossible,
+    refuse_oversized,
 )
-from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
-from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
+from nodes.files.common.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
 from nodes.files.common.stored_samples import SAMPLE_TYPES
 from nodes.files.fits_header import check_sums, read_fits_header, refuse_unsupported
-from nodes.files.header_fields import FieldValue, header_fields
 from nodes.files.tiff_reading import check_deflate, is_deflated, read_plain_tiff, refuse_predictor
 
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
@@ -131,16 +132,17 @@ def write_by_oiio(path: Path, stored: NDArray[Any], metadata: Mapping[str, Metad
     # Imported when needed: 30 ms that a run without picture files need not pay.
     import OpenImageIO
 
-    with atomic_file(path) as temporary, _quiet_stderr():
-        output = OpenImageIO.ImageOutput.create(path.suffix.removeprefix(".").lower())
-        if output is None:
-            raise FileError(f"cannot write {path}: {OpenImageIO.geterror()}")
-        spec = _spec(stored, metadata, str(output.format_name()))
-        opened = output.open(os.fspath(temporary), spec)
-        written = opened and output.write_image(stored)
-        closed = output.close()
-        # A PNG on a full disk reports success and leaves only the message.
-        complaint = _complaint(output.geterror()).replace(os.fspath(temporary), str(path))
+    with atomic_file(path) as temporary:
+        with _quiet_stderr():
+            output = OpenImageIO.ImageOutput.create(path.suffix.removeprefix(".").lower())
+            if output is None:
+                raise FileError(f"cannot write {path}: {OpenImageIO.geterror()}")
+            spec = _spec(stored, metadata, str(output.format_name()))
+            opened = output.open(os.fspath(temporary), spec)
+            written = opened and output.write_image(stored)
+            closed = output.close()
+            # A PNG on a full disk reports success and leaves only the message.
+            complaint = _complaint(output.geterror()).replace(os.fspath(temporary), str(path))
         if not (written and closed and not complaint and _reads_as(temporary, stored)):
             raise FileError(f"cannot write {path}: {complaint or 'the disk may be full'}")
 
@@ -236,7 +238,8 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         raise FileError(f"{path}: contains a volume or deep samples; allowed: plain 2-D pictures")
     if spec.width < 1 or spec.height < 1 or spec.nchannels < 1:
         raise FileError(f"{path}: its first picture has no samples or its header is damaged")
-    stored = {_numpy_name(_channel_type(spec, band)) for band in range(spec.nchannels)}
+    kinds = [str(_channel_type(spec, band)) for band in range(spec.nchannels)]
+    stored = {_NUMPY_NAMES.get(kind, kind) for kind in kinds}
     if not stored <= _READABLE:
         raise FileError(f"{path}: samples of type {', '.join(sorted(stored))} are not supported")
     attributes = _attributes(spec)
@@ -324,10 +327,6 @@ def _channel_type(spec: Any, band: int) -> Any:
     return spec.channelformats[band] if spec.channelformats else spec.format
 
 
-def _numpy_name(kind: Any) -> str:
-    return _NUMPY_NAMES.get(str(kind), str(kind))
-
-
 def _attributes(spec: Any) -> dict[str, FieldValue]:
     """Return the header's texts and numbers; what is no text in any encoding is left out."""
     fields: dict[str, FieldValue] = {}
@@ -387,39 +386,24 @@ def _reads_as(file: Path, stored: NDArray[Any]) -> bool:
     The libraries' last flush fails unseen on a full disk: EXR and PNG files lost their end
     without a word until they were read back.
     """
-    import OpenImageIO
-
+    rows, _, channels = stored.shape
     try:
         refuse_damaged(file)
-        if stored.shape[0] == 1 and stored.dtype == np.float64:  # which the library misreads
-            return _same_row(file, stored)
+        if rows == 1 and stored.dtype == np.float64:  # which the library misreads
+            bands = [read_band(file, band) for band in range(channels)]
+            return np.stack(bands, axis=2).tobytes() == stored.tobytes()
+        with _opened(file) as picture:
+            spec = picture.spec()
+            same = (spec.height, spec.width, spec.nchannels) == stored.shape
+            for start in range(0, rows if same else 0, _ROWS_COMPARED):
+                end = min(start + _ROWS_COMPARED, rows)
+                block = picture.read_scanlines(start, end, 0, 0, channels, spec.format)
+                # As bytes: a NaN is not equal to itself.
+                same = same and block is not None and block.tobytes() == stored[start:end].tobytes()
+            picture.geterror()  # fetched, or it is printed when the process ends
     except FileError:
         return False
-    wishes = OpenImageIO.ImageSpec()
-    wishes.attribute("oiio:UnassociatedAlpha", 1)
-    picture = OpenImageIO.ImageInput.open(os.fspath(file), wishes)
-    if picture is None:
-        OpenImageIO.geterror()  # fetched, or it is printed when the process ends
-        return False
-    spec = picture.spec()
-    same = (spec.height, spec.width, spec.nchannels) == stored.shape
-    for start in range(0, stored.shape[0] if same else 0, _ROWS_COMPARED):
-        end = min(start + _ROWS_COMPARED, stored.shape[0])
-        block = picture.read_scanlines(start, end, 0, 0, spec.nchannels, spec.format)
-        # As bytes: a NaN is not equal to itself.
-        same = same and block is not None and block.tobytes() == stored[start:end].tobytes()
-    picture.geterror()
-    picture.close()
     return same
-
-
-def _same_row(file: Path, stored: NDArray[Any]) -> bool:
-    """Whether a TIFF of a single row of doubles has every bit of them."""
-    rows = (read_plain_tiff(file, stored.shape, band) for band in range(stored.shape[2]))
-    return all(
-        row is not None and row.tobytes() == stored[:, :, band].tobytes()
-        for band, row in enumerate(rows)
-    )
 
 
 @contextlib.contextmanager

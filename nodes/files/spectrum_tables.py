@@ -1,15 +1,53 @@
-"""Quantities against wavelength or frequency from CSV files of two or three columns.
+"""Quantities against wavelength or frequency from text: CSV files, and MODTRAN's output.
 
 Columns are parted by comma, semicolon, tab or blanks; lines that begin with ``#`` and a first line
-of names are passed over.
+of names are passed over. The transmission and path radiance of a path come from a CSV of three
+columns, a tape7, or MODTRAN 6's JSON.
+
+A tape7 is MODTRAN's spectral output. A run in the radiance modes (IEMSCT 1 or 2) writes, below the
+cards of its input, a line of names::
+
+    FREQ   TOT TRANS  PTH THRML  THRML SCT  SURF EMIS   SOL SCAT  SING SCAT  GRND RFLT  …  TOTAL RAD
+
+and a line for each wavenumber, ended by ``-9999.``; newer versions write TOT_TRANS and so on. Four
+of the columns are read, by their names:
+
+- ``FREQ``, wavenumber in cm⁻¹;
+- ``TOT TRANS``, transmission of the whole path;
+- ``PTH THRML``, emitted by the path and scattered into it, which includes THRML SCT;
+- ``SOL SCAT``, sunlight scattered into it, which includes SING SCAT and is blank without the sun.
+
+The last two together are the path radiance; what the surface emits and reflects is left to the
+picture. They are in W/cm²/sr per cm⁻¹. With λ = 10⁴/ν µm a cm⁻¹ is λ²/10⁴ µm wide, and a m² has
+10⁴ cm²: L_λ = L_ν·10⁸/λ² W/m²/sr/µm. Columns that a mode leaves blank shift no others: numbers
+belong to the name they stand under.
+
+MODTRAN 6 writes four parts of the path radiance, emission and scattering apart: THRML_EM,
+THRML_SCT, MULT_SCAT, SING_SCAT. Its JSON output has the columns as lists below MODTRAN,
+MODTRANOUTPUT, SPECTRA, RADIANCE.
+
+Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; the headings and what they include, Ontar
+Corporation, "Tape7 column headers".
 """
 
 from __future__ import annotations
 
+import json
 import math
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
-from nodes.files.common.table_cells import line_refused, point_rows, read_once, table_lines
+from core.errors import FileError
+from nodes.files.common.table_cells import (
+    begins_with_number,
+    cells_of,
+    line_refused,
+    number_of,
+    point_rows,
+    read_once,
+    table_lines,
+)
 
 Points = tuple[tuple[float, float], ...]
 _LARGEST_UM = 1e6
@@ -77,3 +115,188 @@ def read_motion(path: Path) -> tuple[Points, Points]:
         rows.append(row)
     across = tuple((row[0], row[1]) for row in rows)
     return across, tuple((row[0], row[-1]) for row in rows)
+
+
+# Transmission and path radiance of a path.
+
+COLUMNS = ("wavelength_um", "transmission", "path_radiance")
+_LONGEST_BYTES = 50_000_000
+_LARGEST_RADIANCE = 1e30
+_ALLOWED = (
+    f"a wavelength above 0, at most {_LARGEST_UM:g} µm, a transmission from 0 to 1 and a path "
+    "radiance of at least 0"
+)
+
+_NAMES = (
+    *("FREQ", "TOT TRANS", "PTH THRML", "THRML SCT", "SURF EMIS", "SOL SCAT", "SING SCAT"),
+    *("GRND RFLT", "DRCT RFLT", "TOTAL RAD", "REF SOL", "SOL@OBS", "DEPTH", "DIR EM", "TOA SUN"),
+)
+_HEADING = re.compile("|".join(name.replace(" ", "[ _]") for name in _NAMES) + r"|\S+")
+_EXPONENT = re.compile(r"(?<=[\d.])(?=[-+]\d{3}$)")  # Fortran writes 1E-105 as 1.000-105
+# Parts of the path radiance, of which a table has at least the first: MODTRAN 4 and 5, MODTRAN 6.
+_PARTS = ("PTH THRML", "SOL SCAT"), ("THRML EM", "THRML SCT", "MULT SCAT", "SING SCAT")
+_END = -9999.0
+_FARTHEST = 4  # characters between the end of a number and that of its name
+_ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
+
+
+@read_once
+def read_path_table(path: Path) -> tuple[Points, Points]:
+    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
+
+    Of MODTRAN's tape7, or of a CSV file whose first line names the columns ``wavelength_um``,
+    ``transmission`` and ``path_radiance``, in any order and among others; without names, these
+    three alone. Lines that begin with ``#`` are passed over.
+    """
+    lines = table_lines(
+        path,
+        what="a path's transmission",
+        wanted=": neither a tape7 nor a CSV",
+        most_bytes=_LONGEST_BYTES,
+    )
+    if lines and lines[0].lstrip().startswith("{"):
+        lines = _json_table("".join(lines), path)
+    return _tape7_points(lines, path) if _is_tape7(lines) else _csv_points(lines, path)
+
+
+def _json_table(text: str, file: Path) -> list[str]:
+    """Of MODTRAN 6's output in JSON, the lines that its tape7 would have."""
+    try:
+        (case,) = json.loads(text)["MODTRAN"]
+        columns = case["MODTRANOUTPUT"]["SPECTRA"]["RADIANCE"]
+        wanted = ("FREQ", "TOT_TRANS", *(part.replace(" ", "_") for part in _PARTS[1]))
+        names = [name for name in wanted if name in columns]
+        rows = zip(*(columns[name] for name in names), strict=True)
+        return [" ".join(names), *(" ".join(map(str, row)) for row in rows), f"{_END}"]
+    except (ValueError, TypeError, LookupError, RecursionError) as error:
+        raise FileError(
+            f"{file}: not the JSON output of one radiance run of MODTRAN 6: it has lists of equal "
+            "length below MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
+        ) from error
+
+
+def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
+    places: tuple[int, ...] | None = None
+    rows: list[tuple[float, ...]] = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        cells = [cell.strip() for cell in cells_of(line)]
+        if places is None and not begins_with_number(line):
+            places = _places(cells, file, number)
+            continue
+        if places is None:
+            places = (0, 1, 2)
+            if len(cells) != len(COLUMNS):
+                raise line_refused(file, number, f"three numbers, {', '.join(COLUMNS)}")
+        try:
+            place, passed, added = (number_of(cells[index]) for index in places)
+        except (ValueError, IndexError):
+            raise line_refused(file, number, f"numbers in {', '.join(COLUMNS)}") from None
+        if not (0.0 < place <= _LARGEST_UM and 0.0 <= passed <= 1.0):
+            raise line_refused(file, number, _ALLOWED)
+        if not (0.0 <= added <= _LARGEST_RADIANCE and math.isfinite(added)):
+            raise line_refused(file, number, _ALLOWED)
+        if rows and place <= rows[-1][0]:
+            allowed = f"a wavelength above the previous one, {rows[-1][0]:g} µm"
+            raise line_refused(file, number, allowed)
+        rows.append((place, passed, added))
+    if len(rows) < 2:
+        raise FileError(f"{file}: {len(rows)} points; a spectrum needs at least 2")
+    return tuple((row[0], row[1]) for row in rows), tuple((row[0], row[2]) for row in rows)
+
+
+def _places(cells: list[str], file: Path, number: int) -> tuple[int, ...]:
+    names = [cell.lower() for cell in cells]
+    for name in COLUMNS:
+        if names.count(name) != 1:
+            raise FileError(
+                f"{file}: line {number}: {names.count(name)} columns are named {name}; allowed: "
+                f"one each of {', '.join(COLUMNS)}, or a tape7 with FREQ and TOT TRANS"
+            )
+    return tuple(names.index(name) for name in COLUMNS)
+
+
+def _is_tape7(lines: list[str]) -> bool:
+    return any(_is_heading(line) for line in lines)
+
+
+def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
+    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising."""
+    start = next(number for number, line in enumerate(lines) if _is_heading(line))
+    names = [(_plain(m.group()), m.end()) for m in _HEADING.finditer(lines[start])]
+    known = [name for name, _ in names]
+    parts = next((parts for parts in _PARTS if parts[0] in known), _PARTS[0])
+    needed = ("FREQ", "TOT TRANS", parts[0])
+    for name in needed:
+        if known.count(name) != 1:
+            raise FileError(
+                f"{file}: line {start + 1}: {known.count(name)} columns are named {name}; a tape7 "
+                "of radiance (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
+            )
+    transmission: list[tuple[float, float]] = []
+    radiance: list[tuple[float, float]] = []
+    for number, row in _rows(lines, start + 1, names, needed, file):
+        wavenumber, passed = row["FREQ"], row["TOT TRANS"]
+        added = sum(row.get(name, 0.0) for name in parts)
+        if not 0.0 <= passed <= 1.0 + _ROUNDED:
+            raise line_refused(file, number, "TOT TRANS from 0 to 1")
+        if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
+            raise line_refused(file, number, "FREQ above 0 and radiance of at least 0")
+        wavelength = 1e4 / wavenumber
+        if transmission and not wavenumber > 1e4 / transmission[-1][0]:
+            raise line_refused(file, number, "a wavenumber above the previous one")
+        transmission.append((wavelength, min(passed, 1.0)))
+        radiance.append((wavelength, added * 1e8 / wavelength**2))
+    if len(transmission) < 2:
+        raise FileError(f"{file}: {len(transmission)} rows; a spectrum needs at least 2")
+    return tuple(reversed(transmission)), tuple(reversed(radiance))
+
+
+def _rows(
+    lines: list[str], first: int, names: list[tuple[str, int]], needed: tuple[str, ...], file: Path
+) -> Iterator[tuple[int, dict[str, float]]]:
+    """Line numbers, and values by name, up to the end of the run."""
+    for index in range(first, len(lines)):
+        if not lines[index].strip():
+            continue
+        row = _row(lines[index], names)
+        if row is None:
+            raise line_refused(file, index + 1, "numbers below their names, up to -9999.")
+        if row.get("FREQ") == _END:
+            if _is_tape7(lines[index + 1 :]):
+                raise FileError(f"{file}: contains several runs: keep one per file")
+            return
+        if any(name not in row for name in needed):
+            raise line_refused(file, index + 1, ", ".join(needed))
+        yield index + 1, row
+    raise FileError(f"{file}: ends without -9999.: the run is incomplete")
+
+
+def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
+    """Values by name; None for a line that is no row."""
+    cells = list(re.finditer(r"\S+", line))
+    try:
+        values = [number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
+    except ValueError:
+        return None
+    if values and values[0] == _END:
+        return {"FREQ": _END}
+    if len(cells) == len(names):
+        return dict(zip([name for name, _ in names], values, strict=True))
+    row: dict[str, float] = {}
+    for cell, value in zip(cells, values, strict=True):
+        name, end = min(names, key=lambda one: abs(one[1] - cell.end()))
+        if abs(end - cell.end()) > _FARTHEST or name in row:
+            return None
+        row[name] = value
+    return row
+
+
+def _is_heading(line: str) -> bool:
+    words = line.upper().replace("_", " ")
+    return "FREQ" in words and "TOT TRANS" in words
+
+
+def _plain(name: str) -> str:
+    return name.upper().replace("_", " ")

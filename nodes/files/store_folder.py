@@ -12,8 +12,8 @@ from pathlib import Path
 from core.errors import FileError
 from core.file_lock import take
 from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
-from nodes.files.common.paths import readable_file
-from nodes.files.common.size_limits import oversized_file
+from nodes.files.common.picture_info import oversized_file
+from nodes.files.common.stored_bytes import readable_file
 
 _ALLOWED = "allowed: a new name, or a store to replace"
 _MARKS = ("zarr.json", ".zarray", ".zgroup")  # version 3, arrays and groups of version 2

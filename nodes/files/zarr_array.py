@@ -25,10 +25,18 @@ from numpy.typing import NDArray
 
 from core.errors import FileError, how_to_install
 from core.scratch import Empty
-from nodes.files.common.paths import checked_band, first_bytes
-from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
-from nodes.files.common.size_limits import oversized, refuse_oversized
-from nodes.files.header_fields import header_fields
+from nodes.files.common.picture_info import (
+    MetadataValue,
+    PictureInfo,
+    Samples,
+    delivered_dtype,
+    header_fields,
+    oversized,
+    refuse_oversized,
+    refuse_shape,
+    refuse_unreal,
+)
+from nodes.files.common.stored_bytes import checked_band, first_bytes
 from nodes.files.store_folder import (
     atomic_store,
     count_chunks,
@@ -238,11 +246,7 @@ def _opened(folder: Path) -> _Opened:
 
 
 def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
-    if len(shape) not in (2, 3) or 0 in shape:
-        raise FileError(
-            f"{folder}: contains an array of shape {shape}; allowed: (rows, columns) or (rows, "
-            "columns, bands), none of them 0"
-        )
+    refuse_shape(folder, shape)
     words = [str(name).lower() for name in names] if isinstance(names, list | tuple) else []
     rows = [axis for axis, word in enumerate(words) if word in _ROWS]
     columns = [axis for axis, word in enumerate(words) if word in _COLUMNS]
@@ -254,8 +258,7 @@ def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
 
 def _info(folder: Path, opened: _Opened) -> PictureInfo:
     dtype = np.dtype(opened.array.dtype)
-    if dtype.kind not in "buif":
-        raise FileError(f"{folder}: contains samples of type {dtype}; allowed: real numbers")
+    refuse_unreal(folder, dtype)
     attributes = opened.attributes
     fields = {
         key: value

@@ -18,13 +18,13 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
-from nodes.files.common.picture_info import PictureInfo
-from nodes.files.common.size_limits import oversized
-from nodes.files.envi import band_ends_um, band_weights_um
-from nodes.files.envi_cube import (
+from nodes.files.common.picture_info import PictureInfo, oversized
+from nodes.files.envi import (
     CubeInMemory,
     Layout,
+    band_ends_um,
     band_totals,
+    band_weights_um,
     mean_spectrum,
     weighted_sums,
 )
@@ -120,19 +120,6 @@ class CubeBands(BandStack):
         )
 
 
-@dataclass(frozen=True)
-class ChosenBands:
-    """The bands of a cube that count, by wavelength: where they are in it, and their shares of it.
-
-    Samples are multiplied by `factors`.
-    """
-
-    places: tuple[int, ...]
-    centres_um: Row
-    widths_um: Row
-    factors: Row
-
-
 def bands_of(
     cube: Source | HeldSamples,
     *,
@@ -142,44 +129,17 @@ def bands_of(
     missing: Missing = "refuse",
     node: str,
 ) -> CubeBands:
-    """The bands of a cube, in W/m²/sr/µm where they are radiance; see `chosen_bands`."""
-    info = cube.info
-    if isinstance(cube, Source) and info.kind != "envi":
-        raise FileError(_no_wavelengths(info))
-    chosen = chosen_bands(info, unit=unit, scale=scale, interval_um=interval_um)
-    return CubeBands(
-        chosen.centres_um,
-        chosen.widths_um,
-        CubeFile(cube.file, cube.stamps) if isinstance(cube, Source) else cube,
-        chosen.places,
-        chosen.factors,
-        missing,
-        node,
-        density=unit is not None,
-    )
-
-
-def _no_wavelengths(info: PictureInfo) -> str:
-    return (
-        f"{info.path}: the bands have no wavelengths; give them in an ENVI header, or set "
-        "bands = one to read a single band"
-    )
-
-
-def chosen_bands(
-    info: PictureInfo,
-    *,
-    unit: RadianceUnit | None,
-    scale: float,
-    interval_um: tuple[float, float] | None,
-) -> ChosenBands:
-    """The bands of a cube that count, and the factors that make W/m²/sr/µm of its radiance.
+    """The bands of a cube that count, by wavelength; in W/m²/sr/µm where they are radiance.
 
     `unit` is that of the samples times `scale`, None where they are no radiance. Of `interval_um` a
     band at an end counts by its part within, about the middle of that part.
     """
-    if info.wavelengths_um is None:
-        raise FileError(_no_wavelengths(info))
+    info = cube.info
+    if info.wavelengths_um is None or (isinstance(cube, Source) and info.kind != "envi"):
+        raise FileError(
+            f"{info.path}: the bands have no wavelengths; give them in an ENVI header, or set "
+            "bands = one to read a single band"
+        )
     low, high = interval_um or (0.0, _WIDEST_UM)
     first, last = band_ends_um(info)
     _check_ends(info, first, last)
@@ -194,11 +154,15 @@ def chosen_bands(
         scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
         for place, centre in zip(places, centres, strict=True)
     ]
-    return ChosenBands(
-        tuple(places),
+    return CubeBands(
         tuple(centres),
         tuple(float(widths[place]) for place in places),
+        CubeFile(cube.file, cube.stamps) if isinstance(cube, Source) else cube,
+        tuple(places),
         tuple(map(float, factors)),
+        missing,
+        node,
+        density=unit is not None,
     )
 
 

@@ -15,8 +15,8 @@ from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
-from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
+from nodes.files.common.stored_bytes import checked_band
 from nodes.files.envi import coverage
 from nodes.files.formats import readable_formats
 from nodes.input_output.file_bands import bands_of
@@ -162,7 +162,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
                 info,
                 recipe,
                 unit.name,
-                stated or _band_um(info, band),
+                stated or header_band(info, band),
                 channels=info.channels,
                 bands=1 if spectral else info.bands,
                 absent_chunks=info.absent_chunks,
@@ -373,7 +373,7 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
     return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
-def _band_um(info: PictureInfo, band: int | tuple[int, ...]) -> tuple[float, float] | None:
+def header_band(info: PictureInfo, band: int | tuple[int, ...]) -> tuple[float, float] | None:
     """The two ends of the band, where the header gives its width."""
     if info.wavelengths_um is None or info.fwhm_um is None or isinstance(band, tuple):
         return None

@@ -284,12 +284,8 @@ class HeldSamples:
             rows=rows,
             columns=columns,
             bands=1 if self.wavelengths_um is None else len(self.wavelengths_um),
-            unit=None,
             wavelengths_um=self.wavelengths_um,
             fwhm_um=self.widths_um,
-            focal_length_mm=None,
-            fov_x_deg=None,
-            fov_y_deg=None,
             dtype=self.samples.dtype.name,
             kind="array",
         )

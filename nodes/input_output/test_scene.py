@@ -18,7 +18,7 @@ from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
-from nodes.files.common.size_limits import oversized
+from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes.draw import (
     DRAWN,

@@ -23,10 +23,10 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from nodes.files.common.file_format import ENVI_FRAMES, ZARR, suffixes
+from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
-from nodes.files.formats import WRITTEN, written_format
+from nodes.files.formats import WRITTEN, write_picture, written_format
 from nodes.files.frame_writing import (
     FrameSeries,
     envi_header_text,
@@ -35,7 +35,6 @@ from nodes.files.frame_writing import (
     refuse_without_room,
 )
 from nodes.files.read import check_finite
-from nodes.files.write import write_picture
 from nodes.files.zarr_array import check_zarr, write_store
 
 Dtype = Literal["automatic", "float", "double", "half", "uint8", "uint16"]
@@ -43,6 +42,7 @@ Files = list[tuple[Path, Callable[[Path], None]]]
 
 _BY_SUFFIX = "by_suffix"
 _CUBE = "envi"
+_FORMATS: dict[str, Format] = {**{kind.name: kind for kind in WRITTEN}, _CUBE: ENVI_FRAMES}
 _FLOATS: dict[str, np.dtype[Any]] = {"float": np.dtype(np.float32), "double": np.dtype(np.float64)}
 
 
@@ -77,7 +77,7 @@ class WriteImage(
         str,
         Param(
             "format of the file",
-            choices=(_BY_SUFFIX, *(picture_format.name for picture_format in WRITTEN), _CUBE),
+            choices=(_BY_SUFFIX, *_FORMATS),
         ),
     ] = _BY_SUFFIX
     dtype: Annotated[Dtype, Param("type of the stored samples")] = "automatic"
@@ -118,31 +118,19 @@ class WriteImage(
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
-        path, known = here.folder / self.path, written_format(self.path)
-        if self.format == _BY_SUFFIX and ZARR.matches(self.path):
+        path, wanted = here.folder / self.path, _FORMATS.get(self.format)
+        others = (ENVI_FRAMES, ZARR) if wanted is None else (wanted,)
+        known = next((kind for kind in (*WRITTEN, *others) if kind.matches(path)), None)
+        if known is not None and wanted not in (None, known):
+            allowed = f"by_suffix, or the format of {self.path.name}"
+            raise ParameterError("format", self.format, allowed)
+        if known is not None:
             return path
-        if self.format in (_BY_SUFFIX, _CUBE) and ENVI_FRAMES.matches(self.path):
-            return path
-        if self.format == _CUBE:
-            if known is None:
-                return path.with_name(path.name + ENVI_FRAMES.suffixes[0])
-            raise ParameterError(
-                "format", self.format, f"by_suffix, or the format of {self.path.name}"
-            )
-        if self.format == _BY_SUFFIX:
-            if known is None:
-                endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
-                allowed = f"a name that ends in {endings}; or choose a format"
-                raise ParameterError("path", self.path.as_posix(), allowed)
-            return path
-        if known is None:
-            wanted = next(candidate for candidate in WRITTEN if candidate.name == self.format)
-            return path.with_name(path.name + wanted.suffixes[0])
-        if known.name != self.format:
-            raise ParameterError(
-                "format", self.format, f"by_suffix, or the format of {self.path.name}"
-            )
-        return path
+        if wanted is None:
+            endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
+            allowed = f"a name that ends in {endings}; or choose a format"
+            raise ParameterError("path", self.path.as_posix(), allowed)
+        return path.with_name(path.name + wanted.suffixes[0])
 
     def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
         image: Image = inputs["image"]

@@ -22,7 +22,7 @@ from core.physics.optics.tabulated_mtf import (
     tabulated_ptf,
 )
 from core.transfer.factors import Factor, Law, Part, Planar, Separable
-from nodes.files.common.paths import readable_file
+from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside
 from nodes.files.lens_samples import LensSamples, describe_lens_samples, read_lens_samples
 from nodes.files.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table

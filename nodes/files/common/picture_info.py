@@ -1,14 +1,19 @@
-"""What is known of a picture before its samples are read."""
+"""What is known of a picture before its samples are read, and whether it fits the machine."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from core.errors import FileError
+from core.machine import usable_bytes
 
 MetadataValue = str | int | float
 Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C order
@@ -19,61 +24,28 @@ class PictureInfo:
     """Size, kind and header of a picture file.
 
     What the file does not give is None.
-
-    Attributes
-    ----------
-    path
-        The file that holds the samples (for ENVI the data file, not the header).
-    rows, columns, bands
-        Size; a band is a channel of a colour picture or a spectral band.
-    unit
-        Unit of the samples as the file words it.
-    wavelengths_um, fwhm_um
-        Centre and full width at half maximum of every band, µm.
-    focal_length_mm
-        Focal length, mm.
-    fov_x_deg, fov_y_deg
-        Field of view of the whole frame, degrees.
-    dtype
-        numpy's name of the stored samples, such as ``uint16``.
-    kind
-        ``envi``, ``npy``, ``text`` or the picture format (``tiff``, ``openexr``, ``png``, …).
-    channels
-        Names of the channels of a colour picture, such as R, G and B; empty where there is one
-        channel or the bands are spectral.
-    not_applied
-        Fields of the header that would change the samples, which are delivered as stored.
-    shares_um
-        Share of every band in the sum of all, µm, where that is not what its width makes it.
-    wavelengths_assumed
-        The file names no unit of its wavelengths, which are taken as µm.
-    lossy
-        The file's compression leaves out what the eye would not miss.
-    absent_chunks
-        Files of a Zarr store that are not there, whose samples are missing.
-    bad_bands
-        Bands that the header marks as bad, counted from 0; sums leave them out.
     """
 
-    path: Path
+    path: Path  # of the samples: for ENVI of the data file, not the header
     rows: int
     columns: int
-    bands: int
-    dtype: str
-    kind: str
-    unit: str | None = None
-    wavelengths_um: tuple[float, ...] | None = None
-    fwhm_um: tuple[float, ...] | None = None
+    bands: int  # channels of a colour picture, or spectral bands
+    dtype: str  # numpy's name of the stored samples
+    kind: str  # ``envi``, ``npy``, ``text``, ``zarr`` or the picture format (``tiff``, …)
+    unit: str | None = None  # as the file words it
+    wavelengths_um: tuple[float, ...] | None = None  # centre of every band
+    fwhm_um: tuple[float, ...] | None = None  # full width at half maximum of every band
     focal_length_mm: float | None = None
-    fov_x_deg: float | None = None
+    fov_x_deg: float | None = None  # of the whole frame
     fov_y_deg: float | None = None
-    channels: tuple[str, ...] = ()
-    not_applied: tuple[str, ...] = ()
+    channels: tuple[str, ...] = ()  # names; empty where there is one, or bands are spectral
+    not_applied: tuple[str, ...] = ()  # fields of the header that would change the samples
+    # every band's share in the sum of all, where that is not what its width makes it
     shares_um: tuple[float, ...] | None = None
-    wavelengths_assumed: bool = False
-    lossy: bool = False
-    absent_chunks: int = 0
-    bad_bands: tuple[int, ...] = ()
+    wavelengths_assumed: bool = False  # to be in µm, as the file names no unit of them
+    lossy: bool = False  # the compression leaves out what the eye would not miss
+    absent_chunks: int = 0  # files of a Zarr store that are not there
+    bad_bands: tuple[int, ...] = ()  # by the header, counted from 0; sums leave them out
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
@@ -88,6 +60,250 @@ def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
     return np.dtype(np.float64 if stored.itemsize >= 4 else np.float32)
 
 
+def refuse_unreal(path: Path, dtype: np.dtype[Any]) -> None:
+    if dtype.kind not in "buif":
+        raise FileError(f"{path}: contains samples of type {dtype}; allowed: real numbers")
+
+
+def refuse_shape(
+    path: Path,
+    shape: tuple[int, ...],
+    allowed: str = "(rows, columns) or (rows, columns, bands)",
+) -> None:
+    if len(shape) not in (2, 3) or 0 in shape:
+        raise FileError(
+            f"{path}: contains an array of shape {shape}; allowed: {allowed}, none of them 0"
+        )
+
+
 def metadata_text(metadata: Mapping[str, object]) -> str:
-    """``key = value``, one on a line, as `nodes.files.header_fields` reads it."""
+    """``key = value``, one on a line, as `nodes.files.common.picture_info` reads it."""
     return "\n".join(f"{key} = {' '.join(str(value).split())}" for key, value in metadata.items())
+
+
+# Pictures that do not fit: refused by what their header claims, before memory is allocated.
+
+
+# A picture and one copy of it, which every step needs, fit the machine.
+_SHARE = 0.5
+_LONGEST_TEXT = 1 << 29
+# The most that a byte can become, by compression: of deflate 258 bytes for 2 bits, of PackBits 128
+# for 2 bytes, of LZW 4096 for 12 bits. Others have no such bound.
+_DEFLATE = 1032
+_MOST_BYTES: Mapping[str, float] = {
+    "none": 1.0,
+    "zip": _DEFLATE,
+    "zips": _DEFLATE,
+    "packbits": 64.0,
+    "lzw": 4096 / 1.5,
+}
+
+
+def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -> None:
+    """Refuse a picture one band of which takes more than half of the memory the process may use."""
+    dtype = delivered_dtype(np.dtype(info.dtype))
+    if reason := oversized(info.rows, info.columns, dtype, available_bytes=available_bytes):
+        raise FileError(f"{info.path}: {reason}")
+
+
+def oversized(
+    rows: int, columns: int, dtype: np.dtype[Any], *, available_bytes: int | None = None
+) -> str:
+    """Why a picture does not fit, with what it needs and what is allowed; empty where it does."""
+    memory = usable_bytes() if available_bytes is None else available_bytes
+    needed = rows * columns * dtype.itemsize
+    if not memory or needed <= _SHARE * memory:
+        return ""
+    return (
+        f"{rows} × {columns} samples need {_gb(needed)}; allowed on this machine: "
+        f"{_gb(_SHARE * memory)}, half of the memory this process may use"
+    )
+
+
+def oversized_file(length: int) -> str:
+    """Why a file that is read whole does not fit; empty where it does."""
+    memory = usable_bytes()
+    if not memory or length <= _SHARE * memory:
+        return ""
+    return (
+        f"a file of {_gb(length)}; allowed on this machine: {_gb(_SHARE * memory)}, half of the "
+        "memory this process may use"
+    )
+
+
+def refuse_oversized_text(path: Path) -> None:
+    """Refuse a text of more than 512 MB, or of more than a quarter of the memory to be used.
+
+    It is held twice, whole and in lines, before a number of it is read, which takes minutes.
+    """
+    length, memory = path.stat().st_size, usable_bytes()
+    most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
+    if length > most:
+        raise FileError(
+            f"{path}: a text file of {_gb(length)}; allowed: {_gb(most)}; store so many samples "
+            "as .npy"
+        )
+
+
+def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None:
+    """Refuse a header that claims more samples of so many bits than the file can unpack to.
+
+    A compression without a bound passes.
+    """
+    most = _DEFLATE if info.kind == "png" else _MOST_BYTES.get(compression)
+    if most is None:
+        return
+    length = info.path.stat().st_size
+    claimed = info.rows * info.columns * info.bands * bits / 8
+    if claimed > most * length:
+        raise FileError(
+            f"{info.path}: damaged: {info.rows} × {info.columns} × {info.bands} samples of "
+            f"{bits} bits cannot come from a file of {length} bytes"
+        )
+
+
+def _gb(size: float) -> str:
+    return f"{size / 1e9:.3g} GB"
+
+
+# Unit, focal length and field of view as headers of different origin word them, or a description in
+# which ``key = value`` stands one on a line or between commas or semicolons. Keys are compared
+# without regard to case, underscores as spaces (BUNIT, FOCALLEN: FITS; nominalFocalLength: EXR).
+# Lengths are in mm, angles in degrees unless a unit follows; ``fov = {x, y}`` gives both;
+# a zero means absent.
+
+
+_UNIT_KEYS = ("data units", "radiance units", "units", "unit", "bunit")
+_FOCAL_KEYS = (
+    "focal length mm",
+    "focal length",
+    "focallen",
+    "exif:focallength",
+    "nominalfocallength",
+)
+_FOV_X_KEYS = (
+    "fov x deg",
+    "fov x",
+    "field of view x",
+    "horizontal fov",
+    "hfov",
+    "fov",
+    "field of view",
+)
+_FOV_Y_KEYS = ("fov y deg", "fov y", "field of view y", "vertical fov", "vfov")
+_BOTH_FOV_KEYS = ("fov", "field of view")
+
+_LENGTHS_MM = {"": 1.0, "mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3}
+_ANGLES_DEG = {
+    "": 1.0,
+    "deg": 1.0,
+    "degree": 1.0,
+    "degrees": 1.0,
+    "°": 1.0,
+    "rad": math.degrees(1.0),
+    "mrad": math.degrees(1e-3),
+}
+_QUANTITY = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]*)")
+
+FieldValue = str | int | float | Sequence[str]
+
+
+@dataclass(frozen=True)
+class HeaderFields:
+    """The fields every kind of header may offer; None where it does not."""
+
+    unit: str | None = None
+    focal_length_mm: float | None = None
+    fov_x_deg: float | None = None
+    fov_y_deg: float | None = None
+
+
+def header_fields(
+    fields: Mapping[str, FieldValue], *, description: str = "", where: str
+) -> HeaderFields:
+    """Read the common fields from a header's keys, then from its description.
+
+    A key whose value is no length or no angle is refused; in the description, free text in which
+    ``key = value`` pairs may stand, it is prose. `where` names the file in messages.
+    """
+    own = {_normal(key): _texts(value) for key, value in fields.items()}
+    described = _in_description(description)
+    return HeaderFields(
+        unit=_unit(own) or _unit(described),
+        focal_length_mm=_focal_length(own, where) or _leniently(_focal_length, described),
+        fov_x_deg=_fov_x(own, where) or _leniently(_fov_x, described),
+        fov_y_deg=_fov_y(own, where) or _leniently(_fov_y, described),
+    )
+
+
+_Texts = Mapping[str, Sequence[str]]
+
+
+def _normal(key: str) -> str:
+    return " ".join(key.lower().replace("_", " ").split())
+
+
+def _texts(value: FieldValue) -> list[str]:
+    if isinstance(value, str | int | float):
+        return [str(value).strip()]
+    return [str(item).strip() for item in value]
+
+
+def _in_description(description: str) -> dict[str, list[str]]:
+    pairs = re.findall(r"([^=:\n;,]+)[=:]([^\n;,]+)", description)
+    return {_normal(key): [value.strip()] for key, value in pairs}
+
+
+def _unit(fields: _Texts) -> str | None:
+    for key in _UNIT_KEYS:
+        text = ", ".join(fields.get(key, ()))
+        if text and text.lower() not in ("unknown", "none"):
+            return text
+    return None
+
+
+def _focal_length(fields: _Texts, where: str) -> float | None:
+    return _first(fields, _FOCAL_KEYS, _LENGTHS_MM, where, 0)
+
+
+def _fov_x(fields: _Texts, where: str) -> float | None:
+    return _angle(_first(fields, _FOV_X_KEYS, _ANGLES_DEG, where, 0), where)
+
+
+def _fov_y(fields: _Texts, where: str) -> float | None:
+    own = _first(fields, _FOV_Y_KEYS, _ANGLES_DEG, where, 0)
+    return _angle(own or _first(fields, _BOTH_FOV_KEYS, _ANGLES_DEG, where, 1), where)
+
+
+def _leniently(read: Callable[[_Texts, str], float | None], described: _Texts) -> float | None:
+    """Read from prose, where a pair that is no quantity is no fault of the file."""
+    try:
+        return read(described, "description")
+    except FileError:
+        return None
+
+
+def _first(
+    fields: _Texts, keys: Sequence[str], factors: Mapping[str, float], where: str, place: int
+) -> float | None:
+    for key in keys:
+        values = fields.get(key, ())
+        if len(values) > place and values[place]:
+            return _quantity(values[place], factors, key, where) or None
+    return None
+
+
+def _quantity(text: str, factors: Mapping[str, float], key: str, where: str) -> float:
+    match = _QUANTITY.fullmatch(text)
+    factor = factors.get(match[2].lower()) if match else None
+    value = float(match[1]) * factor if match and factor else math.nan
+    if not math.isfinite(value) or value < 0:
+        units = ", ".join(unit for unit in factors if unit.isascii() and unit)
+        raise FileError(f"{where}: {key} = {text!r:.60} is not a positive number (with {units})")
+    return value
+
+
+def _angle(degrees: float | None, where: str) -> float | None:
+    if degrees is not None and degrees >= 180:
+        raise FileError(f"{where}: field of view {degrees:g} deg; allowed: above 0, below 180")
+    return degrees

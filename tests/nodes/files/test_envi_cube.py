@@ -19,7 +19,7 @@ INTERLEAVES = ("bsq", "bil", "bip")
 CUT_SHORT = """
 import os, sys
 import numpy as np
-from nodes.files.envi_cube import weighted_sums
+from nodes.files.envi import weighted_sums
 from nodes.files.envi_header import read_layout
 
 layout = read_layout(sys.argv[1])

@@ -15,8 +15,7 @@ import pytest
 
 from core.errors import FileError
 from core.machine import usable_bytes
-from nodes.files.common.picture_info import PictureInfo
-from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.common.picture_info import PictureInfo, refuse_oversized
 from nodes.files.read import read_info, read_pixels
 from picture_samples import png, tiff, tiff_tag
 

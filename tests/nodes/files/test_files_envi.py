@@ -6,7 +6,7 @@ import pytest
 
 from core.errors import FileError
 from nodes.files import envi
-from nodes.files.envi_cube import weighted_sums
+from nodes.files.envi import weighted_sums
 from nodes.files.read import read_info, read_pixels
 
 ROWS, COLUMNS, BANDS = 5, 7, 3

@@ -3,12 +3,12 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from child_process import run_program
+from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.common.stored_samples import as_stored
+from nodes.files.formats import write_picture
 from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
-from nodes.files.write import write_picture
 from picture_samples import SPECIAL
 
 
@@ -119,7 +119,7 @@ from pathlib import Path
 import numpy as np
 from core.errors import FileError
 from nodes.files.pictures import read_band
-from nodes.files.write import write_picture
+from nodes.files.formats import write_picture
 folder = Path(sys.argv[1])
 samples = np.random.default_rng(0).integers(0, 65536, (60, 60))
 free = resource.RLIM_INFINITY
@@ -146,3 +146,24 @@ def test_full_disk_is_noticed_at_every_place_and_keeps_the_old_picture(tmp_path)
     done = run_program(FULL_DISK, str(tmp_path))
     assert done.stdout == "['a.exr', 'a.png', 'a.tif']\n"
     assert done.stderr == ""
+
+
+WRITE_FOR_EVER = """
+import itertools, sys
+import numpy as np
+from nodes.files.formats import write_picture
+for count in itertools.count(1):
+    write_picture(sys.argv[1], np.full((600, 700), count, dtype=np.float32))
+    if count == 1:
+        print("first", flush=True)
+"""
+
+
+@pytest.mark.parametrize("name", ["a.tif", "a.exr"])
+def test_killed_at_any_time_the_picture_is_whole(tmp_path, name):
+    path = tmp_path / name
+    for delay_s in (0.0, 0.013, 0.031, 0.05):
+        kill_program(WRITE_FOR_EVER, str(path), says="first", after_s=delay_s)
+        read = read_band(path)
+        assert read.shape == (600, 700)
+        assert np.all(read == read[0, 0])

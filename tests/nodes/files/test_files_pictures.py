@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
+from nodes.files.formats import write_picture
 from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
-from nodes.files.write import write_picture
 from picture_samples import SPECIAL, fits, png, samples_of, tiff, tiff_tag
 
 KINDS = ("u1", "u2", "u4", "i1", "i2", "i4", "f2", "f4", "f8")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.path_table import read_path_table
+from nodes.files.spectrum_tables import read_path_table
 
 # As MODTRAN 4 writes it: a field of 7 or 8 for FREQ, then of 11, names at the right of their field.
 HEAD = (

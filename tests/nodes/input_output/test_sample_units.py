@@ -7,7 +7,7 @@ import pytest
 
 from core.errors import FileError, ParameterError
 from node_bench import NodeBench
-from nodes.files.write import write_picture
+from nodes.files.formats import write_picture
 from nodes.input_output.read_image import ReadImage
 from small_library import library_of
 

@@ -10,7 +10,7 @@ from core.chain.wires import Header, Image
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.network.file import parse_network
-from nodes.files.write import write_picture
+from nodes.files.formats import write_picture
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
