@@ -457,7 +457,7 @@ def _write_reports(
     evaluation: Evaluation, skipped: tuple[Skip, ...], options: Options, staging: Staging
 ) -> None:
     for path in options.reports:
-        from app.report import write_report
+        from app.report.report_facts import write_report
 
         staging.write(path, partial(write_report, evaluation, skipped))
 

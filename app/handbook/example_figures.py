@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.handbook.module_examples import IT, NO_EXAMPLE, SHIPPED, example_network
-from app.report.drawing.node_curves import draw_on
+from app.report.drawing.curves import draw_on
 from app.report.drawing.picture_drawing import as_written, load_matplotlib, number
 from app.run.saving import encode_png, grey_levels, robust_limits
 from core.chain.engine import Engine, Plan

@@ -8,6 +8,7 @@ picture's pixels, before a frame grabber interpolates them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -90,14 +91,9 @@ def _noise_of(work: Work, image: Image) -> Fact:
 def _source(evaluation: Evaluation, share: NoiseShare) -> Fact:
     planned = evaluation.plan.nodes.get(share.node)
     return {
-        "node": share.node,
+        **asdict(share),
         "title": planned.declaration.title if planned else share.node,
-        "name": share.name,
-        "temporal": share.temporal,
-        "fixed": share.fixed,
         "sigma": share.sigma,
-        "share_temporal": share.share_temporal,
-        "share_fixed": share.share_fixed,
         "share": share.share_temporal + share.share_fixed,
     }
 

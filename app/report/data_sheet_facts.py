@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.run.evaluation import Evaluation
-from app.run.responses import response
+from app.run.responses import Axis, mtf_at, response
 from app.run.shipped import every_network
 from core.chain.engine import Plan
 from core.chain.realize import realize
@@ -225,23 +225,24 @@ def _at_pixel_nyquist(evaluation: Evaluation) -> Fact | None:
         return None
     if not chain.stages or not chain.cascade:
         return None
-    nyquist = {"x": 0.5 / final.interval_x_mrad, "y": 0.5 / final.interval_y_mrad}
-    rows, product = [], {"x": 1.0, "y": 1.0}
+    nyquist: dict[Axis, float] = {
+        "x": 0.5 / final.interval_x_mrad,
+        "y": 0.5 / final.interval_y_mrad,
+    }
+    axes: tuple[Axis, Axis] = ("x", "y")
+    rows: list[Fact] = []
+    product: Fact = {"x": 1.0, "y": 1.0}
     for stage in (*chain.stages, *chain.later):
-        mtf = {}
-        for axis in ("x", "y"):
-            frequency = np.array([nyquist[axis]])
-            mtf[axis] = float(response(work, stage.factors, frequency, axis).mtf[0])
-            product[axis] *= mtf[axis]
+        mtf: Fact = {axis: mtf_at(work, stage.factors, nyquist[axis], axis) for axis in axes}
+        product = {axis: product[axis] * mtf[axis] for axis in axes}
         rows.append({"label": stage.title, "node": stage.node, **mtf})
     rows.append({"label": "All together", "node": "", **product})
-    factors = [factor for stage in (*chain.stages, *chain.later) for factor in stage.factors]
     edges = {
         f"edge_{axis}": relative_edge_response(
-            mtf=lambda at, axis=axis: response(work, factors, at, axis).mtf,  # type: ignore[misc]
+            mtf=lambda at, axis=axis: response(work, chain.factors, at, axis).mtf,  # type: ignore[misc]
             sample_mrad=0.5 / nyquist[axis],
         )
-        for axis in ("x", "y")
+        for axis in axes
     }
     return {"nyquist_x": nyquist["x"], "nyquist_y": nyquist["y"], "rows": rows, **edges}
 

@@ -1,10 +1,11 @@
-"""All figures of a report as plain data."""
+"""Reports of a run: one self-contained file, for people (HTML) or for programs (JSON)."""
 
 from __future__ import annotations
 
 import sys
 import time
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,24 +13,42 @@ import numpy as np
 from app.options.command_options import version
 from app.report.budget import budget_facts
 from app.report.data_sheet_facts import conflicts, data_sheet_facts, is_changed, published_rows
-from app.report.drawing.node_curves import curve_facts
+from app.report.drawing.curves import curve_facts
 from app.report.drawing.picture_drawing import drawn_as
 from app.report.edge_measurement import judged_facts
 from app.report.spectra import spectrum_facts
 from app.run.evaluation import Evaluation
 from app.run.figures import main_figures
 from app.run.output import ending_images
+from app.run.readout_tables import json_text
 from app.run.responses import StageResponse, at_nyquist
+from core.atomic import write_text
 from core.chain.engine import PlannedNode
 from core.chain.realize import realize
 from core.chain.skipped import Skip, is_neutral
 from core.chain.wires import Image, Table
 from core.modules.parameters import plain
-from core.names import thaw
+from core.names import printable, thaw
 from core.transfer.periodic import backend
+from nodes.files.common.file_format import JSON
 from nodes.input_output.sample_unit import statistics
 
 NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
+
+
+def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
+    """Write the report in the format of the path's suffix.
+
+    `skipped` is what had not been computed before any report.
+    """
+    facts = report_facts(evaluation, skipped)
+    if JSON.matches(path):
+        text = json_text(facts, indent=1)
+    else:
+        from app.report.report_page import page
+
+        text = printable(page(evaluation, facts))
+    write_text(path, text)
 
 
 def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]:
@@ -101,10 +120,7 @@ def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any
         "interval_y_mrad": image.interval_y_mrad,
         "unit": image.unit,
         "band_um": image.band_um,
-        "minimum": seen.minimum,
-        "maximum": seen.maximum,
-        "mean": seen.mean,
-        "sigma": seen.sigma,
+        **asdict(seen),
     }
 
 

@@ -8,8 +8,14 @@ from typing import Any
 
 from app.report.budget import budget
 from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
-from app.report.drawing.curves import Part, product_png, stages_png
-from app.report.drawing.node_curves import MOST, curves_png, node_curves
+from app.report.drawing.curves import (
+    MOST,
+    Part,
+    curves_png,
+    node_curves,
+    product_png,
+    stages_png,
+)
 from app.report.drawing.picture_drawing import (
     named,
     noise_png,

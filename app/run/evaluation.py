@@ -137,7 +137,11 @@ class _Read:
                 for port in plan.network.unlinked_outputs(engine.library)
             },
             {
-                name: _recipes(engine.planned_readouts(plan, name))
+                name: tuple(
+                    value
+                    for value in engine.planned_readouts(plan, name).values()
+                    if isinstance(value, Recipe)
+                )
                 for name, node in plan.nodes.items()
                 if not node.node.disabled and node.declaration.readouts
             },
@@ -178,10 +182,6 @@ def needed_later(
 
         recipes.append(NoiseOf(plan.output(final)))
     return recipes
-
-
-def _recipes(readouts: dict[str, Any]) -> tuple[Recipe, ...]:
-    return tuple(value for value in readouts.values() if isinstance(value, Recipe))
 
 
 def _check_source(plan: Plan, port: str, work: Work) -> None:

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from app.run.evaluation import Evaluation
 from app.run.output import Output, ancestors, find_output, sound_part
 from app.run.readout_tables import four_digits, number_text, sized
-from app.run.responses import Axis, response
+from app.run.responses import Axis, mtf_at
 from core.chain.engine import Plan
 from core.chain.realize import realize
 from core.chain.wires import Image
@@ -169,14 +167,13 @@ def _mtf_figures(evaluation: Evaluation) -> list[Figure]:
     chain, work = evaluation.chain, evaluation.work
     if chain.grid is None or not chain.cascade or not chain.stages:
         return []
-    caption, places = "MTF at the pixels' Nyquist", chain.pixel_nyquist
-    if None in places:
-        caption, places = "MTF at Nyquist", (chain.grid.nyquist_x, chain.grid.nyquist_y)
-    factors = [factor for stage in (*chain.stages, *chain.later) for factor in stage.factors]
+    caption, places = "MTF at Nyquist", (chain.grid.nyquist_x, chain.grid.nyquist_y)
+    of_pixels = chain.pixel_nyquist
+    if of_pixels[0] is not None and of_pixels[1] is not None:
+        caption, places = "MTF at the pixels' Nyquist", (of_pixels[0], of_pixels[1])
     axes: tuple[Axis, Axis] = ("x", "y")
     values = tuple(
-        float(response(work, factors, np.array([place]), axis).mtf[0])
-        for axis, place in zip(axes, places, strict=True)
+        mtf_at(work, chain.factors, place, axis) for axis, place in zip(axes, places, strict=True)
     )
     at = " × ".join(dict.fromkeys(f"{place:.4g}" for place in places))
     return [Figure(f"{caption} ({at} cyc/mrad)", values, "", "all stages")]

@@ -71,6 +71,10 @@ def _is_real(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, Integral)
 
 
+def with_unit(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else name
+
+
 def without_rounding(value: Any, unit: str) -> Any:
     """The value; 0 for what rounding leaves of 0 where values are of order 1.
 

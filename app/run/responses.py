@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,6 +22,7 @@ Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
 TOTAL = "total"
 SYSTEM = "total_with_electronics"
+_SYSTEM_TITLE = "Total with electronics"
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class StageResponse:
     name: str
     title: str
     x: Response
-    y: Response
+    y: Response = Response(np.zeros(0), np.zeros(0))
     is_product: bool = False
 
     @property
@@ -60,6 +61,10 @@ class Responses:
     `beside` has the transfer functions that do not lead to the final picture. `products` has the
     total of the stages before pixels are combined and, where electronics follow, that times
     theirs; it is empty where the stages do not follow one another.
+
+    Along a line, `xi` and every stage's `x` are those of the line, and the others empty. Stages
+    that cannot be evaluated are in `failed`, each error once; a product that needs one of them is
+    left out.
     """
 
     xi: Vector
@@ -67,6 +72,7 @@ class Responses:
     stages: tuple[StageResponse, ...]
     beside: tuple[StageResponse, ...]
     products: tuple[StageResponse, ...]
+    failed: tuple[ImagechainError, ...] = ()
 
 
 def responses(chain: Chain, work: Work) -> Responses:
@@ -78,22 +84,31 @@ def responses(chain: Chain, work: Work) -> Responses:
     xi = np.asarray(scipy.fft.rfftfreq(grid.columns, grid.interval_x_mrad))
     eta = np.asarray(scipy.fft.rfftfreq(grid.rows, grid.interval_y_mrad))
 
-    def stage(
-        name: str, title: str, factors: Sequence[Factor], is_product: bool = False
-    ) -> StageResponse:
-        across = response(work, factors, xi, "x")
-        return StageResponse(name, title, across, response(work, factors, eta, "y"), is_product)
+    def sampled(stages: Iterable[Stage], *, is_product: bool = False) -> tuple[StageResponse, ...]:
+        return tuple(
+            StageResponse(
+                stage.node,
+                stage.title,
+                response(work, stage.factors, xi, "x"),
+                response(work, stage.factors, eta, "y"),
+                is_product,
+            )
+            for stage in stages
+        )
 
-    stages = [stage(s.node, s.title, s.factors) for s in (*chain.stages, *chain.later)]
-    beside = [stage(s.node, s.title, s.factors) for s in chain.beside]
-    products = []
-    if chain.cascade:
-        before = [f for s in chain.stages for f in s.factors]
-        products.append(stage(TOTAL, "Total", before, True))
-        if chain.later:
-            after = [f for s in chain.later for f in s.factors]
-            products.append(stage(SYSTEM, "Total with electronics", [*before, *after], True))
-    return Responses(xi, eta, tuple(stages), tuple(beside), tuple(products))
+    stages = sampled((*chain.stages, *chain.later))
+    return Responses(
+        xi, eta, stages, sampled(chain.beside), sampled(_products(chain), is_product=True)
+    )
+
+
+def _products(chain: Chain) -> list[Stage]:
+    """All stages together, and these with the electronics; none where they have no product."""
+    if not chain.cascade:
+        return []
+    before = tuple(factor for stage in chain.stages for factor in stage.factors)
+    whole = [Stage(SYSTEM, _SYSTEM_TITLE, chain.factors)] if chain.later else []
+    return [Stage(TOTAL, "Total", before), *whole]
 
 
 def response(work: Work, factors: Iterable[Factor], frequency: Vector, axis: Axis) -> Response:
@@ -112,32 +127,13 @@ def response(work: Work, factors: Iterable[Factor], frequency: Vector, axis: Axi
     return Response(mtf, ptf)
 
 
-@dataclass(frozen=True)
-class LineStageResponse:
-    name: str
-    title: str
-    response: Response
-    is_product: bool = False
-
-
-@dataclass(frozen=True)
-class LineResponses:
-    """All stages along a line, from 0 to where it leaves the image's band.
-
-    As `Responses`, but at `frequency`, cycles/mrad along the line. Stages that cannot be
-    evaluated are in `failed`, each error once; a product that needs one of them is left out.
-    """
-
-    frequency: Vector
-    stages: tuple[LineStageResponse, ...]
-    beside: tuple[LineStageResponse, ...]
-    products: tuple[LineStageResponse, ...]
-    failed: tuple[ImagechainError, ...] = ()
+def mtf_at(work: Work, factors: Iterable[Factor], frequency: float, axis: Axis) -> float:
+    return float(response(work, factors, np.array([frequency]), axis).mtf[0])
 
 
 def responses_along(
     chain: Chain, work: Work, angle_deg: float, samples: int | None = None
-) -> LineResponses:
+) -> Responses:
     """Evaluate every stage of the chain along a line; no plane is ever built.
 
     The angle is from the xi axis (0°) towards the eta axis (90°); the line has as many points as
@@ -145,12 +141,12 @@ def responses_along(
     """
     grid = chain.grid
     if grid is None:
-        return LineResponses(np.zeros(0), (), (), ())
+        return Responses(np.zeros(0), np.zeros(0), (), (), ())
     line = Line.at(angle_deg)
     frequency = line.frequencies(grid, samples or max(grid.rows, grid.columns) // 2 + 1)
     failed: dict[str, ImagechainError] = {}
 
-    def along(stages: Iterable[Stage]) -> list[LineStageResponse]:
+    def along(stages: Iterable[Stage]) -> list[StageResponse]:
         evaluated = []
         for stage in stages:
             work.check()
@@ -161,7 +157,7 @@ def responses_along(
             except ImagechainError as error:
                 failed[str(error)] = error
             else:
-                evaluated.append(LineStageResponse(stage.node, stage.title, values))
+                evaluated.append(StageResponse(stage.node, stage.title, values))
         return evaluated
 
     before, later = along(chain.stages), along(chain.later)
@@ -170,11 +166,10 @@ def responses_along(
         products.append(_product(TOTAL, "Total", before, frequency))
         if chain.later and len(later) == len(chain.later):
             both = [*before, *later]
-            products.append(_product(SYSTEM, "Total with electronics", both, frequency))
+            products.append(_product(SYSTEM, _SYSTEM_TITLE, both, frequency))
     beside = along(chain.beside)
-    return LineResponses(
-        frequency, (*before, *later), tuple(beside), tuple(products), tuple(failed.values())
-    )
+    stages, errors = (*before, *later), tuple(failed.values())
+    return Responses(frequency, np.zeros(0), stages, tuple(beside), tuple(products), errors)
 
 
 def response_along(
@@ -190,32 +185,25 @@ def response_along(
 
 
 def _product(
-    name: str, title: str, stages: Iterable[LineStageResponse], frequency: Vector
-) -> LineStageResponse:
+    name: str, title: str, stages: Iterable[StageResponse], frequency: Vector
+) -> StageResponse:
     mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
     for stage in stages:
-        mtf, ptf = mtf * stage.response.mtf, ptf + stage.response.ptf
-    return LineStageResponse(name, title, Response(mtf, ptf), is_product=True)
+        mtf, ptf = mtf * stage.x.mtf, ptf + stage.x.ptf
+    return StageResponse(name, title, Response(mtf, ptf), is_product=True)
 
 
 def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
     grid = chain.grid
     if grid is None:
         return {}
-    named = {
-        stage.node: list(stage.factors) for stage in (*chain.stages, *chain.later, *chain.beside)
-    }
-    if chain.cascade:
-        named[TOTAL] = [f for stage in chain.stages for f in stage.factors]
-        if chain.later:
-            named[SYSTEM] = [*named[TOTAL], *(f for s in chain.later for f in s.factors)]
     figures = {}
     places: tuple[tuple[Axis, float], ...] = (("x", grid.nyquist_x), ("y", grid.nyquist_y))
-    for name, factors in named.items():
+    for stage in (*chain.stages, *chain.later, *chain.beside, *_products(chain)):
         for axis, frequency in places:
-            value = response(work, factors, np.array([frequency]), axis)
-            figures[f"{name}.mtf_nyquist_{axis}"] = float(value.mtf[0])
-            figures[f"{name}.ptf_nyquist_{axis}"] = float(value.ptf[0])
+            value = response(work, stage.factors, np.array([frequency]), axis)
+            figures[f"{stage.node}.mtf_nyquist_{axis}"] = float(value.mtf[0])
+            figures[f"{stage.node}.ptf_nyquist_{axis}"] = float(value.ptf[0])
     return figures
 
 

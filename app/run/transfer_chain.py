@@ -51,6 +51,11 @@ class Chain:
         return x, y
 
     @property
+    def factors(self) -> tuple[Factor, ...]:
+        """Those of the stages, then those of the electronics."""
+        return tuple(factor for stage in (*self.stages, *self.later) for factor in stage.factors)
+
+    @property
     def cascade(self) -> bool:
         """Whether `stages` act one after the other."""
         return not self.missing

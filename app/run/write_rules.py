@@ -144,11 +144,11 @@ class WriteRules:
         chosen = {real, real.parent / real.stem} & self.record.chosen
         if node in self.given or chosen:
             return
-        if any(_within(real, folder) for folder in self.allowed):
+        if any(real.is_relative_to(folder) for folder in self.allowed):
             return
         lift = self.how_to_allow or f"{OPTION} {shlex.quote(str(real.parent))} allows it"
         leads = f" (a link to {real})" if target.is_symlink() else ""
-        if not any(_within(real, folder) for folder in self.folders):
+        if not any(real.is_relative_to(folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"
         elif (real.is_file() or is_store(real)) and not (
             self.record.holds(real) or self._known().holds(real)
@@ -259,20 +259,6 @@ def _own_folder(place: Place) -> tuple[Path, ...]:
     folder = Path(os.path.realpath(place.folder))
     given = folder == Path("/dev") or folder.is_relative_to("/proc")
     return () if given else (folder,)
-
-
-def _within(path: Path, folder: Path) -> bool:
-    """Whether a path is below a folder, also where the system takes A for a."""
-    if path.is_relative_to(folder):
-        return True
-    return any(_same(above, folder) for above in path.parents)
-
-
-def _same(one: Path, other: Path) -> bool:
-    try:
-        return one.samefile(other)
-    except OSError:
-        return False
 
 
 def _place(network: Path) -> Path:

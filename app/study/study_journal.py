@@ -270,8 +270,6 @@ def _array(column: Column) -> Any:
     kind = column.kind
     if kind is str:
         return np.array(["" if v is None else v for v in column.typed], dtype=object)
-    if kind is bool and None not in column.values:
-        return np.array(column.values, dtype=bool)
-    if kind is int and None not in column.values:
-        return np.array(column.values, dtype=np.int64)
-    return np.array([math.nan if v is None else float(v) for v in column.values])
+    if None in column.values:
+        return np.array([math.nan if v is None else float(v) for v in column.values])
+    return np.array(column.values, dtype=kind)

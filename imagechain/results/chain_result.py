@@ -265,7 +265,7 @@ class Result:
     def report(self, path: str | PathLike[str]) -> Path:
         """Write a report, as ``imagechain run --report`` does: ``.html`` or ``.json``."""
         from app.options.option_values import report_path
-        from app.report import write_report
+        from app.report.report_facts import write_report
 
         target = report_path("--report", fspath(path))
         evaluation = self._evaluation

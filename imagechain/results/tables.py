@@ -245,7 +245,7 @@ def curves_along(evaluation: Evaluation, angle_deg: float) -> StageCurves:
     if known.failed:
         raise known.failed[0]
     stages = (*known.stages, *known.beside, *known.products)
-    curves = {stage.name: {"line": _curve(known.frequency, stage.response)} for stage in stages}
+    curves = {stage.name: {"line": _curve(known.xi, stage.x)} for stage in stages}
 
     def drawn() -> bytes:
         from app.report.drawing.curves import line_png

@@ -1,16 +1,208 @@
-"""MTF and PTF figures, drawn like figs. 5.26 and 5.27 of Tantalo 1996."""
+"""Curves and bars that nodes make, and the MTF and PTF of the stages, for reports."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import cycle
+from textwrap import wrap
 from typing import Any, Literal
 
 import numpy as np
 
-from app.report.drawing.picture_drawing import COLOURS, figure, strongest
-from app.run.responses import LineResponses, Response, Responses, StageResponse
+from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, number, strongest
+from app.run.evaluation import Evaluation
+from app.run.responses import Response, Responses, StageResponse
 from app.run.transfer_chain import Chain
+from core.chain.realize import realize
+from core.chain.results import CurveData, Series
+from core.chain.wires import Curve
+
+MOST = 12
+_BESIDE = 2
+_DASH = 3  # widths of the line, of a curve on top of another
+_ALIKE = 5e-3  # of its value: closer curves hide each other
+_DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
+_LINE = 0.21  # inches that a bar or a row of a legend is high
+Named = tuple[str, CurveData]
+
+
+def node_curves(evaluation: Evaluation) -> list[Named]:
+    """Every curve output that no link leaves, by its port, in the network's order."""
+    curves = []
+    for name, output in evaluation.plan.network.unlinked_outputs(evaluation.engine.library):
+        value = evaluation.plan.nodes[name].outputs.get(output)
+        if isinstance(value, Curve):
+            curves.append((f"{name}.{output}", realize(value, evaluation.work)))
+    return curves
+
+
+def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
+    return [
+        {
+            "port": port,
+            "title": data.title,
+            "x_label": data.x_label,
+            "y_label": data.y_label,
+            "bars": list(data.bars),
+            "log_y": data.log_y,
+            "log_x": data.log_x,
+            "series": [{"label": s.label, "x": s.x, "y": s.y} for s in data.series],
+        }
+        for port, data in node_curves(evaluation)
+    ]
+
+
+def curves_png(curves: list[Named]) -> bytes:
+    rows = [curves[at : at + _BESIDE] for at in range(0, len(curves), _BESIDE)]
+    heights = [max(_height(data) for _, data in row) for row in rows]
+    with figure(10.0, sum(heights)) as (drawn, out):
+        axes = drawn.subplots(len(rows), _BESIDE, squeeze=False, height_ratios=heights)
+        for axis in axes.ravel()[len(curves) :]:
+            axis.set_visible(False)
+        for axis, (port, data) in zip(axes.ravel(), curves, strict=False):
+            draw_on(axis, data)
+            axis.set_title(f"{data.title}\n", pad=2)
+            axis.annotate(
+                port,
+                (0.0, 1.0),
+                xycoords="axes fraction",
+                xytext=(0, 4),
+                textcoords="offset points",
+                fontsize=7.5,
+                color="#666666",
+            )
+            if len(data.series) > 1:
+                axis.legend(
+                    loc="upper center",
+                    bbox_to_anchor=(0.5, 0.0),
+                    borderaxespad=5.0,
+                    ncols=2,
+                    fontsize=7.5,
+                )
+    return out.getvalue()
+
+
+def draw_on(axis: Any, data: CurveData) -> None:
+    (_draw_bars if data.bars else _draw_curves)(axis, data)
+
+
+def _coincide(one: Series, other: Series) -> bool:
+    if len(one.x) < 2 or len(other.x) < 2 or not np.allclose(_ends(one), _ends(other)):
+        return False
+    below = np.interp(one.x, other.x, other.y)  # they may be sampled at other places
+    return np.allclose(one.y, below, rtol=_ALIKE, atol=0.0, equal_nan=True)
+
+
+def _ends(series: Series) -> tuple[float, float]:
+    return float(series.x[0]), float(series.x[-1])
+
+
+def _height(data: CurveData) -> float:
+    """Inches: of bars as many as there are, and of a legend its rows."""
+    series = min(len(data.series), MOST_DRAWN + 1)
+    legend = -(-series // 2) * _LINE if series > 1 else 0.0
+    bars = len(data.bars) * (max(1, len(data.series)) * _LINE + 0.06) + 1.1
+    return (max(2.2, bars) if data.bars else 3.3) + legend
+
+
+def _draw_curves(axis: Any, data: CurveData) -> None:
+    styles = ((colour, dash) for dash in cycle(_DASHES) for colour in COLOURS)
+    shown = _drawn_series(data)
+    for place, (series, (colour, dash)) in enumerate(zip(shown, styles, strict=False)):
+        total = series.label.startswith("Total")
+        below = sum(_coincide(series, other) for other in shown[:place])
+        y = _drawn(series.y, data.log_y)
+        axis.plot(
+            series.x,
+            y,
+            color="black" if total else colour,
+            # in its gaps every one of the curves below is seen
+            ls=(0, (_DASH, _DASH * (2**below - 1))) if below else "-" if total else dash,
+            lw=1.8 if total else 1.2,
+            marker="o" if len(y) == 1 else None,
+            label=series.label or data.y_label,
+        )
+    if len(shown) < len(data.series):
+        axis.plot([], [], " ", label=f"and {len(data.series) - len(shown)} more, not drawn")
+    axis.set_xlabel(data.x_label)
+    axis.set_ylabel(data.y_label)
+    along = np.concatenate([series.x for series in data.series] or [np.zeros(0)])
+    if data.log_x:
+        axis.set_xscale("log")
+    elif len(along) and along.max() > along.min():  # gaps at the ends are shown, too
+        room = 0.01 * (along.max() - along.min())
+        axis.set_xlim(along.min() - room, along.max() + room)
+    if data.log_y:
+        axis.set_yscale("log")
+        _limit_decades(axis, [series.y for series in data.series])
+
+
+def _drawn_series(data: CurveData) -> list[Series]:
+    """All of them; of very many the totals and the first."""
+    total = [series.label.startswith("Total") for series in data.series]
+    return [data.series[place] for place in strongest([float(flag) for flag in total])]
+
+
+def _draw_bars(axis: Any, data: CurveData) -> None:
+    count = max(1, len(data.series))
+    thick = 0.8 / count
+    places = np.arange(len(data.bars))
+    for place, (series, colour) in enumerate(zip(data.series, cycle(COLOURS), strict=False)):
+        at = places + (place - (count - 1) / 2) * thick
+        y = np.asarray(series.y, np.float64)
+        drawn = _drawn(y, data.log_y)
+        axis.barh(at, drawn, thick * 0.92, color=colour, label=series.label)
+        for height, end, value in zip(at, drawn, y, strict=True):
+            _write_value(axis, height, end, value, data.log_y)
+    if data.log_y:
+        axis.set_xscale("log")
+    axis.set_yticks(
+        places, ["\n".join(wrap(name, 24, max_lines=2, placeholder=" …")) for name in data.bars]
+    )
+    axis.set_ylim(len(places) - 0.5, -0.5)
+    axis.set_axisbelow(True)
+    axis.grid(visible=False, axis="y")
+    axis.axvline(0, color="#555555", lw=0.8)
+    axis.margins(x=0.18)
+    axis.set_xlabel(data.y_label)
+
+
+def _write_value(axis: Any, height: float, end: float, value: float, log: bool) -> None:
+    """The value behind its bar; where there is no bar, where it would begin."""
+    if np.isfinite(value):
+        text = number(value)
+    else:
+        text = "–" if np.isnan(value) else "∞" if value > 0 else "−∞"
+    begins: Any = ((0.0, height), ("axes fraction", "data")) if log else ((0.0, height), "data")
+    place, counted = ((end, height), "data") if np.isfinite(end) else begins
+    below = bool(value < 0) and bool(np.isfinite(end))
+    axis.annotate(
+        text,
+        place,
+        xycoords=counted,
+        xytext=(-3 if below else 3, 0),
+        textcoords="offset points",
+        ha="right" if below else "left",
+        va="center",
+        fontsize=7.5,
+    )
+
+
+def _drawn(y: Any, log: bool) -> Any:
+    """Values with a gap where there is nothing to draw."""
+    y = np.asarray(y, np.float64)
+    return np.where(np.isfinite(y) & ((y > 0) | (not log)), y, np.nan)
+
+
+def _limit_decades(axis: Any, ordinates: list[Any]) -> None:
+    values = np.concatenate([_drawn(y, True) for y in ordinates] or [np.zeros(0)])
+    values = values[np.isfinite(values)]
+    if len(values) and values.min() < values.max() * 10.0**-_DECADES:
+        axis.set_ylim(bottom=values.max() * 10.0**-_DECADES)
+
+
+# MTF and PTF figures, drawn like figs. 5.26 and 5.27 of Tantalo 1996.
+
 
 _NEAR = 0.02  # curves so close are distinguished by their dashes
 Part = Literal["mtf", "ptf"]
@@ -35,22 +227,12 @@ def stages_png(responses: Responses, chain: Chain, part: Part) -> bytes:
     return out.getvalue()
 
 
-def line_png(responses: LineResponses, angle_deg: float) -> bytes:
-    stages = [stage for stage in responses.stages if (stage.response.mtf != 1).any()]
-    stages = [stages[n] for n in strongest([float(np.ptp(s.response.mtf)) for s in stages])]
+def line_png(responses: Responses, angle_deg: float) -> bytes:
     with figure(6.6, 4.7) as (drawn, out):
         axis = drawn.subplots()
-        for stage, (colour, dash) in zip(
-            stages, zip(cycle(COLOURS), cycle(_DASHES), strict=False), strict=False
-        ):
-            name = f"{stage.title} ({stage.name})"
-            axis.plot(responses.frequency, stage.response.mtf, color=colour, ls=dash, label=name)
-        for product, dash in zip(responses.products, ("-", "--"), strict=False):
-            values = product.response.mtf
-            axis.plot(responses.frequency, values, "k", ls=dash, lw=2.4, label=product.title)
+        panel(axis, responses, None, drawn_stages(responses, "mtf"), "mtf", "x")
         axis.set_title(f"MTFs at {angle_deg:g}° from horizontal")
-        _frame(axis, "frequency along the line (cyc/mrad)", "MTF")
-        _limits(axis, [stage.response.mtf for stage in (*stages, *responses.products)])
+        axis.set_xlabel("frequency along the line (cyc/mrad)")
         drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
     return out.getvalue()
 
@@ -91,7 +273,7 @@ def _label(stage: StageResponse) -> str:
 def panel(
     axis: Any,
     responses: Responses,
-    chain: Chain,
+    chain: Chain | None,
     stages: Sequence[StageResponse],
     part: Part,
     along: str,
@@ -145,10 +327,10 @@ def _limits(axis: Any, curves: Sequence[Any]) -> None:
     axis.yaxis.set_major_locator(MultipleLocator(0.25))
 
 
-def _nyquist(axis: Any, chain: Chain, along: str) -> None:
+def _nyquist(axis: Any, chain: Chain | None, along: str) -> None:
     """Vertical lines at the Nyquist frequencies of the samples and, where coarser, the pixels."""
-    grid = chain.grid
-    if grid is None:
+    grid = None if chain is None else chain.grid
+    if chain is None or grid is None:
         return
     nyquist = grid.nyquist_x if along == "x" else grid.nyquist_y
     pixels = chain.pixel_nyquist[0 if along == "x" else 1]

@@ -7,7 +7,7 @@ import io
 import logging
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -105,7 +105,8 @@ def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> b
         for axis, (title, image, samples) in zip(axes, pictures, strict=True):
             axis.set_title(title)
             bar = _show(drawn, axis, image, samples, along="bottom", ticks=8 - number_across)
-            bar.set_label(f"{_quantity(image)} ({_unit(image.unit)})" if image.unit else "value")
+            quantity = "radiance" if image.unit == RADIANCE else "value"
+            bar.set_label(f"{quantity} ({_unit(image.unit)})" if image.unit else "value")
             _temperatures(bar, image, *bar.mappable.get_clim())
     return out.getvalue()
 
@@ -220,10 +221,6 @@ def _unit(unit: str) -> str:
     return unit.replace(RADIANCE, "W m⁻² sr⁻¹")
 
 
-def _quantity(image: Image) -> str:
-    return "radiance" if image.unit == RADIANCE else "value"
-
-
 # Matplotlib without the user's settings, and without messages on standard error.
 
 
@@ -284,15 +281,13 @@ def as_written(drawn: Any) -> None:
     """
     from matplotlib.axis import Axis
     from matplotlib.text import Text
-    from matplotlib.ticker import FixedFormatter, FuncFormatter
+    from matplotlib.ticker import FuncFormatter
 
     of_axes: set[int] = set()
     for axis in drawn.findobj(Axis):
         formatter = axis.get_major_formatter()
-        if isinstance(formatter, FixedFormatter):
-            formatter.seq = [_escaped(label) for label in formatter.seq]
-        elif isinstance(formatter, FuncFormatter):
-            formatter.func = _escaping(formatter.func)
+        if isinstance(formatter, FuncFormatter):  # of labels that are given
+            formatter.func = lambda *place, named=formatter.func: _escaped(named(*place))
         ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())
         of_axes.update(id(text) for tick in ticks for text in (tick.label1, tick.label2))
         of_axes.add(id(axis.get_offset_text()))
@@ -300,10 +295,6 @@ def as_written(drawn: Any) -> None:
         if id(text) not in of_axes:
             text.set_parse_math(False)
             text.set_text(printable(text.get_text()))
-
-
-def _escaping(named: Callable[..., str]) -> Callable[..., str]:
-    return lambda *place: _escaped(named(*place))
 
 
 def _escaped(text: str) -> str:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.run.output import HOW_TO_MARK, sound_part
-from app.run.responses import LineStageResponse, responses_along
+from app.run.responses import StageResponse, responses_along
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Plan
 from core.chain.results import CurveData, CurveMark, TableData
@@ -357,7 +357,7 @@ class CurvesQuery(Query):
             return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
         responses = responses_along(chain, passing.work, self.angle_deg, samples)
-        groups: tuple[tuple[Kind, tuple[LineStageResponse, ...]], ...] = (
+        groups: tuple[tuple[Kind, tuple[StageResponse, ...]], ...] = (
             ("stage", responses.stages),
             ("beside", responses.beside),
             ("total", responses.products),
@@ -367,17 +367,15 @@ class CurvesQuery(Query):
                 stage.name,
                 stage.title if kind == "total" else stage.name,
                 kind,
-                stage.response.mtf,
-                stage.response.ptf,
+                stage.x.mtf,
+                stage.x.ptf,
             )
             for kind, stages in groups
             for stage in stages
         )
         marks = _marks(chain, grid, Direction.at(self.angle_deg))
         trouble = _trouble(passing.plan, tuple(error_text(error) for error in responses.failed))
-        return TransferCurves(
-            self.angle_deg, responses.frequency, curves, marks, trouble, _missing(chain)
-        )
+        return TransferCurves(self.angle_deg, responses.xi, curves, marks, trouble, _missing(chain))
 
 
 @dataclass(frozen=True)
