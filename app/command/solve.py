@@ -56,7 +56,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
                 reasons[value] = str(error.at(sought.node))
                 return None
             reasons.update((value, reason) for reason in result.reasons.values())
-            return result.values.get(figure.text)
+            return result.figures.get(figure.text)
 
         number = present if isinstance(present, int | float) else None
         solution = solve(evaluate, wanted=wanted, places=range_, present=number)

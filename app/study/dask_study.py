@@ -12,8 +12,8 @@ from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Any
 
-from app.study.batches import WorkerEnded, dealt_rows
 from app.study.point_rows import Row, Setting, Task
+from app.study.worker_processes import WorkerEnded, Workers, dealt_rows
 from core.errors import FileError, ImagechainError, UsageError
 from core.names import shown
 
@@ -42,7 +42,7 @@ def cluster_rows(
                 client.cancel(list(cluster.out), force=True)
 
 
-class _Cluster:
+class _Cluster(Workers):
     """The workers of a scheduler, which gives the batches of a lost one to another."""
 
     lanes = 1

@@ -91,7 +91,7 @@ class RowMaker:
                 and not (figure.by_default and figure.text in result.absent)
             ]
             self._check_sources(plan, work)
-            figures = tuple(result.values.get(figure.text) for figure in self.setting.figures)
+            figures = tuple(result.figures.get(figure.text) for figure in self.setting.figures)
             for save, file in zip(self.setting.saves, files, strict=True):
                 self._save(plan, work, save, Path(file))
             saved = [plan.output(save.port) for save in self.setting.saves]

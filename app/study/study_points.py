@@ -9,7 +9,7 @@ import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +18,10 @@ import numpy as np
 from app.options.option_values import assignment
 from app.options.overrides import behind, from_here, named_parameter, readings
 from app.tradeoff.tradeoff_figures import nodes_after
-from app.tradeoff.values import FORM, OPTION, Variation, is_number, one_value, variation
+from app.tradeoff.values import FORM, OPTION, Variation, one_value, taken_value, variation
 from core.errors import FileError, ParameterError, UsageError
 from core.modules.declaration import Library
-from core.modules.parameters import Parameter, plain
+from core.modules.parameters import Parameter
 from core.names import shown, shown_path
 from core.network.network import Network
 from nodes.files.common.file_format import CSV
@@ -44,7 +44,7 @@ def sampled(
     points: int | None,
     *,
     library: Library,
-) -> tuple[tuple[Axis, ...], Sequence[Point]]:
+) -> tuple[tuple[Variation, ...], Sequence[Point]]:
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
@@ -73,15 +73,15 @@ def sampled(
     return listed_points(Path(sample), network, library=library)
 
 
-def grid_points(axes: Sequence[Axis]) -> tuple[Point, ...]:
+def grid_points(axes: Sequence[Variation]) -> tuple[Point, ...]:
     """Every value of an axis with every value of the others; the last axis moves first."""
     _check_number(math.prod(len(axis.values) for axis in axes))
     return tuple(itertools.product(*(axis.values for axis in axes)))
 
 
 def latin_points(
-    axes: Sequence[Axis], count: int, seed: int
-) -> tuple[tuple[Axis, ...], list[Point]]:
+    axes: Sequence[Variation], count: int, seed: int
+) -> tuple[tuple[Variation, ...], list[Point]]:
     """A Latin hypercube: of `count` equal parts of each range, every part is taken once.
 
     Within its part a value is drawn uniformly (McKay, Beckman and Conover 1979). The axes come back
@@ -102,7 +102,7 @@ def latin_points(
 
 def listed_points(
     path: Path, network: Network, *, library: Library
-) -> tuple[tuple[Axis, ...], list[Point]]:
+) -> tuple[tuple[Variation, ...], list[Point]]:
     """The points of a CSV file: columns named ``NODE.PARAM``, a row for each point.
 
     A unit in parentheses behind the name must be the parameter's own.
@@ -139,8 +139,8 @@ def listed_points(
             column.append(plain_cell(cell.strip()))
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):
         node, parameter = target(name, label, network, library=library)
-        axis = Axis(label, node, parameter)
-        if head not in (label, f"{label} ({axis.unit})"):
+        axis = Variation(node, parameter, given=label)
+        if head not in (label, axis.title):
             unit = axis.unit or "none"
             raise FileError(f"{name}: column {head}: the unit must be the parameter's, {unit}")
         columns[place] = [
@@ -151,7 +151,7 @@ def listed_points(
     return tuple(axes), list(zip(*columns, strict=True))
 
 
-def order_of(axes: Sequence[Axis], points: Sequence[Point], network: Network) -> list[int]:
+def order_of(axes: Sequence[Variation], points: Sequence[Point], network: Network) -> list[int]:
     """The points' places in the order that repeats least: what is deepest in the chain moves first.
 
     A parameter on which few nodes hang leaves the most of the chain as it was.
@@ -174,16 +174,14 @@ def _check_number(count: int) -> None:
         )
 
 
-def _read(axis: Axis, cell: str, where: str) -> Any:
+def _read(axis: Variation, cell: str, where: str) -> Any:
     """The value of a cell: as JSON or a number where the parameter takes that, else as text."""
     first: ParameterError | None = None
     for reading in readings(cell):
         try:
-            allowed(axis.parameter, reading, axis.node)
+            return allowed(axis.parameter, reading, axis.node)
         except ParameterError as error:
             first = first or error
-        else:
-            return plain(axis.parameter.coerce(reading))
     assert first is not None
     first.message = f"{where}: {first.message}"
     raise first
@@ -197,52 +195,14 @@ _OVER_FORM = "NODE.PARAM=PATTERN, such as scene.path='scenes/*.img'"
 _SPAN = "NODE.PARAM=FROM:TO, FROM:TO:log, or a list a,b,c"
 
 
-@dataclass(frozen=True)
-class Axis:
-    label: str  # ``NODE.PARAM`` as it was given, which may be a macro's
-    node: str  # the node behind it
-    parameter: Parameter  # its declaration
-    # the values it takes, as a network file has them; those of a span are drawn later
-    values: tuple[Any, ...] = ()
-    span: tuple[float, float] | None = None  # where values are drawn from
-    log: bool = False  # whether equal factors count as equal steps
-    # how the rows show values that are files, by value
-    names: Mapping[Any, str] = field(default_factory=dict)
-
-    @property
-    def unit(self) -> str:
-        return self.parameter.param.unit
-
-    @property
-    def is_files(self) -> bool:
-        return bool(self.names)
-
-    @property
-    def is_numeric(self) -> bool:
-        return not self.is_files and all(is_number(value) for value in self.values)
-
-    def shown(self, value: Any) -> Any:
-        return self.names.get(value, value)
-
-    def drawn(self, shares: Sequence[float]) -> list[Any]:
-        """The values at shares of the range, from 0 to below 1."""
-        if self.span is None:
-            return [self.values[int(share * len(self.values))] for share in shares]
-        low, high = self.span
-        if self.parameter.kind == "integer":
-            first, count = int(low), int(high) - int(low) + 1
-            return [first + int(share * count) for share in shares]
-        if self.log:
-            return [float(low * (high / low) ** share) for share in shares]
-        return [float(low + (high - low) * share) for share in shares]
-
-
-def grid_axis(text: str, network: Network, *, library: Library) -> Axis:
+def grid_axis(text: str, network: Network, *, library: Library) -> Variation:
     varied = variation(text, network, library=library, most=MOST_VALUES)
-    return _axis(assignment(OPTION, text, FORM).port, varied)
+    for value in varied.values:
+        allowed(varied.parameter, value, varied.node)
+    return of_files(replace(varied, given=assignment(OPTION, text, FORM).port))
 
 
-def span_axis(text: str, network: Network, *, library: Library) -> Axis:
+def span_axis(text: str, network: Network, *, library: Library) -> Variation:
     """The axis of ``--vary NODE.PARAM=FROM:TO``, from which values are drawn."""
     setting = assignment(OPTION, text, _SPAN)
     inner = behind(setting, network)
@@ -270,16 +230,19 @@ def span_axis(text: str, network: Network, *, library: Library) -> Axis:
     ends: tuple[Any, Any] = (int(low), int(high)) if whole else (low, high)
     for end in ends:
         allowed(parameter, end, inner.node)
-    return Axis(setting.port, inner.node, parameter, (), ends, log)
+    return Variation(inner.node, parameter, (), log, setting.port, ends)
 
 
-def values_axis(label: str, values: Sequence[Any], network: Network, *, library: Library) -> Axis:
+def values_axis(
+    label: str, values: Sequence[Any], network: Network, *, library: Library
+) -> Variation:
     node, parameter = target(OPTION, label, network, library=library)
     items = (value.item() if isinstance(value, np.generic) else value for value in values)
-    taken = tuple(dict.fromkeys(_plain_value(parameter, item, node) for item in items))
-    if not taken:
+    taken = (from_here(allowed(parameter, item, node), parameter) for item in items)
+    distinct = tuple(dict.fromkeys(taken))
+    if not distinct:
         raise UsageError(f"{OPTION} {label}: there are no values")
-    return of_files(Axis(label, node, parameter, taken))
+    return of_files(Variation(node, parameter, distinct, given=label))
 
 
 def target(option: str, label: str, network: Network, *, library: Library) -> tuple[str, Parameter]:
@@ -287,7 +250,7 @@ def target(option: str, label: str, network: Network, *, library: Library) -> tu
     return inner.node, one_value(option, inner, network, library)
 
 
-def files_axis(text: str, network: Network, *, library: Library) -> Axis:
+def files_axis(text: str, network: Network, *, library: Library) -> Variation:
     """The axis of ``--over NODE.PARAM=PATTERN``: the files that match, 2 before 10.
 
     The pattern is of the current folder, as that of a shell.
@@ -303,7 +266,7 @@ def files_axis(text: str, network: Network, *, library: Library) -> Axis:
         raise FileError(f"{OVER} {setting.port}={shown(setting.text)}: no file matches")
     names.sort(key=natural)
     by_value = {Path(name).absolute().as_posix(): Path(name).as_posix() for name in names}
-    return Axis(setting.port, inner.node, parameter, tuple(by_value), names=by_value)
+    return Variation(inner.node, parameter, tuple(by_value), given=setting.port, names=by_value)
 
 
 def natural(name: str) -> tuple[tuple[int, int, str], ...]:
@@ -312,23 +275,15 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(p), p) if "0" <= p[0] <= "9" else (1, 0, p) for p in parts)
 
 
-def allowed(parameter: Parameter, value: Any, node: str) -> None:
+def allowed(parameter: Parameter, value: Any, node: str) -> Any:
+    """The value as a network file has it; refused where the parameter does not take it."""
     try:
-        coerced = parameter.coerce(value)
+        return taken_value(parameter, value)
     except ParameterError as error:
         raise error.at(node) from error
-    if coerced is None and value is not None:
-        why = "this value means an empty parameter, like null"
-        raise ParameterError(parameter.name, value, why, node=node)
 
 
-def _axis(label: str, varied: Variation) -> Axis:
-    for value in varied.values:
-        allowed(varied.parameter, value, varied.node)
-    return of_files(Axis(label, varied.node, varied.parameter, varied.values, log=varied.log))
-
-
-def of_files(axis: Axis) -> Axis:
+def of_files(axis: Variation) -> Variation:
     if axis.parameter.kind != "path":
         return axis
     here = Path().absolute()
@@ -338,8 +293,3 @@ def of_files(axis: Axis) -> Axis:
         for file in files
     }
     return replace(axis, names=names)
-
-
-def _plain_value(parameter: Parameter, value: Any, node: str) -> Any:
-    allowed(parameter, value, node)
-    return from_here(plain(parameter.coerce(value)), parameter)

@@ -22,7 +22,6 @@ from app.study.study_journal import SUFFIX, Column, check_installed
 from app.study.study_points import (
     MOST_POINTS,
     OVER,
-    Axis,
     Point,
     Values,
     files_axis,
@@ -32,7 +31,7 @@ from app.study.study_points import (
 )
 from app.tradeoff.tradeoff_figures import Figure, chosen_figures
 from app.tradeoff.tradeoff_results import with_value
-from app.tradeoff.values import OPTION
+from app.tradeoff.values import OPTION, Variation
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import ImagechainError, UsageError
@@ -62,6 +61,10 @@ class SavePattern:
                 words.append(self._word(name, form, values[name]))
         return "".join(words)
 
+    def with_digits(self, digits: int) -> SavePattern:
+        forms = {POINT: f"0{digits}d"}
+        return replace(self, parts=tuple((t, n, f or forms.get(n, "")) for t, n, f in self.parts))
+
     def _word(self, name: str, form: str, value: Any) -> str:
         try:
             word = format(value, form) if form else _plain_word(value)
@@ -74,7 +77,7 @@ class SavePattern:
         return word
 
 
-def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
+def save_pattern(save: Save, axes: Sequence[Variation]) -> SavePattern:
     known = field_names(axes)
     parts = []
     try:
@@ -92,25 +95,26 @@ def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
     return SavePattern(save, tuple(parts))
 
 
-def field_names(axes: Sequence[Axis]) -> list[str]:
+def field_names(axes: Sequence[Variation]) -> list[str]:
     files = [axis for axis in axes if axis.is_files]
     names = [
         POINT,
-        *(axis.label for axis in axes),
-        *(axis.label.rpartition(".")[0] for axis in files),
+        *(axis.text for axis in axes),
+        *(axis.text.rpartition(".")[0] for axis in files),
     ]
     return list(dict.fromkeys([*names, *([SCENE] if len(files) == 1 else [])]))
 
 
 def file_names(
-    patterns: Sequence[SavePattern], axes: Sequence[Axis], points: Sequence[Point]
+    patterns: Sequence[SavePattern], axes: Sequence[Variation], points: Sequence[Point]
 ) -> list[tuple[str, ...]]:
     """The files of each point, one for each pattern, from the current folder on."""
-    digits = len(str(len(points)))
+    # A point's number has leading zeros where the pattern does not say how.
+    patterns = [pattern.with_digits(len(str(len(points)))) for pattern in patterns]
     taken: dict[str, int] = {}
     names = []
     for number, point in enumerate(points, 1):
-        values = _fields(axes, point, f"{number:0{digits}d}", number)
+        values = _fields(axes, point, number)
         row = tuple(os.path.abspath(pattern.name(values)) for pattern in patterns)  # noqa: PTH100
         for pattern, name in zip(patterns, row, strict=True):
             if name in taken:
@@ -129,27 +133,16 @@ def folders(names: Iterable[tuple[str, ...]]) -> list[Path]:
     return list(dict.fromkeys(Path(name).parent for row in names for name in row))
 
 
-class _Number(int):
-    """A point's number: with leading zeros where the pattern does not say how."""
-
-    padded: str
-
-    def __str__(self) -> str:
-        return self.padded
-
-
-def _fields(axes: Sequence[Axis], point: Point, padded: str, number: int) -> dict[str, Any]:
-    index = _Number(number)
-    index.padded = padded
-    fields: dict[str, Any] = {}
+def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, Any]:
+    stems: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for axis, value in zip(axes, point, strict=True):
         if axis.is_files:
             stem = Path(value).stem
-            fields |= {SCENE: stem, axis.label.rpartition(".")[0]: stem, axis.label: stem}
-    for axis, value in zip(axes, point, strict=True):
-        if not axis.is_files:
-            fields[axis.label] = value
-    return {**fields, POINT: index}
+            stems |= {SCENE: stem, axis.text.rpartition(".")[0]: stem, axis.text: stem}
+        else:
+            values[axis.text] = value
+    return {**stems, **values, POINT: number}
 
 
 def _plain_word(value: Any) -> str:
@@ -168,7 +161,7 @@ class Study:
     network: Network  # macros written out, changes made
     folder: Path  # what file names in it are relative to
     library: Library  # the modules
-    axes: tuple[Axis, ...]  # what varies
+    axes: tuple[Variation, ...]  # what varies
     points: tuple[Point, ...]  # A value for each axis
     figures: tuple[Figure, ...]  # the figures of each point, in the units that they have
     saves: tuple[SavePattern, ...]  # the pictures of each point
@@ -202,7 +195,7 @@ class Study:
         setting = self.setting()
         return content_key(
             NetworkKeys(setting, self.library).of(self.network),
-            tuple(axis.label for axis in self.axes),
+            tuple(axis.text for axis in self.axes),
             self.points,
             tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
             tuple((save.port, save.bounds) for save in setting.saves),
@@ -243,7 +236,7 @@ class StudyRows:
         columns = [Column("point", "", [row.place + 1 for row in self.rows])]
         for number, axis in enumerate(study.axes):
             values = [axis.shown(study.points[row.place][number]) for row in self.rows]
-            columns.append(Column(axis.label, axis.unit, values))
+            columns.append(Column(axis.text, axis.unit, values))
         for number, figure in enumerate(study.figures):
             values = [row.figures[number] for row in self.rows]
             if not figure.by_default or any(value is not None for value in values):
@@ -288,7 +281,7 @@ def make_study(
     places = [(axis.node, axis.parameter.name) for axis in axes]
     for number, axis in enumerate(axes):
         if places.index(places[number]) < number:
-            raise UsageError(f"{axis.label} is varied twice: vary another parameter")
+            raise UsageError(f"{axis.text} is varied twice: vary another parameter")
     across = grid_points(overs)
     if len(across) * len(inner_points) > MOST_POINTS:
         raise UsageError(

@@ -1,4 +1,7 @@
-"""A study's rows by processes of this machine, over pipes that no other user can open."""
+"""A study's points dealt out in batches, and processes of this machine that compute them.
+
+These are reached over pipes that no other user can open.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,12 @@ import pickle
 import subprocess
 import sys
 import threading
-from collections.abc import Generator, Sequence
+from collections import Counter
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from app.run.shipped import command, environment
-from app.study.batches import WorkerEnded, dealt_rows
 from app.study.point_rows import Row, Setting, Task
 from core.errors import Cancelled, FileError
 from core.modules.declaration import Library
@@ -28,6 +31,124 @@ _VARIABLES = {
     "MALLOC_MMAP_THRESHOLD_": str(1 << 25),
     "MALLOC_TRIM_THRESHOLD_": str(1 << 28),
 }
+
+
+_MOST = 500  # points of a batch
+_LOOK_S = 0.1
+
+
+class WorkerEnded(Exception):
+    """Who had a batch ended before it was done; `blamed` where a point of it may be why."""
+
+    def __init__(self, *, blamed: bool = True) -> None:
+        super().__init__()
+        self.blamed = blamed
+
+
+class Workers:
+    lanes: int  # how many stretches the points are parted into
+    most_ends: int  # of workers within a point, before it is the point's own fault
+    why: str  # the error of such a point
+
+    def free(self, busy: Sequence[int]) -> Iterable[int]:
+        """Lanes that can take one more batch; `busy` has the lane of each that is out."""
+        return {*range(self.lanes)} - {*busy}
+
+    def submit(self, lane: int, batch: list[Task]) -> Any:
+        """A future of the rows of the batch's first points."""
+        raise NotImplementedError
+
+    def has_ended(self, future: Any) -> bool:
+        return bool(future.done())
+
+    def rows(self, future: Any) -> list[Row]:
+        rows: list[Row] = future.result()
+        return rows
+
+
+class Lanes:
+    """A stretch of the points for each worker; who has come to its end takes half of another's.
+
+    Neighbours so come to one worker, and share what is known. A batch is as long as a worker did
+    of the last one in the time it has, or twice that if it did all of it.
+    """
+
+    def __init__(self, tasks: Sequence[Task], workers: int) -> None:
+        each = -(-len(tasks) // workers) or 1
+        self._stretches = [list(tasks[n * each : (n + 1) * each]) for n in range(workers)]
+        self._size = 1
+
+    @property
+    def left(self) -> int:
+        return sum(map(len, self._stretches))
+
+    def batch(self, worker: int) -> list[Task]:
+        """The next points for a worker; none when all are handed out."""
+        if not self._stretches[worker]:
+            longest = max(self._stretches, key=len)
+            half = len(longest) // 2
+            self._stretches[worker] = longest[half:]
+            del longest[half:]
+        stretch = self._stretches[worker]
+        # Towards the end in smaller ones, so that all workers end together.
+        size = min(self._size, -(-len(stretch) // 2))
+        batch = stretch[:size]
+        del stretch[:size]
+        return batch
+
+    def done(self, worker: int, batch: list[Task], rows: int) -> None:
+        """So many of a batch's points are done; the others go back."""
+        self._stretches[worker][:0] = batch[rows:]
+        if batch:
+            self._size = min(2 * rows, _MOST) if rows == len(batch) else max(1, rows)
+
+
+def dealt_rows(
+    workers: Workers, tasks: Sequence[Task], figures: int, cancel: threading.Event | None
+) -> Iterator[list[Row]]:
+    """The rows of points as they come; empty ones when workers are ready.
+
+    The points of a worker that has ended are tried again once all others are done, one at a time
+    with nothing beside them: it shows which it was, and one may need all of the memory.
+    """
+    lanes, again, ends = Lanes(tasks, workers.lanes), list[Task](), Counter[int]()
+    out: dict[Any, tuple[int, list[Task]]] = {}
+    landed = threading.Event()
+
+    def send(lane: int, batch: list[Task]) -> None:
+        future = workers.submit(lane, batch)
+        out[future] = lane, batch
+        future.add_done_callback(lambda _: landed.set())
+
+    for lane in range(workers.lanes):
+        send(lane, [])
+    while lanes.left or again or out:
+        for lane in workers.free([lane for lane, _ in out.values()]):
+            if lanes.left:
+                send(lane, lanes.batch(lane))
+        if again and not out and not lanes.left:
+            send(0, [again.pop()])
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("stopped on request")
+        landed.wait(_LOOK_S)
+        landed.clear()
+        # Looked at, not waited for: Dask calls nobody for what is lost with its worker.
+        for future in [future for future in out if workers.has_ended(future)]:
+            lane, batch = out.pop(future)
+            try:
+                rows = workers.rows(future)
+            except WorkerEnded as error:
+                ends.update(task[0] for task in batch if error.blamed)
+                if len(batch) == 1 and ends[batch[0][0]] >= workers.most_ends:
+                    yield [Row(batch[0][0], (None,) * figures, "", 0.0, workers.why)]
+                else:
+                    again += batch
+            else:
+                lanes.done(lane, batch, len(rows))
+                yield rows
+
+
+# The processes of this machine.
 
 
 def process_rows(
@@ -60,7 +181,7 @@ def _needed(library: Library, network: Network) -> Library | None:
     return modules
 
 
-class _Processes:
+class _Processes(Workers):
     most_ends = 3
     why = f"the process that computed it stopped {most_ends} times"
 
@@ -69,17 +190,8 @@ class _Processes:
         self._processes = processes
         self._threads = ThreadPoolExecutor(len(processes))
 
-    def free(self, busy: Sequence[int]) -> set[int]:
-        return {*range(self.lanes)} - {*busy}
-
     def submit(self, lane: int, batch: list[Task]) -> Future[list[Row]]:
         return self._threads.submit(self._processes[lane].rows, batch)
-
-    def has_ended(self, future: Future[list[Row]]) -> bool:
-        return future.done()
-
-    def rows(self, future: Future[list[Row]]) -> list[Row]:
-        return future.result()
 
     def end(self) -> None:
         for process in self._processes:

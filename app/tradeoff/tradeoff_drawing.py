@@ -1,10 +1,10 @@
-"""A trade-off as a picture: each figure in a panel of its own, over the same abscissa."""
+"""A trade-off as a picture, each figure in a panel of its own, as a page and as text."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 from app.report.drawing.picture_drawing import (
     by_rows,
@@ -15,108 +15,171 @@ from app.report.drawing.picture_drawing import (
     number,
 )
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
-from app.run.readout_tables import columns, exact, number_text, without_rounding
+from app.run.readout_tables import (
+    columns,
+    exact,
+    four_digits,
+    number_text,
+    with_unit,
+    without_rounding,
+)
 from app.tradeoff.tradeoff_figures import Figure
-from app.tradeoff.tradeoff_results import Results, shown_value
+from app.tradeoff.tradeoff_results import ROUNDING, Results, shown_value
 from app.tradeoff.values import Variation, is_number
 from nodes.files.common.table_cells import csv_lines
 
 _ACROSS = 3
-_LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
+LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
 _LONGEST = 28  # letters of a line of a title
 _FAILED = "#b3261e"
 _MOST_MARKED = 40  # points that still stand apart
+_MOST_NAMES = 12
+Curve = tuple[str, Sequence[Any], Sequence[Sequence[float | None]]]
+"""A curve's name, the values along it, and at these every figure."""
 
 
 def trade_off_png(results: Results) -> bytes:
     """The picture; gaps where figures have no value, a dashed line at the present value."""
-    across = min(_ACROSS, len(results.figures))
-    down = -(-len(results.figures) // across)
+    second = results.second
+    curves = [
+        (
+            "" if second is None else shown_value(curve.second),
+            [point.value for point in curve.points],
+            [
+                [point.figures.get(shown.text) for point in curve.points]
+                for shown in results.figures
+            ],
+        )
+        for curve in results.curves
+    ]
+    title = "" if second is None else second.title
+    return curves_png(results.figures, results.varied, curves, title, present=results.present)
+
+
+def curves_png(
+    figures: Sequence[Figure],
+    along: Variation,
+    curves: Sequence[Curve],
+    title: str = "",
+    *,
+    note: str = "",
+    present: Any = None,
+) -> bytes:
+    """Each figure in a panel of its own; `title` is that of the curves' names."""
+    across = min(_ACROSS, len(figures))
+    down = -(-len(figures) // across)
     width = max(4.6, 3.4 * across)
-    names = [shown_value(curve.second) for curve in results.curves if results.second is not None]
+    names = [name for name, *_ in curves if title]
     legend = legend_height_in(names, width) if names else 0.0
+    marked = along.is_numeric and is_number(present)
+    marked = marked and min(along.values) <= present <= max(along.values)
     with figure(width, 2.3 * down + 0.3 + legend) as (drawn, out):
-        axes = drawn.subplots(down, across, squeeze=False, sharex=True).ravel()
-        for place, axis in enumerate(axes):
-            if place >= len(results.figures):
-                axis.set_visible(False)
-                continue
-            _panel(axis, results, results.figures[place])
-            if place + across >= len(results.figures):
-                axis.tick_params(labelbottom=True)
-                axis.set_xlabel(_with_unit(results.varied.text, results.varied.unit))
-        if results.second is not None:
-            title = _with_unit(results.second.text, results.second.unit)
-            handles = [line for line in axes[0].get_lines() if line.get_label()[0] != "_"]
-            columns_ = legend_columns(names, width)
+        say(drawn, note)
+        panels = drawn.subplots(down, across, squeeze=False, sharex=True).ravel()
+        for place, (panel, shown) in enumerate(zip(panels, figures, strict=False)):
+            set_title(panel, shown)
+            _draw(panel, along, [(name, at, heights[place]) for name, at, heights in curves])
+            if marked:
+                panel.axvline(present, color="#555555", linewidth=0.9, linestyle="--", zorder=1)
+            if place + across >= len(figures):
+                panel.tick_params(labelbottom=True)
+                panel.set_xlabel(along.title)
+        for panel in panels[len(figures) :]:
+            panel.set_visible(False)
+        if names:
+            handles = [line for line in panels[0].get_lines() if line.get_label()[0] != "_"]
+            count = legend_columns(names, width)
             drawn.legend(
-                handles=by_rows(handles, columns_),
+                handles=by_rows(handles, count),
                 loc="outside lower center",
-                ncols=columns_,
+                ncols=count,
                 title=title,
                 fontsize=8.5,
             )
     return out.getvalue()
 
 
-def _panel(axis: Any, results: Results, shown: Figure) -> None:
-    values = results.varied.values
-    numeric = results.varied.is_numeric
-    places = list(values) if numeric else list(range(len(values)))
-    axis.set_title(f"{_short(shown.node)}\n{_short(shown.name)}", fontsize=8.5)
-    if shown.unit:
-        axis.set_ylabel(shown.unit, fontsize=8.5)
-    finite = []
-    colours = family_colours(len(results.curves))
-    for colour, curve in zip(colours, results.curves, strict=True):
-        heights = [point.figures.get(shown.text, math.nan) for point in curve.points]
-        heights = [height if math.isfinite(height) else math.nan for height in heights]
-        finite += [height for height in heights if not math.isnan(height)]
-        label = "_" if results.second is None else shown_value(curve.second)
-        style = "-" if numeric else ":"
-        marker = "o" if len(places) <= _MOST_MARKED or not numeric else ""
+def _draw(panel: Any, along: Variation, curves: Sequence[tuple[str, Any, Any]]) -> None:
+    ranks = ranks_of(along)
+    every = []
+    for colour, (name, values, figures) in zip(family_colours(len(curves)), curves, strict=True):
+        places = [value if along.is_numeric else ranks[value] for value in values]
+        heights = [height if is_finite(height) else math.nan for height in figures]
+        every += heights
         gaps = [place for place, height in zip(places, heights, strict=True) if math.isnan(height)]
         if gaps:  # at the bottom, so that the axis reaches the values that failed too
-            low = axis.get_xaxis_transform()
-            axis.plot(gaps, [0.0] * len(gaps), "x", transform=low, color=_FAILED, clip_on=False)
-        axis.plot(places, heights, style, marker=marker, markersize=3, color=colour, label=label)
-    if not numeric:
-        axis.set_xticks(places, [shown_value(value) for value in values])
-        axis.margins(x=0.12)
-    elif results.varied.log:
-        axis.set_xscale("log")
+            low = panel.get_xaxis_transform()
+            panel.plot(gaps, [0.0] * len(gaps), "x", transform=low, color=_FAILED, clip_on=False)
+        marker = "o" if len(places) <= _MOST_MARKED or not along.is_numeric else ""
+        style = "-" if along.is_numeric else ":"
+        panel.plot(
+            places, heights, style, marker=marker, markersize=3, color=colour, label=name or "_"
+        )
+    abscissa(panel, along)
+    ordinate(panel, every)
+
+
+def say(drawn: Any, note: str) -> None:
+    if note:
+        drawn.suptitle(note, fontsize=8.5, color="#555555")
+
+
+def set_title(panel: Any, shown: Figure) -> None:
+    panel.set_title(f"{short_text(shown.node)}\n{short_text(shown.name)}", fontsize=8.5)
+    if shown.unit:
+        panel.set_ylabel(shown.unit, fontsize=8.5)
+
+
+def abscissa(panel: Any, along: Variation) -> None:
+    if not along.is_numeric:
+        write_names(panel.xaxis, along, turned=len(along.values) > _ACROSS)
+        panel.margins(x=0.12)
+    elif along.log:
+        panel.set_xscale("log")
     else:
-        axis.ticklabel_format(axis="x", scilimits=(-3, 4), useMathText=True, useOffset=False)
-    if finite and min(finite) > 0 and max(finite) > _LOG_FROM * min(finite):
-        axis.set_yscale("log")
-    elif finite and max(finite) - min(finite) <= 1e-9 * max(map(abs, finite)):
-        _level(axis, finite[0])
+        panel.ticklabel_format(axis="x", scilimits=(-3, 4), useMathText=True, useOffset=False)
+
+
+def ordinate(panel: Any, heights: Sequence[float]) -> None:
+    """Decades where the figure goes over many."""
+    finite = [height for height in heights if math.isfinite(height)]
+    if finite and min(finite) > 0 and max(finite) > LOG_FROM * min(finite):
+        panel.set_yscale("log")
+    elif finite and max(finite) - min(finite) <= ROUNDING * max(map(abs, finite)):
+        # A figure that does not move: not its rounding blown up to the full height.
+        reach = 0.1 * abs(finite[0]) or 1.0
+        panel.set_ylim(finite[0] - reach, finite[0] + reach)
+        panel.set_yticks([finite[0]], [number(four_digits(finite[0]))])
     else:
-        axis.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True, useOffset=False)
-    _mark_present(axis, results)
+        panel.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True, useOffset=False)
 
 
-def _level(axis: Any, height: float) -> None:
-    """A figure that does not move: its value in words, not rounding blown up to the full height."""
-    reach = 0.1 * abs(height) or 1.0
-    axis.set_ylim(height - reach, height + reach)
-    axis.set_yticks([height], [number(float(f"{height:.4g}"))])
+def write_names(ticks: Any, along: Variation, *, turned: bool) -> None:
+    """The values that are no numbers, at their ranks; of many some."""
+    places = range(0, len(along.values), -(-len(along.values) // _MOST_NAMES))
+    words = [short_text(value_text(along, along.values[place]), 14) for place in places]
+    ticks.set_ticks(
+        list(places), words, fontsize=7.5, rotation=40 if turned else 0,
+        ha="right" if turned else "center",
+    )  # fmt: skip
 
 
-def _mark_present(axis: Any, results: Results) -> None:
-    value = results.present
-    if not (results.varied.is_numeric and is_number(value)):
-        return
-    if min(results.varied.values) <= value <= max(results.varied.values):
-        axis.axvline(value, color="#555555", linewidth=0.9, linestyle="--", zorder=1)
+def value_text(along: Variation, value: Any) -> str:
+    shown = along.shown(value)
+    return str(shown).rpartition("/")[2] if along.is_files else shown_value(shown)
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+def ranks_of(along: Variation) -> dict[Any, int]:
+    values = sorted(along.values) if along.is_numeric else along.values
+    return {value: rank for rank, value in enumerate(values)}
 
 
-def _with_unit(name: str, unit: str) -> str:
-    return f"{name} ({unit})" if unit else name
+def short_text(text: str, longest: int = _LONGEST) -> str:
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
+
+
+def is_finite(value: float | None) -> TypeGuard[float]:
+    return value is not None and math.isfinite(value)
 
 
 # A trade-off as a page that needs no other file.
@@ -151,7 +214,7 @@ def page(results: Results) -> str:
 
 
 def _values(results: Results) -> Block:
-    heads = [_with_unit(shown.text, shown.unit) for shown in _shown(results)]
+    heads = [with_unit(shown.text, shown.unit) for shown in _shown(results)]
     rows = []
     for curve, point in results.rows():
         cells = [shown_value(point.value), *([shown_value(curve.second)] if results.second else [])]
@@ -179,7 +242,10 @@ def table(results: Results, width: int | None = None) -> str:
     others = [
         [
             *(figure.node, figure.name, figure.unit),
-            *(_cell(point.figures.get(figure.text), figure.unit) for _, point in results.rows()),
+            *(
+                number_text(without_rounding(point.figures.get(figure.text), figure.unit))
+                for _, point in results.rows()
+            ),
         ]
         for figure in results.figures
     ]
@@ -249,10 +315,6 @@ def trade_off_facts(results: Results) -> dict[str, Any]:
 def _axis_column(axis: Variation, results: Results, number: int) -> list[str]:
     values = [(point.value, curve.second)[number] for curve, point in results.rows()]
     return [*(axis.node, axis.parameter.name, axis.unit), *(shown_value(value) for value in values)]
-
-
-def _cell(value: float | None, unit: str) -> str:
-    return number_text(without_rounding(value, unit))
 
 
 def _fits(block: Sequence[Sequence[str]], width: int | None) -> bool:

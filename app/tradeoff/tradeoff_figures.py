@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from app.options.overrides import listed
 from app.run.output import sound_part
-from app.run.responses import SYSTEM, TOTAL, Axis, response
+from app.run.responses import SYSTEM, TOTAL, Axis, mtf_at
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, NetworkError, UsageError
@@ -139,21 +139,22 @@ def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> 
 
 
 @dataclass(frozen=True)
-class FigureValues:
-    """Numbers by figure, for the others why there is none, and what the nodes warn of.
+class Point:
+    """The figures at one value, by ``NODE.READOUT``, and why others have none.
 
     The `absent` ones were computed, and are a text or have no value.
     """
 
-    values: Mapping[str, float]
-    reasons: Mapping[str, str]
+    value: Any = None
+    figures: Mapping[str, float] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     absent: frozenset[str] = frozenset()
 
 
 def computed(
     figures: Iterable[Figure], engine: Engine, plan: Plan, work: Work, varied: Collection[str]
-) -> FigureValues:
+) -> Point:
     """The figures of a planned network, of which `varied` are the nodes whose parameters vary."""
     figures = tuple(figures)
     values: dict[str, float] = {}
@@ -190,7 +191,7 @@ def computed(
                     absent.add(figure.text)
                 else:
                     values[figure.text] = number
-    return FigureValues(values, reasons, absent=frozenset(absent))
+    return Point(None, values, reasons, absent=frozenset(absent))
 
 
 def _total(
@@ -208,13 +209,12 @@ def _total(
     mtfs = {}
     for figure in figures:
         axis, share, _ = _ALL_PLACES[figure.name]
-        later = chain.later if figure.node == SYSTEM else ()
-        factors = [factor for stage in (*chain.stages, *later) for factor in stage.factors]
+        before = [factor for stage in chain.stages for factor in stage.factors]
+        factors = chain.factors if figure.node == SYSTEM else before
         nyquist = _nyquist(chain, axis, of_pixels=figure.name in _OF_PIXELS)
         if nyquist is None:
             continue
-        value = response(work, factors, np.array([share * nyquist]), axis)
-        mtfs[figure.name] = float(value.mtf[0])
+        mtfs[figure.name] = mtf_at(work, factors, share * nyquist, axis)
         if not np.isfinite(mtfs[figure.name]):
             raise DataError("the MTF is not finite")
     return mtfs

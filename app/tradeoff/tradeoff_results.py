@@ -2,52 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from app.run.readout_tables import number_text
-from app.tradeoff.tradeoff_figures import Figure, FigureValues, computed
-from app.tradeoff.values import Variation
+from app.tradeoff.tradeoff_figures import Figure, Point, computed
+from app.tradeoff.values import Variation, taken_value
 from core.chain.engine import Engine, Plan
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import declaration
 from core.modules.panel_sections import PendingCheck
-from core.modules.parameters import Parameter, plain
+from core.modules.parameters import Parameter
 from core.network.network import Network
-
-# A trade-off: a network evaluated with one parameter at several values.
-
-
-@dataclass(frozen=True)
-class Point:
-    """The figures at one value, by ``NODE.READOUT``; `reasons` has why there is none."""
-
-    value: Any
-    figures: Mapping[str, float] = field(default_factory=dict)
-    reasons: Mapping[str, str] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class TradeOff:
-    # what is varied
-    node: str
-    parameter: str
-    values: tuple[Any, ...]  # the values it takes, as a network file has them
-    figures: tuple[Figure, ...]  # figures of the network at each of them
-
-    def points(self, engine: Engine, plan: Plan, work: Work) -> Iterator[Point]:
-        """Evaluate value by value; what the parameter does not touch is made once."""
-        evaluator = PointEvaluator(engine, plan, [(self.node, self.parameter)], self.figures)
-        for value in self.values:
-            work.check()
-            result = evaluator.at((value,), work)
-            yield Point(value, result.values, result.reasons, result.warnings)
-
 
 ROUNDING = 1e-5
 
@@ -167,15 +138,15 @@ class PointEvaluator:
         self._last = (plan, tuple(values))
         return plan
 
-    def figures_of(self, plan: Plan, work: Work) -> FigureValues:
+    def figures_of(self, plan: Plan, work: Work) -> Point:
         return computed(self.figures, self.engine, plan, work, self._nodes)
 
-    def at(self, values: Sequence[Any], work: Work) -> FigureValues:
+    def at(self, values: Sequence[Any], work: Work) -> Point:
         """The figures at a point, and its warnings; a value that is refused is their reason."""
         try:
             plan = self.planned(values)
         except ParameterError as error:
-            return FigureValues({}, {figure.text: str(error) for figure in self.figures})
+            return Point(reasons={figure.text: str(error) for figure in self.figures})
         found = self.figures_of(plan, work)
         return replace(found, warnings=self.warnings_of(plan, work))
 
@@ -231,6 +202,24 @@ class PointEvaluator:
 _ABSENT = object()
 
 
+def points_at(
+    engine: Engine,
+    plan: Plan,
+    work: Work,
+    targets: Sequence[tuple[str, str]],
+    places: Iterable[tuple[Any, ...]],
+    figures: Sequence[Figure],
+) -> Iterator[Point]:
+    """Evaluate place by place, each with a value for every parameter; the last is the point's.
+
+    What the parameters do not touch is made once.
+    """
+    evaluator = PointEvaluator(engine, plan, targets, figures)
+    for values in places:
+        work.check()
+        yield replace(evaluator.at(values, work), value=values[-1])
+
+
 def trade_off(
     engine: Engine,
     plan: Plan,
@@ -250,18 +239,16 @@ def trade_off(
     """
     axes = [varied] if second is None else [second, varied]
     targets = [(axis.node, axis.parameter.name) for axis in axes]
-    evaluator = PointEvaluator(engine, plan, targets, figures)
-    curves: list[Curve] = []
-    count = 0
-    for place in (None,) if second is None else second.values:
-        points: list[Point] = []
-        for value in varied.values:
-            work.check()
-            found = evaluator.at((value,) if second is None else (place, value), work)
-            points.append(Point(value, found.values, found.reasons, found.warnings))
-            count += 1
-            reached(count)
-        curves.append(Curve(place, tuple(points)))
+    places = itertools.product(*(axis.values for axis in axes))
+    made = []
+    for point in points_at(engine, plan, work, targets, places, figures):
+        made.append(point)
+        reached(len(made))
+    seconds = (None,) if second is None else second.values
+    count = len(varied.values)
+    curves = [
+        Curve(value, tuple(made[at * count : (at + 1) * count])) for at, value in enumerate(seconds)
+    ]
     if by_default:
         figures = changing_figures([f for f in figures if f.text != varied.text], curves)
     default = None if varied.parameter.required else varied.parameter.default
@@ -270,11 +257,8 @@ def trade_off(
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:
-    declared = parameter_of(network, engine, node, parameter)
-    coerced = declared.coerce(value)
-    if coerced is None and value is not None:
-        raise ParameterError(parameter, value, "this value means an empty parameter, like null")
-    return network.with_parameter(node, parameter, plain(coerced))
+    taken = taken_value(parameter_of(network, engine, node, parameter), value)
+    return network.with_parameter(node, parameter, taken)
 
 
 def parameter_of(network: Network, engine: Engine, node: str, parameter: str) -> Parameter:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from app.options.option_values import Assignment, assignment
 from app.options.overrides import behind, from_here, named_parameter, readings
+from app.run.readout_tables import with_unit
 from core.errors import ParameterError, UsageError
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter, plain
@@ -25,24 +27,54 @@ _RANGE_PARTS = (3, 4)
 
 @dataclass(frozen=True)
 class Variation:
-    """A parameter and the values it takes; `log` if they are equal factors apart."""
+    """A parameter and the values it takes; `log` if they are equal factors apart.
+
+    `given` is its name as it was given, which may be that of a macro's parameter. Of a `span`,
+    values are drawn later. `names` has how values that are files are shown.
+    """
 
     node: str
     parameter: Parameter
-    values: tuple[Any, ...]
+    values: tuple[Any, ...] = ()
     log: bool = False
+    given: str = ""
+    span: tuple[float, float] | None = None
+    names: Mapping[Any, str] = field(default_factory=dict)
 
     @property
     def text(self) -> str:
-        return f"{self.node}.{self.parameter.name}"
+        return self.given or f"{self.node}.{self.parameter.name}"
 
     @property
     def unit(self) -> str:
         return self.parameter.param.unit
 
     @property
+    def title(self) -> str:
+        return with_unit(self.text, self.unit)
+
+    @property
+    def is_files(self) -> bool:
+        return bool(self.names)
+
+    @property
     def is_numeric(self) -> bool:
-        return all(is_number(value) for value in self.values)
+        return not self.is_files and all(is_number(value) for value in self.values)
+
+    def shown(self, value: Any) -> Any:
+        return self.names.get(value, value)
+
+    def drawn(self, shares: Sequence[float]) -> list[Any]:
+        """The values at shares of the range, from 0 to below 1."""
+        if self.span is None:
+            return [self.values[int(share * len(self.values))] for share in shares]
+        low, high = self.span
+        if self.parameter.kind == "integer":
+            first, count = int(low), int(high) - int(low) + 1
+            return [first + int(share * count) for share in shares]
+        if self.log:
+            return [float(low * (high / low) ** share) for share in shares]
+        return [float(low + (high - low) * share) for share in shares]
 
 
 def is_number(value: object) -> bool:
@@ -126,6 +158,15 @@ def _value(text: str, parameter: Parameter, setting: Assignment) -> Any:
             return from_here(value, parameter)
     assert first is not None
     raise first
+
+
+def taken_value(parameter: Parameter, value: Any) -> Any:
+    """A value as a network file has it, once the parameter takes it, and not as none."""
+    coerced = parameter.coerce(value)
+    if coerced is None and value is not None:
+        why = "this value means an empty parameter, like null"
+        raise ParameterError(parameter.name, value, why)
+    return plain(coerced)
 
 
 def _finite(value: object) -> bool:

@@ -46,8 +46,8 @@ from app.editor.widgets import Check, FlowLayout, Menu, filled, labelled, menu_b
 from app.run.output import ancestors
 from app.run.responses import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_drawing import csv_text
-from app.tradeoff.tradeoff_figures import SENSORS, Figure, figures_of, makes_pixels
-from app.tradeoff.tradeoff_results import Curve, Point, Results, TradeOff, parameter_of
+from app.tradeoff.tradeoff_figures import SENSORS, Figure, Point, figures_of, makes_pixels
+from app.tradeoff.tradeoff_results import Curve, Results, parameter_of, points_at
 from app.tradeoff.values import Variation
 from core.chain.engine import Plan
 from core.errors import UsageError
@@ -373,8 +373,9 @@ class TradeOffQuery(Query):
 
     def answer(self, passing: Passing) -> Part:
         parameter_of(passing.plan.network, passing.engine, self.node, self.parameter)
-        sweep = TradeOff(self.node, self.parameter, self.values, self.figures)
-        points = sweep.points(passing.engine, passing.plan, SideWork(passing.work))
+        places = ((value,) for value in self.values)
+        work = SideWork(passing.work)
+        points = points_at(passing.engine, passing.plan, work, [self._varied], places, self.figures)
         return Part(self._state(passing.plan), tuple(points))
 
     def _state(self, plan: Plan) -> Hashable:

@@ -38,7 +38,7 @@ def points_of(network, vary, sample="grid", points=None):
 
 def test_a_grid_has_every_value_with_every_other(network):
     axes, points = points_of(network, {SIGMA: "0:1:3", D_STAR: "1e10,1e11"})
-    assert [axis.label for axis in axes] == [SIGMA, D_STAR]
+    assert [axis.text for axis in axes] == [SIGMA, D_STAR]
     assert [axis.unit for axis in axes] == ["mrad", "cm √Hz/W"]
     expected = [(s, d) for s in (0.0, 0.5, 1.0) for d in (1e10, 1e11)]
     assert list(points) == expected
@@ -50,7 +50,7 @@ def test_the_deepest_parameter_moves_first(network, swapped):
     names = [SIGMA, D_STAR]
     vary = {name: [1e-1, 2e-1, 3e-1] if name == SIGMA else [1e10, 1e11] for name in names}
     axes, points = points_of(network, dict(reversed(vary.items())) if swapped else vary)
-    at = [axis.label for axis in axes].index(SIGMA)
+    at = [axis.text for axis in axes].index(SIGMA)
     order = order_of(axes, points, network)
     assert sorted(order) == list(range(6))
     assert [points[place][at] for place in order] == [0.1, 0.1, 0.2, 0.2, 0.3, 0.3]

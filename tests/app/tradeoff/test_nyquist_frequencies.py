@@ -88,7 +88,7 @@ def test_the_chain_at_the_nyquist_frequency_of_its_pixels(pixels, pixel_x, pixel
     names = {"mtf_pixel_nyquist_x", "mtf_pixel_nyquist_y", "mtf_half_pixel_nyquist_x",
              "mtf_half_pixel_nyquist_y"}  # fmt: skip
     assert {figure.name for figure in figures} == names
-    found = computed(figures, engine, plan, work, {"blur"}).values
+    found = computed(figures, engine, plan, work, {"blur"}).figures
 
     def chain(frequency, pitch):
         angle = math.pi * pitch * frequency

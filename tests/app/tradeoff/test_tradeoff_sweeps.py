@@ -7,7 +7,7 @@ from collections import Counter
 import pytest
 
 from app.tradeoff.tradeoff_figures import figures_of
-from app.tradeoff.tradeoff_results import TradeOff
+from app.tradeoff.tradeoff_results import points_at
 from app.tradeoff.values import variation
 from core.chain.engine import Engine
 from core.errors import ImagechainError
@@ -30,9 +30,11 @@ def swept(network, node, parameter, values, *names, engine=None, **work):
     """Points and the work they took."""
     engine = engine or Engine(LIBRARY)
     known = figures_of(network, LIBRARY)
-    sweep = TradeOff(node, parameter, tuple(values), tuple(known[name] for name in names))
+    figures = [known[name] for name in names]
     made = engine.work(Policy(), **work)
-    return list(sweep.points(engine, engine.plan(network), made)), made
+    places = [(value,) for value in values]
+    plan = engine.plan(network)
+    return list(points_at(engine, plan, made, [(node, parameter)], places, figures)), made
 
 
 def column(points, name):
