@@ -123,15 +123,6 @@ _NAMES = {
 _PLACES = {name: place for place, names in _NAMES.items() for name in names.split()}
 
 
-def _version() -> str:
-    from importlib import metadata
-
-    try:
-        return metadata.version("imagechain")
-    except metadata.PackageNotFoundError:
-        return "(source tree)"
-
-
 if not TYPE_CHECKING:  # so that a name that is not there is an error of the types
 
     def __getattr__(name: str) -> object:
@@ -140,7 +131,7 @@ if not TYPE_CHECKING:  # so that a name that is not there is an error of the typ
         if name == "expression":
             value = import_module("imagechain.parts.module_part").Expression
         elif name == "__version__":
-            value = _version()
+            value = import_module("app.run.process").version()
         elif name in _PLACES:
             value = getattr(import_module(_PLACES[name]), name)
         else:

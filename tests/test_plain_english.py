@@ -43,7 +43,7 @@ def test_the_list_has_every_kind_and_room(texts):
     rooms = {text.place.split("/")[0] for text in texts}
     assert {"core", "nodes", "app", "imagechain", "networks"} <= rooms
     places = {text.place.rpartition(":")[0] for text in texts}
-    assert {"README.md", "app/options/command_words.py", "nodes/optics/camera.py"} <= places
+    assert {"README.md", "app/command/run_commands.py", "nodes/optics/camera.py"} <= places
     assert len(texts) > 3000
 
 

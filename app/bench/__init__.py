@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from app.bench.tables import Table
-from app.bench.timing import Settings, machine_facts
+from app.bench.timing import Settings, machine_facts, machine_words
 from core.evaluation.policy import Policy
 
 PARTS = {
@@ -61,3 +61,28 @@ def measured(
     facts["seconds"] = time.perf_counter() - start
     facts["parts"] = {name: [table.facts() for table in made] for name, made in tables.items()}
     return facts, tables
+
+
+def bench_page(facts: Mapping[str, Any], parts: Measured) -> str:
+    from app.bench.charts import chart_png
+    from app.report.html_page import Block, Drawn, Grid, Heading, Text, html_page
+
+    settings = facts["settings"]
+    run = [*machine_words(facts["machine"]), f"{settings['threads']} threads"]
+    run += [*(["quick"] if settings["quick"] else []), facts["date"], f"{facts['seconds']:.0f} s"]
+    blocks: list[Block] = [Heading(1, TITLE), Text(LEAD, "lead"), Text(" · ".join(run), "run")]
+    for name, tables in parts.items():
+        blocks.append(Heading(2, PARTS[name]))
+        for table in tables:
+            blocks += [Heading(3, table.title), *([Text(table.text)] if table.text else [])]
+            drawn = chart_png(table, titled=False)
+            if drawn is not None and table.chart is not None:
+                blocks.append(Drawn(drawn, table.chart.title or table.title, table.title))
+            cells = table.cells()
+            told = {cell for row in cells for cell in row if cell.startswith(("met", "missed"))}
+            marks = {cell: "good" if cell.startswith("met") else "bad" for cell in told}
+            judged = {index: marks for index, head in enumerate(table.heads) if head == "verdict"}
+            if cells:
+                heads = list(table.heads.values())
+                blocks.append(Grid(heads, cells, numbers=table.numeric(), marks=judged))
+    return html_page(TITLE, blocks)

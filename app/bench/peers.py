@@ -25,7 +25,7 @@ from app.bench.chains import SCENE, SceneStore, sensor_network
 from app.bench.tables import T0_HEADS, Chart, Table
 from app.bench.timing import Settings, paired, round_trip, seconds
 from app.bench.truth import Sensor
-from app.options.command_options import version
+from app.run.process import version
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy, Precision
 from core.physics.radiometry.planck import band_radiance

@@ -17,8 +17,8 @@ import scipy
 import scipy.fft
 from numpy.typing import NDArray
 
-from app.options.command_options import version
 from app.run import shipped as own_process
+from app.run.process import version
 from core.errors import UsageError
 from core.machine import physical_bytes
 from core.transfer.periodic import backend

@@ -10,12 +10,31 @@ import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-from app.options.stopping import Stop, Stopped, stoppable
-from app.options.terminal_streams import discard, print_error, usable_streams
-from core.errors import Cancelled, ImagechainError, InputError, Suspended
+import click
 
-DEBUG = "--debug"
+from app.command.options import DEBUG, DEBUGGING, PlainErrors
+from app.run.process import Stop, discard, print_error, stoppable, usable_streams, version
+from core.errors import Cancelled, ImagechainError, InputError, Suspended, UsageError
+from core.names import close, shown
+
+# The commands, each a function, by the file that it is in.
+_FILES = {
+    "edit": ["edit"],
+    "run_commands": ["run", "check"],
+    "study_commands": ["tradeoff", "study", "solve"],
+    "camera_commands": ["measure", "fit", "photon-transfer", "netd"],
+    "library_commands": ["networks", "modules", "presets", "bench", "handbook"],
+}
+COMMANDS = {name: file for file, names in _FILES.items() for name in names}
+_EPILOG = {
+    "Exit codes": "\b\n0  done\n1  the program failed or was stopped\n"
+    "2  the input has an error; one line on stderr says which",
+    "More": "imagechain help COMMAND lists the options of a command. --set, --save, --report, "
+    "--figure and --output may be repeated; --vary may be given twice, and any number of times "
+    "for a study.",
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -93,21 +112,63 @@ def _failed(error: Exception, *, written: bool, hints: bool) -> int:
     return _fail(f"{what}; {DEBUG} prints the traceback" if hints else what, 1)
 
 
-def _carry_out(words: list[str], stop: Stop) -> None:
-    from app.options.command_options import parse
-    from app.run.shipped import find_network
+class _Commands(PlainErrors, click.Group):
+    """The commands; only the one that is used is loaded."""
 
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        if cmd_name not in COMMANDS:
+            return None
+        module = import_module(f"app.command.{COMMANDS[cmd_name]}")
+        found: click.Command = getattr(module, cmd_name.replace("-", "_"))
+        return found
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        if args[0] not in COMMANDS:
+            hint = close(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
+            raise UsageError(f"there is no command {shown(args[0])}{hint} (imagechain --help)")
+        return super().resolve_command(ctx, args)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        from app.run.shipped import shipped_networks
+
+        for title, text in {"Example networks": ", ".join(shipped_networks()), **_EPILOG}.items():
+            with formatter.section(title):
+                formatter.write_text(text)
+
+
+def _print_version(ctx: click.Context, _option: click.Parameter, wanted: bool) -> None:
+    if wanted:
+        print(f"imagechain {version()}")
+        ctx.exit()
+
+
+COMMAND_LINE = _Commands(
+    "imagechain",
+    help="Simulate electro-optical and infrared image chains.",
+    context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
+    params=[
+        click.Option(
+            ["--version"], is_flag=True, is_eager=True, expose_value=False,
+            callback=_print_version, help="print the version",
+        ),
+        DEBUGGING,
+    ],
+)  # fmt: skip
+
+
+def _carry_out(words: list[str], stop: Stop) -> None:
+    if words[:1] == ["help"]:  # as `--help`, of a command where one is named
+        words = [*(word for word in words[1:2] if word != "help"), "--help"]
+    elif words[:1] == ["--"]:
+        raise UsageError("there is no option -- (imagechain --help)")
     try:
-        options = parse(words or ["edit"])
-    except SystemExit:  # help and version have been printed
+        with COMMAND_LINE.make_context("imagechain", words or ["edit"], obj=stop) as context:
+            COMMAND_LINE.invoke(context)
+    except click.exceptions.Exit:  # help and version have been printed
         return
-    if options.network:
-        find_network(options.network)  # a misspelt name is told before what takes long to load
-    # Only now, as it may take long: a command is a module of its name.
-    command = import_module(f"app.command.{options.command.replace('-', '_')}")
-    if stop.is_set():  # an import may have swallowed the exception
-        raise Stopped
-    command.carry_out(options, stop)
 
 
 def _has_folder() -> bool:

@@ -5,19 +5,55 @@ from __future__ import annotations
 import os
 import socket
 import sys
-import threading
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from app.command import options
 from app.editor.qt_libraries import check_libraries, leave_sources_unread, nothing_collected
-from app.options.command_options import Options
+from app.run import option_values as values
+from app.run.process import Stop
+from app.run.shipped import find_network
 from core.errors import UsageError
+from nodes.files.common.file_format import PNG
+
+if TYPE_CHECKING:
+    from app.editor.theme import Look
 
 OFFSCREEN = "offscreen"
+_PARTS = ("window", "canvas", "panel", "curves", "picture")  # of the window
 _X_SOCKETS = Path("/tmp/.X11-unix")
 
 
-def carry_out(options: Options, stop: threading.Event) -> None:
-    if options.screenshot is not None:
+@options.command()
+@options.argument(
+    "network", "[NETWORK]", "a network file, or the name of an example network", required=False,
+)  # fmt: skip
+@options.option(
+    "--screenshot", "FILE", "save the window as .png and exit; needs no display",
+    values.ending_in(PNG))  # fmt: skip
+@options.option(
+    "--part", f"[{'|'.join(_PARTS)}]",
+    "window (default), canvas, panel, curves, or the first viewer's picture within --size",
+    options.one_of(*_PARTS), default="window")  # fmt: skip
+@options.option(
+    "--size", "WxH",
+    "size of the window (default: the last size; at the first start, to fit the screen; "
+    "screenshot: 1600x900)", values.window_size)  # fmt: skip
+@options.option(
+    "--look", "[dark|light]", "colours (default: those used last)", options.one_of("dark", "light"),
+)  # fmt: skip
+def edit(
+    stop: Stop,
+    network: str,
+    screenshot: Path | None,
+    part: str,
+    size: tuple[int, int] | None,
+    look: Look | None,
+) -> None:
+    """Open the editor, or draw its window to a file."""
+    if network:
+        find_network(network)  # a misspelt name is told before what takes long to load
+    if screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):
         check_display(os.environ)
@@ -31,7 +67,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     with nothing_collected():
         from app.editor.window.start import start
 
-    start(options, stop)
+    start(stop, network, look=look, size=size, screenshot=screenshot, part=part)
 
 
 def check_display(environment: os._Environ[str] | dict[str, str]) -> None:

@@ -5,28 +5,28 @@ from __future__ import annotations
 import json
 import threading
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path, PurePath
 
 import numpy as np
 
+from app.command.network_run import KEPT_BYTES, Stage, input_files
 from app.command.results import write_content
-from app.command.run import KEPT_BYTES, Stage, input_files, policy_of, with_options
-from app.command.tradeoff import trade_off_content
-from app.options.command_options import Options
-from app.options.option_values import Assignment, Save
-from app.options.overrides import named_parameter
-from app.options.stopping import too_late
 from app.run.evaluation import Evaluation, TimedWork, planned
 from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps, Variant
+from app.run.option_values import Assignment, Save
 from app.run.output import find_output
+from app.run.overrides import GivenNetwork, named_parameter
+from app.run.process import too_late
 from app.run.readout_tables import warning_lines
 from app.run.saving import encode_png, grey_levels, robust_limits
 from app.run.shipped import Place
 from app.run.staging import Staging, check_folder, real_target
 from app.run.way_of_running import way_of_running
 from app.run.write_rules import WriteRecord, WriteRules, read_record
+from app.tradeoff.tradeoff_drawing import trade_off_content
 from app.tradeoff.tradeoff_figures import default_figures
 from app.tradeoff.tradeoff_results import shown_value, trade_off
 from app.tradeoff.values import Variation
@@ -34,6 +34,7 @@ from core.atomic import write_text
 from core.chain.engine import Engine
 from core.chain.realize import realize
 from core.errors import ImagechainError, InputError, UsageError
+from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.modules.declaration import Library, declaration
 from core.names import printable
@@ -46,6 +47,7 @@ from nodes.library import standard_library
 UNSAVED = "network that was never saved"
 TRADE_OFF_PAGE, TRADE_OFF_TABLE, READOUT_TABLE = "tradeoff.html", "tradeoff.csv", "readouts.csv"
 MOST_PREVIEWS, PREVIEW_PX = 24, 256
+_POLICY = Policy()
 _FIGURES = 0.2  # of what a picture takes, at the same value
 _HOW_TO_ALLOW = "choose the file with Browse… on its control panel, or choose another output folder"
 
@@ -106,10 +108,9 @@ class _Running:
 
     def report(self, network: Network) -> Result:
         start = time.perf_counter()
-        file, options = self.job.output, Options(reports=(self.job.output,))
-        engine = Engine(self.library)
-        plan = planned(engine, self._with(network, options), self.place.folder)
-        way = way_of_running(plan, policy_of(options), None)
+        file, engine = self.job.output, Engine(self.library)
+        plan = planned(engine, self._with(network), self.place.folder)
+        way = way_of_running(plan, _POLICY, None)
         if way.in_blocks:
             engine = Engine(self.library, way.store(None))
         made = _Made()
@@ -122,8 +123,11 @@ class _Running:
 
         with Staging(None, [self.place.path, *input_files(plan, plan.folder)]) as staging:
             work = self._work(engine)
-            stage = Stage(file.parent, staging, self._rules(), look=look, way=way, only_report=True)
-            made.done("", stage.prepare(engine, plan, work, options, start=start)[0])
+            stage = Stage(
+                file.parent, staging, self._rules(), look=look, way=way, only_report=True,
+                reports=(file,),
+            )  # fmt: skip
+            made.done("", stage.prepare(engine, plan, work, start=start)[0])
             work.check()
             too_late(self.cancel)
             staging.commit()
@@ -172,9 +176,7 @@ class _Running:
             Assignment(node, n, json.dumps(str(folder / value) if is_files else value))
             for node, n, value in variant.settings
         )
-        reports = (stage.folder / REPORT,) if self.job.report else ()
-        options = Options(settings=tuple(settings), reports=reports)
-        network = self._with(network, options)
+        network = self._with(network, settings)
         if variant.name:
             network = _writing_to(network, self.library, stage.folder)
         plan = planned(engine, network, self.place.folder)
@@ -188,10 +190,11 @@ class _Running:
                 )
             node, _, name = port.port.rpartition(".")
             save = Save(node, name, str(stage.folder / FRAMES))
-            options = Options(**vars(options), frames=self.job.frames, saves=(save,))
+            stage = replace(stage, frames=self.job.frames, saves=(save,))
         self.steps.part(variant.name, nodes=len(plan.nodes))
-        stage = replace(stage, way=way_of_running(plan, policy_of(options), None))
-        evaluation, _ = stage.prepare(engine, plan, self._work(engine), options, start=start)
+        reports = (stage.folder / REPORT,) if self.job.report else ()
+        stage = replace(stage, reports=reports, way=way_of_running(plan, _POLICY, None))
+        evaluation, _ = stage.prepare(engine, plan, self._work(engine), start=start)
         return evaluation
 
     def _trade_off(
@@ -200,7 +203,7 @@ class _Running:
         job = self.job
         if job.kind != "sweep":
             return None
-        network = self._with(network, Options())
+        network = self._with(network)
         node, _, name = job.target.rpartition(".")
         setting = Assignment(node, name, "")
         parameter = named_parameter("sweep", setting, network, library=self.library)
@@ -229,12 +232,11 @@ class _Running:
             staging.write(job.output / file, partial(write_content, content=content))
         return job.output / TRADE_OFF_PAGE
 
-    def _with(self, network: Network, options: Options) -> Network:
-        return with_options(network, self.place, options, self.library)
+    def _with(self, network: Network, settings: Iterable[Assignment] = ()) -> Network:
+        return GivenNetwork(self.place, tuple(settings)).changed(network, self.library)[0]
 
     def _work(self, engine: Engine) -> TimedWork:
-        policy = policy_of(Options())
-        return TimedWork(policy, engine.store, self.steps.node, self.cancel)
+        return TimedWork(_POLICY, engine.store, self.steps.node, self.cancel)
 
     def _rules(self) -> WriteRules:
         """What the network may write: as a run's, and what was chosen in the window's dialogs."""

@@ -10,8 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from app.options.command_options import Options
-from app.options.stopping import too_late
+from app.run.process import too_late
 from app.run.readout_tables import json_text
 from core.atomic import write_bytes, write_text
 from core.errors import Cancelled
@@ -54,16 +53,16 @@ def check_stop(stop: threading.Event) -> None:
         raise Cancelled("stopped on request")
 
 
-def say(options: Options, *lines: str) -> None:
+def say(json: object, *lines: str) -> None:
     """Print lines for people; none where the result is printed as JSON."""
-    if lines and options.json is not True:
+    if lines and json is not True:
         print("\n".join(lines), flush=True)
 
 
-def show(options: Options, facts: Callable[[], Any], *lines: str) -> None:
-    """Print the result of a command: as JSON where that is wanted, else in lines."""
-    say(options, *lines)
-    if options.json is True:
+def show(json: object, facts: Callable[[], Any], *lines: str) -> None:
+    """Print the result of a command: as JSON where `json` is True, else in lines."""
+    say(json, *lines)
+    if json is True:
         print(json_text(facts()), end="", flush=True)
 
 

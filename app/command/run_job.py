@@ -17,8 +17,7 @@ import threading
 import warnings
 
 from app.command.cli import exit_code
-from app.options.stopping import Stop, stoppable
-from app.options.terminal_streams import usable_streams
+from app.run.process import Stop, stoppable, usable_streams
 
 _NICE = 5  # the window comes first
 

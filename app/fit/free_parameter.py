@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from app.options.option_values import Assignment, assignment, low_high
-from app.options.overrides import behind, named_parameter
+from app.run.option_values import Assignment, assignment, low_high
+from app.run.overrides import behind, named_parameter
 from core.errors import UsageError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter

@@ -24,8 +24,8 @@ from app.handbook.example_figures import Example, curves, example_of, picture
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
 from app.handbook.module_examples import MODULES, PAGES, PARTS, REFERENCE, SHIPPED
 from app.handbook.published_cameras import published_camera
-from app.options.option_values import assignment
-from app.options.overrides import with_settings
+from app.run.option_values import assignment
+from app.run.overrides import with_settings
 from app.run.shipped import find_network
 from app.user_folders import cache_folder
 from core.chain.engine import Engine

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from app.options.command_options import version
 from app.report.budget import budget_facts
 from app.report.data_sheet_facts import conflicts, data_sheet_facts, is_changed, published_rows
 from app.report.drawing.curves import curve_facts
@@ -20,6 +19,7 @@ from app.report.spectra import spectrum_facts
 from app.run.evaluation import Evaluation
 from app.run.figures import main_figures
 from app.run.output import ending_images
+from app.run.process import version
 from app.run.readout_tables import json_text
 from app.run.responses import StageResponse, at_nyquist
 from core.atomic import write_text

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.options.option_values import save_target, study_path, summary_path
-from app.options.stopping import Stopped, too_late
+from app.run.option_values import save_target, study_path, summary_path
+from app.run.process import Stopped, too_late
 from app.run.shipped import find_network
 from app.study.point_rows import Row, RowMaker, Setting, Task, tasks_of
 from app.study.study_journal import Journal, write_columns

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from app.options.option_values import Save
+from app.run.option_values import Save
 from app.run.output import source_images
 from app.run.saving import save_value
 from app.tradeoff.tradeoff_figures import Figure

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from app.options.option_values import assignment
-from app.options.overrides import behind, from_here, named_parameter, readings
+from app.run.option_values import assignment
+from app.run.overrides import behind, from_here, named_parameter, readings
 from app.tradeoff.tradeoff_figures import nodes_after
 from app.tradeoff.values import FORM, OPTION, Variation, one_value, taken_value, variation
 from core.errors import FileError, ParameterError, UsageError

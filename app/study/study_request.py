@@ -12,9 +12,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from app.options.command_options import version
-from app.options.option_values import Save
-from app.options.overrides import listed
+from app.run.option_values import Save
+from app.run.overrides import listed
+from app.run.process import version
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
 from app.study.point_rows import NetworkKeys, Row, Setting, file_stamp, input_paths

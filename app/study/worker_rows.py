@@ -82,7 +82,7 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
     """Make rows on a worker of a Dask cluster, by its own engine and store for this study."""
     from distributed import get_worker
 
-    from app.options.command_options import version
+    from app.run.process import version
 
     makers = _makers(get_worker(), key)
     # A maker goes from point to point; threads of one worker have one each.

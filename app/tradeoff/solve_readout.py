@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.options.option_values import low_high
+from app.run.option_values import low_high
 from core.errors import UsageError
 from core.modules.parameters import Parameter
 from core.physics.numerics import brent_root

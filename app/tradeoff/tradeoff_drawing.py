@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, TypeGuard
 
 from app.report.drawing.picture_drawing import (
@@ -19,6 +20,7 @@ from app.run.readout_tables import (
     columns,
     exact,
     four_digits,
+    json_text,
     number_text,
     with_unit,
     without_rounding,
@@ -26,6 +28,8 @@ from app.run.readout_tables import (
 from app.tradeoff.tradeoff_figures import Figure
 from app.tradeoff.tradeoff_results import ROUNDING, Results, shown_value
 from app.tradeoff.values import Variation, is_number
+from core.names import printable
+from nodes.files.common.file_format import CSV, JSON, PNG
 from nodes.files.common.table_cells import csv_lines
 
 _ACROSS = 3
@@ -36,6 +40,14 @@ _MOST_MARKED = 40  # points that still stand apart
 _MOST_NAMES = 12
 Curve = tuple[str, Sequence[Any], Sequence[Sequence[float | None]]]
 """A curve's name, the values along it, and at these every figure."""
+
+
+def trade_off_content(results: Results, path: Path) -> str | bytes:
+    if CSV.matches(path):
+        return printable(csv_text(results))
+    if JSON.matches(path):
+        return json_text(trade_off_facts(results), indent=1)
+    return trade_off_png(results) if PNG.matches(path) else printable(page(results))
 
 
 def trade_off_png(results: Results) -> bytes:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from app.options.overrides import listed
 from app.run.output import sound_part
+from app.run.overrides import listed
 from app.run.responses import SYSTEM, TOTAL, Axis, mtf_at
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan

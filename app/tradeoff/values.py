@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from app.options.option_values import Assignment, assignment
-from app.options.overrides import behind, from_here, named_parameter, readings
+from app.run.option_values import Assignment, assignment
+from app.run.overrides import behind, from_here, named_parameter, readings
 from app.run.readout_tables import with_unit
 from core.errors import ParameterError, UsageError
 from core.modules.declaration import Library
@@ -20,6 +20,7 @@ from core.network.network import Network
 OPTION = "--vary"
 FORM = "NODE.PARAM=FROM:TO:COUNT, FROM:TO:COUNT:log, or a list a,b,c"
 MOST = 1000
+_MOST_VARIED = 2
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?", re.ASCII)
 _COUNT = re.compile(r"[0-9]{1,9}", re.ASCII)
 _RANGE_PARTS = (3, 4)
@@ -110,6 +111,27 @@ def variation(text: str, network: Network, *, library: Library, most: int = MOST
         )
     values = tuple(dict.fromkeys(_value(part.strip(), parameter, setting) for part in parts))
     return Variation(setting.node, parameter, values)
+
+
+def variations(
+    texts: Sequence[str], network: Network, library: Library
+) -> tuple[Variation, Variation | None]:
+    if not 1 <= len(texts) <= _MOST_VARIED:
+        raise UsageError(
+            f"{OPTION} is given {len(texts)} times: give it once, or twice for a family of curves"
+        )
+    variations = [variation(text, network, library=library) for text in texts]
+    if len(variations) == 1:
+        return variations[0], None
+    first, second = variations
+    if first.text == second.text:
+        raise UsageError(f"{OPTION} {second.text} is given twice: vary another parameter")
+    if len(first.values) * len(second.values) > MOST:
+        raise UsageError(
+            f"{OPTION} {second.text}: {len(first.values)} × {len(second.values)} values, "
+            f"at most {MOST} are allowed"
+        )
+    return first, second
 
 
 def one_value(option: str, setting: Assignment, network: Network, library: Library) -> Parameter:

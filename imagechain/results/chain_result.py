@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.command.run import input_files, sink_files, sink_targets
-from app.options.option_values import size_in_bytes
+from app.command.network_run import input_files, sink_files, sink_targets
 from app.run.evaluation import Evaluation, TimedWork, evaluate
 from app.run.output import find_output
 from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_array, save_value
@@ -264,8 +263,8 @@ class Result:
     @plain_errors
     def report(self, path: str | PathLike[str]) -> Path:
         """Write a report, as ``imagechain run --report`` does: ``.html`` or ``.json``."""
-        from app.options.option_values import report_path
         from app.report.report_facts import write_report
+        from app.run.option_values import report_path
 
         target = report_path("--report", fspath(path))
         evaluation = self._evaluation

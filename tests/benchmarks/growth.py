@@ -179,7 +179,7 @@ def _peak(file: str, size: int) -> dict[str, Any]:
     from dataclasses import replace
 
     from app.bench.chains import FINAL, SCENE, kodak_network
-    from app.command.run import KEPT_BYTES
+    from app.command.network_run import KEPT_BYTES
     from core.chain.engine import Engine
     from core.chain.realize import asked_for
     from core.evaluation.policy import Policy

@@ -9,7 +9,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from unittest.mock import patch
 
-from app.command.cli import main
+import click
+
+from app.command.cli import COMMAND_LINE, main
 from child_process import ROOT, finished
 
 NOTHING: Mapping[str, str] = {}
@@ -31,6 +33,14 @@ def run_here(*words: object, folder: Path, env: Mapping[str, str] = NOTHING) -> 
     ):
         code = main(given)
     return Done(given, code, *(stream.buffer.getvalue().decode() for stream in (out, err)))
+
+
+def read_words(name: str, *words: str, stop: object = None) -> click.Context:
+    """The command of these words, which must be such as it takes."""
+    with COMMAND_LINE.make_context("imagechain", [name]) as above:
+        command = COMMAND_LINE.get_command(above, name)
+        assert command is not None
+        return command.make_context(name, [*words], parent=above, obj=stop)
 
 
 def run_process(*words: object, folder: Path, env: Mapping[str, str] = NOTHING) -> Done:

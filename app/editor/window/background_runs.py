@@ -31,8 +31,8 @@ from app.editor.session import Session
 from app.editor.theme import ERROR
 from app.editor.widgets import Check, filled, labelled, tool_button
 from app.editor.window.viewer_docks import add_dock, bring_forward
-from app.options.option_values import REPORTS
 from app.run.job import Kind
+from app.run.option_values import REPORTS
 from app.run.saving import MOST_FRAMES
 from app.run.staging import check_folder
 from app.tradeoff.values import MOST, is_number, spaced

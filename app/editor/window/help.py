@@ -51,7 +51,7 @@ from app.editor.widgets import centred_hint, filled, labelled
 from app.editor.window.actions import ACTIONS, Actions, default_keys
 from app.editor.window.recent_files import Settings
 from app.editor.window.viewer_docks import ViewerDocks
-from app.options.command_options import version
+from app.run.process import version
 from app.run.shipped import command
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration

@@ -20,8 +20,7 @@ from app.editor.theme import THEMES, Look
 from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
-from app.options.command_options import Options
-from app.options.terminal_streams import print_error
+from app.run.process import print_error
 from app.tradeoff.tradeoff_figures import SENSORS
 from app.user_folders import data_folder
 from core.atomic import write_bytes
@@ -44,22 +43,28 @@ def application() -> QApplication:
     return app
 
 
-def start(options: Options, stop_requested: threading.Event) -> None:
+def start(
+    stop_requested: threading.Event,
+    network: str,
+    *,
+    look: Look | None = None,
+    size: tuple[int, int] | None = None,
+    screenshot: Path | None = None,
+    part: str = "window",
+) -> None:
     """Open the window and stay until it is closed, or draw it to a file.
 
     On a signal to end it closes without a question: unsaved work is kept to be recovered.
     """
     app = application()
     qInstallMessageHandler(_quiet)
-    if options.screenshot is not None:
-        size, look = options.window_size or (1600, 900), options.look or "dark"
-        shot = Shot(options.screenshot, size, look, options.part)
-        take(app, options.network, shot)
+    if screenshot is not None:
+        take(app, network, Shot(screenshot, size or (1600, 900), look or "dark", part))
         return
     _only_note(stop_requested)
     settings = Settings()
     with nothing_collected():
-        window = built(options, settings)
+        window = built(settings, network, look, size)
     sys.excepthook = partial(_report, window)
     app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
     problem: ImagechainError | None = None
@@ -82,19 +87,24 @@ def start(options: Options, stop_requested: threading.Event) -> None:
         raise FileError(f"unsaved work is lost: {problem}") from problem
 
 
-def built(options: Options, settings: Settings) -> MainWindow:
+def built(
+    settings: Settings,
+    network: str = "",
+    look: Look | None = None,
+    size: tuple[int, int] | None = None,
+) -> MainWindow:
     """The window, with a network in it where one is named or no settings are there yet."""
     recovery = data_folder() / "recovery"
     window = MainWindow(library=standard_library(), settings=settings, recovery=recovery)
-    if options.look is not None:
-        window.set_theme(THEMES[options.look])
-    if options.window_size is not None:
+    if look is not None:
+        window.set_theme(THEMES[look])
+    if size is not None:
         window.setWindowState(Qt.WindowState.WindowNoState)
-        window.resize(*options.window_size)
+        window.resize(*size)
     elif settings.first:
         window.setWindowState(Qt.WindowState.WindowMaximized)
-    if network := options.network or (FIRST if settings.first else ""):
-        window.open_first(network)
+    if first := network or (FIRST if settings.first else ""):
+        window.open_first(first)
     return window
 
 

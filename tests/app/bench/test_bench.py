@@ -7,7 +7,7 @@ import pytest
 
 from app.bench import PARTS
 from app.bench.timing import STEADY
-from app.options.command_words import BENCH_PARTS
+from app.command.library_commands import BENCH_PARTS
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 TABLES = {

@@ -81,7 +81,7 @@ def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatc
         def broken(*_, kind=kind):
             raise kind("of\ntwo lines")
 
-        monkeypatch.setattr("app.command.run.evaluate", broken)
+        monkeypatch.setattr("app.command.network_run.evaluate", broken)
         assert main(["run", write(small)]) == 1
         err = capsys.readouterr().err
         assert err.count("\n") == 1

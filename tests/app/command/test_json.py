@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.bench.timing import STEADY
-from app.options.command_words import COMMANDS
+from app.command.cli import COMMANDS
 from edge_truth import blur_network, gaussian_edge
 
 BLUR = ["--vary", "blur.sigma_x_mrad=0.1,0.2"]

@@ -4,8 +4,8 @@ import re
 import tomllib
 
 from app.handbook.module_examples import PAGES, PARTS
-from app.options.command_options import parse
 from child_process import ROOT
+from command_line import read_words
 
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
@@ -14,7 +14,7 @@ BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
 def test_its_commands_are_those_there_are():
     inline = re.findall(r"`(?:\.venv/bin/)?imagechain ([^`]+)`", TEXT)
     blocks = re.findall(r"bin/imagechain (.+)$", "\n".join(b for _, b in BLOCKS), re.MULTILINE)
-    commands = {parse(words.split()).command for words in (*inline, *blocks)}
+    commands = {read_words(*words.split()).info_name for words in (*inline, *blocks)}
     assert {"run", "edit", "handbook"} <= commands
 
 

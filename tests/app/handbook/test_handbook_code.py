@@ -23,9 +23,8 @@ import pytest
 
 from app.handbook.markdown_text import blocks_of
 from app.handbook.module_examples import PAGES, PARTS
-from app.options.command_options import parse
 from child_process import ROOT
-from command_line import run_here
+from command_line import read_words, run_here
 
 NAMES = [name for part in PARTS for name in part.pages]
 TEXTS = {name: (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in NAMES}
@@ -38,7 +37,7 @@ def command(line, folder):
     """What a command of a page prints."""
     words = shlex.split(line.replace("$PWD", str(folder)), comments=True)[1:]
     if words[0] in READ:
-        assert parse(words).command == words[0]
+        assert read_words(*words).info_name == words[0]
         return ""
     done = run_here(*words, folder=folder)
     assert (done.returncode, done.stderr) == (0, ""), line
@@ -144,7 +143,7 @@ def test_a_page(name, tmp_path, monkeypatch, background):
             continue  # needs the installed package: tests/nodes/plug_ins/test_installed_package.py
         if name == "cluster_study" and block.kind == "bash":  # needs certificates: it is read
             words = shlex.split(block.text)
-            assert words[0] == "dask" or parse(words[1:]).command == "study"
+            assert words[0] == "dask" or read_words(*words[1:]).info_name == "study"
             continue
         assert block.kind in KINDS, block
         if block.kind == "sh":

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.options.option_values import save_target
+from app.run.option_values import save_target
 from app.study.study_points import (
     files_axis,
     grid_axis,

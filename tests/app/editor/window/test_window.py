@@ -16,7 +16,6 @@ from app.editor.window.help import OR, shortcuts_of
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.editor.window.start import built, show_painted
-from app.options.command_options import Options
 from window_hands import add
 
 # --- beginning, opening ------------------------------------------------------------------------
@@ -211,13 +210,13 @@ def test_every_control_has_an_accessible_name(window, idle):
 def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     for first in (True, False):
-        window = built(Options(), Settings(tmp_path / "editor.ini"))
+        window = built(Settings(tmp_path / "editor.ini"))
         qtbot.addWidget(window)
         assert bool(window.session.network.nodes) is first
         assert window.isMaximized()  # the second time because it was left so
         window.setWindowState(Qt.WindowState.WindowMaximized)
         window.close_for_good()
-    sized = built(Options(window_size=(900, 600)), Settings(tmp_path / "editor.ini"))
+    sized = built(Settings(tmp_path / "editor.ini"), size=(900, 600))
     qtbot.addWidget(sized)
     assert not sized.isMaximized()
     assert sized.size().toTuple() == (900, 600)
@@ -227,7 +226,7 @@ def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):
 def test_a_window_is_seen_once_it_is_painted(qtbot, tmp_path, monkeypatch):
     """A compositor draws it black until then."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    window = built(Options(window_size=(900, 600)), Settings(tmp_path / "editor.ini"))
+    window = built(Settings(tmp_path / "editor.ini"), size=(900, 600))
     qtbot.addWidget(window)
     painted = []
     monkeypatch.setattr(window, "setWindowOpacity", lambda share: painted.append((share, shown())))

@@ -1,23 +1,23 @@
-"""``imagechain solve``: the value of a parameter at which a read-out is what a data sheet says."""
+"""The value of a parameter at which a read-out of a network is what a data sheet says."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
-from app.command.results import Progress, show
-from app.command.run import opened, policy_of
-from app.options.command_options import Options
-from app.options.option_values import Assignment, assignment
-from app.options.overrides import listed, named_parameter
+from app.run.option_values import Assignment, assignment
+from app.run.overrides import listed, named_parameter
 from app.run.readout_tables import warning_lines
 from app.tradeoff.solve_readout import Sample, Solution, search_range, solve
 from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
 from app.tradeoff.tradeoff_results import shown_value, with_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError
+from core.evaluation.policy import Policy
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.names import close, in_line, shown
@@ -28,28 +28,40 @@ _FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
 _UNTIL_FORM = "NODE.READOUT=VALUE"
 
 
-def carry_out(options: Options, stop: threading.Event) -> None:
-    """Print the value that does it; a `DataError` where none does, with what the ends give."""
-    library, place, network = opened(options)
-    sought, parameter = _sought(options.solve_for, network, library)
-    figure, wanted = _wanted(options.until, network, library)
+def solve_network(
+    network: Network,
+    library: Library,
+    folder: Path,
+    *,
+    solve_for: str,
+    until: str,
+    policy: Policy,
+    cancel: threading.Event,
+    progress: Callable[[int], AbstractContextManager[Callable[[str], object]]],
+) -> tuple[dict[str, Any], list[str]]:
+    """The value that does it, as facts and in lines.
+
+    Raises a `DataError` where none does, with what the ends give.
+    """
+    sought, parameter = _sought(solve_for, network, library)
+    figure, wanted = _wanted(until, network, library)
     engine = Engine(library)
-    plan = engine.plan(network, folder=place.folder)
+    plan = engine.plan(network, folder=folder)
     present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
     range_ = search_range(parameter, present, sought.text, option=f"{FOR} {sought.port}")
-    work = engine.work(policy_of(options), cancel=stop)
+    work = engine.work(policy, cancel=cancel)
     reasons: dict[float, str] = {}
 
     def planned(value: float) -> Plan:
         exact: Any = int(value) if parameter.kind == "integer" else value
         changed = with_value(plan.network, engine, sought.node, sought.name, exact)
-        return engine.plan(changed, folder=place.folder, previous=plan)
+        return engine.plan(changed, folder=folder, previous=plan)
 
-    with Progress(len(range_.places())) as progress:
+    with progress(len(range_.places())) as reached:
 
         def evaluate(value: float) -> float | None:
             work.check()
-            progress(f"{sought.port} {shown_value(value, parameter.param.unit)}")
+            reached(f"{sought.port} {shown_value(value, parameter.param.unit)}")
             try:
                 result = computed((figure,), engine, planned(value), work, {sought.node})
             except ParameterError as error:
@@ -73,25 +85,18 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     }
     cautions = engine.warnings(final, work, known_only=True)
 
-    def facts() -> dict[str, Any]:
-        return {
-            "parameter": sought.port,
-            "unit": unit,
-            "value": int(at.value) if whole else at.value,
-            "figure": {"name": figure.text, "unit": figure.unit, "value": at.figure},
-            "wanted": wanted,
-            "others": solution.others,
-            "readouts": readouts,
-            "warnings": [asdict(caution) for caution in cautions],
-        }
-
-    show(
-        options,
-        facts,
-        in_line(_found(solution, sought.port, unit, figure, wanted, whole=whole)) + "\n",
-        *_lines(final, readouts),
-        *warning_lines(cautions),
-    )
+    facts = {
+        "parameter": sought.port,
+        "unit": unit,
+        "value": int(at.value) if whole else at.value,
+        "figure": {"name": figure.text, "unit": figure.unit, "value": at.figure},
+        "wanted": wanted,
+        "others": solution.others,
+        "readouts": readouts,
+        "warnings": [asdict(caution) for caution in cautions],
+    }
+    text = _found(solution, sought.port, unit, figure, wanted, whole=whole)
+    return facts, [in_line(text) + "\n", *_lines(final, readouts), *warning_lines(cautions)]
 
 
 def _sought(text: str, network: Network, library: Library) -> tuple[Assignment, Parameter]:

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[3]
 CANCELLED = "imagechain: cancelled; nothing was written\n"
 START = """
 import os, signal, sys
-import app.command.cli, app.command.run, app.run.staging
+import app.command.cli, app.command.network_run, app.run.staging
 
 def told(number=signal.SIGTERM):
     os.kill(os.getpid(), number)
@@ -60,19 +60,21 @@ class Disturbing:
     def __del__(self):
         told()
 
-real = app.command.run.evaluate
+real = app.command.network_run.evaluate
 def evaluate(*words):
     thing = Disturbing()
     del thing
     return real(*words)
-app.command.run.evaluate = evaluate
+app.command.network_run.evaluate = evaluate
 """)
     assert (done.returncode, done.stderr) == (1, CANCELLED)
     assert names(tmp_path) == ["net.json"]
 
 
 def test_a_second_stop_while_the_first_is_told(disturbed, tmp_path):
-    done = disturbed('before(app.command.run, "evaluate"); before(app.command.cli, "print_error")')
+    done = disturbed(
+        'before(app.command.network_run, "evaluate"); before(app.command.cli, "print_error")'
+    )
     assert (done.returncode, done.stderr) == (1, CANCELLED)
     assert names(tmp_path) == ["net.json"]
 

@@ -1,23 +1,18 @@
-"""``imagechain run``: evaluate a network and write its files, all of them or none."""
+"""One run of a network: what it computes, and the files that it writes, all of them or none."""
 
 from __future__ import annotations
 
 import os
-import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.command.results import Progress, say, show
-from app.options.command_options import Options
-from app.options.option_values import Save
-from app.options.overrides import with_disabled, with_final, with_settings
-from app.options.stopping import too_late
-from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
-from app.run.figures import Figure, figure_rows, main_figures
+from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later
+from app.run.figures import Figure, figure_rows
+from app.run.option_values import Save
 from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
 from app.run.responses import mtf_csv
@@ -34,8 +29,7 @@ from app.run.saving import (
     save_value,
     series_of,
 )
-from app.run.shipped import Place, find_network
-from app.run.staging import Staging, check_folder, existing_folder
+from app.run.staging import Staging, existing_folder
 from app.run.way_of_running import (
     WayOfRunning,
     blocks_of,
@@ -43,24 +37,20 @@ from app.run.way_of_running import (
     is_streamed,
     reduced,
     way_in_words,
-    way_of_running,
 )
-from app.run.write_rules import OPTION, WriteRules, write_rules
+from app.run.write_rules import WriteRules
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.chain.realize import realize
 from core.chain.skipped import Skip, skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, NetworkError, UsageError
+from core.errors import ImagechainError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
-from core.evaluation.store import Store
-from core.modules.declaration import Library, NodeContext
+from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Caution
-from core.names import close, in_line, shown
-from core.network.file import read_network
-from core.network.network import Network
-from core.network.validation import NetworkProblems, check_network, plain_network
+from core.names import close, in_line
+from core.network.validation import NetworkProblems
 from nodes.files.common.file_format import ZARR
 from nodes.files.frame_writing import (
     STORE,
@@ -70,121 +60,10 @@ from nodes.files.frame_writing import (
     refuse_without_room,
 )
 from nodes.files.read import check_finite
-from nodes.library import standard_library
 
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 KEPT_BYTES = 1 << 29
-_OF_SCENE = ("scene_unit", "scene_fov_deg", "scene_band_um", "scene_range_m", "scene_sample_m")
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
-
-
-def carry_out(options: Options, stop: threading.Event) -> None:
-    library, place, network = opened(options)
-    left_out: tuple[str, ...] = ()
-    while True:
-        try:
-            return _run(network, place, options, stop, left_out)
-        except ImagechainError as error:
-            from app.run.own_scene import without_judges
-
-            spare, only = [save.node for save in options.saves], not options.scenes
-            smaller = without_judges(network, error, library, spare, figures_only=only)
-            if smaller is None:
-                raise
-            network, more = smaller
-            say(options, *map(in_line, more))
-            left_out += more
-
-
-def _run(
-    network: Network,
-    place: Place,
-    options: Options,
-    stop: threading.Event,
-    left_out: tuple[str, ...],
-) -> None:
-    start = time.perf_counter()
-    library = standard_library()
-    policy = policy_of(options)
-    plan = planned(Engine(library, Store(0)), network, place.folder)
-    way = way_of_running(plan, policy, options.memory_bytes)
-    # All that a run needs is known and held; reports may need more, and again.
-    engine = Engine(library, way.store(None if options.reports else Store(KEPT_BYTES)))
-    folder = options.output_dir or Path(f"{place.name}-output")
-    check_folder(folder)
-    rules = rules_of(options, place, folder)
-    with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
-        with Progress(len(plan.nodes)) as progress:
-            work = TimedWork(policy, engine.store, progress, stop)
-            figures: list[Figure] = []
-            look: Any = lambda evaluation: figures.extend(main_figures(evaluation))  # noqa: E731
-            stage = Stage(folder, staging, rules, look=look, way=way)
-            evaluation, skipped = stage.prepare(engine, plan, work, options, start=start)
-        work.check()
-        too_late(stop)
-        forgotten = rules.commit(staging)
-    written = sink_targets(plan, place.folder).values()
-    others = [*(save.text for save in options.saves), *map(str, (*options.reports, *written))]
-    lines = summary(evaluation, skipped, figures, folder, options, others)
-    if forgotten:
-        needs = f"could not record the files, so the next run needs {OPTION}: {forgotten}"
-        lines.append(in_line(needs))
-
-    def facts() -> dict[str, Any]:
-        return {
-            "figures": [asdict(figure) for figure in figures],
-            "readouts": evaluation.readouts,
-            "warnings": [asdict(caution) for caution in evaluation.cautions],
-            "skipped": [asdict(skip) for skip in skipped],
-            "left_out": list(left_out),
-            "way": evaluation.way,
-            "files": [*map(str, own_files(plan, folder)), *others],
-        }
-
-    show(options, facts, *lines)
-
-
-def summary(
-    evaluation: Evaluation,
-    skipped: tuple[Skip, ...],
-    figures: Sequence[Figure],
-    folder: Path,
-    options: Options,
-    others: Sequence[str],
-) -> list[str]:
-    shown = []
-    readouts = readout_rows(evaluation)
-    if figures and not options.all:
-        rows = [(name, f"{value} {unit}", node) for name, value, unit, node in figure_rows(figures)]
-        shown += [columns(rows), f"all {len(readouts)} read-outs: --all, or {READOUTS}\n"]
-    elif readouts:
-        shown.append(columns(readouts, right=(2,)) + "\n")
-    if warnings := warning_lines(evaluation.cautions):
-        shown.append("\n".join(warnings) + "\n")
-    lines = []
-    left_out = [
-        f"{skip.node} (at most {skip.bound:.2g})" for skip in skipped if skip.kind == "below_budget"
-    ]
-    if left_out:
-        budget = evaluation.work.policy.budget
-        lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
-    lines += [
-        f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"
-        for skip in skipped
-        if skip.kind == "wavelengths"
-    ]
-    names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
-    lines.append(f"{folder}: {', '.join(names)}")
-    if evaluation.chain.final is None:
-        output = find_output(evaluation.plan)
-        lines.append(f"no {FINAL}: {how_to_choose(output) or output.missing}")
-    if evaluation.chain.missing and evaluation.chain.grid is not None:
-        lines.append(f"no total in {MTF}: {evaluation.chain.missing}")
-    if evaluation.way.get("way") == "in blocks" or options.memory_bytes is not None:
-        lines.append(way_in_words(evaluation.way))
-    if others:
-        lines.append(f"also {', '.join(others)}")
-    return [*shown, *map(in_line, lines)]
 
 
 _IN_MEMORY = WayOfRunning(None, None)
@@ -203,20 +82,23 @@ class Stage:
     look: Callable[[Evaluation], object] | None = None
     way: WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
     only_report: bool = False
+    saves: tuple[Save, ...] = ()
+    frames: int | None = None  # of each picture that is saved
+    reports: tuple[Path, ...] = ()
+    scratch: Path | None = None  # the folder for pictures that do not fit into memory
 
     def prepare(
-        self, engine: Engine, plan: Plan, work: TimedWork, options: Options, *, start: float
+        self, engine: Engine, plan: Plan, work: TimedWork, *, start: float
     ) -> tuple[Evaluation, tuple[Skip, ...]]:
-        staging, place = self.staging, plan.folder
-        way = self.way
-        writers = _claim(plan, options, staging, way)
+        staging, place, way = self.staging, plan.folder, self.way
+        writers = _claim(plan, self, work.policy)
         if not self.only_report:
             own, sinks = own_files(plan, self.folder), sink_targets(plan, place)
             _claim_guarded(own, sinks, self.rules, staging)
         work.check()
         ports = [saved.port for saved in writers]
-        how: dict[str, Any] = {"ports": ports, "report": bool(options.reports)}
-        scratch = options.scratch or existing_folder(self.folder)
+        how: dict[str, Any] = {"ports": ports, "report": bool(self.reports)}
+        scratch = self.scratch or existing_folder(self.folder)
         with (
             blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
             work.hold(needed_later(plan, **how, in_blocks=way.in_blocks)),
@@ -231,75 +113,73 @@ class Stage:
             if self.look is not None:
                 self.look(evaluation)
             skipped = skips(plan, work)  # before the reports, whose pictures need more
-            _write_reports(evaluation, skipped, options, staging)
+            for path in self.reports:
+                from app.report.report_facts import write_report
+
+                staging.write(path, partial(write_report, evaluation, skipped))
         return evaluation, skipped
 
 
-def opened(options: Options) -> tuple[Library, Place, Network]:
-    """The network with its macros written out and the command line's changes, valid."""
-    library, place = standard_library(), find_network(options.network)
-    network = read_network(place.path, library=library)
-    return library, place, with_options(network, place, options, library)
+@dataclass(frozen=True)
+class NetworkRun:
+    """What a run has made, as the command line shows it."""
 
+    evaluation: Evaluation
+    skipped: tuple[Skip, ...]
+    figures: list[Figure]
+    folder: Path
+    others: list[str]  # files beside those of the folder
 
-def with_options(network: Network, place: Place, options: Options, library: Library) -> Network:
-    if not network.nodes:
-        raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
-    network = plain_network(network, library=library)
-    given = [name for name in _OF_SCENE if getattr(options, name) is not None]
-    if given and not options.scenes:
-        raise UsageError(f"--{given[0].replace('_', '-')} needs --scene FILE")
-    for text in options.scenes:
-        network = _with_scene(network, text, place, options, library)
-    network = with_settings(network, options.settings, library=library)
-    network = with_disabled(network, options.disabled, library=library)
-    if options.final is not None:
-        network = with_final(network, options.final, library=library)
-    if options.seed is not None:
-        network = network.with_seed(options.seed)
-    check_network(network, library=library)
-    return network
+    def facts(self) -> dict[str, Any]:
+        evaluation = self.evaluation
+        return {
+            "figures": [asdict(figure) for figure in self.figures],
+            "readouts": evaluation.readouts,
+            "warnings": [asdict(caution) for caution in evaluation.cautions],
+            "skipped": [asdict(skip) for skip in self.skipped],
+            "way": evaluation.way,
+            "files": [*map(str, own_files(evaluation.plan, self.folder)), *self.others],
+        }
 
-
-def _with_scene(
-    network: Network, text: str, place: Place, options: Options, library: Library
-) -> Network:
-    """The network with a picture in place of a scene, ``[NODE=]FILE``."""
-    from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
-
-    node, _, file = text.partition("=")
-    named = file and node in scene_nodes(network, library)
-    replaced = with_own_scene(
-        network,
-        OwnScene(
-            Path(file if named else text),
-            options.scene_fov_deg,
-            options.scene_range_m,
-            options.scene_sample_m,
-            options.scene_band_um,
-            options.scene_unit or "",
-            "--scene-",
-        ),
-        library=library,
-        plan=Engine(library, Store(0)).plan(network, folder=place.folder),
-        node=node if named else None,
-    )
-    say(options, *(in_line(f"{replaced.node}: {line}") for line in replaced.lines))
-    return replaced.network
-
-
-def rules_of(options: Options, place: Place, folder: Path) -> WriteRules:
-    return write_rules(
-        place,
-        folder,
-        named=options.output_dir is not None,
-        allowed=options.allowed,
-        given=(setting.node for setting in options.settings if setting.name == "path"),
-    )
-
-
-def policy_of(options: Options) -> Policy:
-    return Policy(options.precision, options.tolerance, options.threads)
+    def lines(self, *, every_readout: bool, on_memory: bool) -> list[str]:
+        evaluation, tables = self.evaluation, []
+        readouts = readout_rows(evaluation)
+        if self.figures and not every_readout:
+            rows = [
+                (name, f"{v} {unit}", node) for name, v, unit, node in figure_rows(self.figures)
+            ]
+            tables += [columns(rows), f"all {len(readouts)} read-outs: --all, or {READOUTS}\n"]
+        elif readouts:
+            tables.append(columns(readouts, right=(2,)) + "\n")
+        if warnings := warning_lines(evaluation.cautions):
+            tables.append("\n".join(warnings) + "\n")
+        lines = []
+        left_out = [
+            f"{skip.node} (at most {skip.bound:.2g})"
+            for skip in self.skipped
+            if skip.kind == "below_budget"
+        ]
+        if left_out:
+            budget = evaluation.work.policy.budget
+            lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
+        lines += [
+            f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"
+            for skip in self.skipped
+            if skip.kind == "wavelengths"
+        ]
+        chain = evaluation.chain
+        names = [FINAL, MTF, READOUTS] if chain.final is not None else [MTF, READOUTS]
+        lines.append(f"{self.folder}: {', '.join(names)}")
+        if chain.final is None:
+            output = find_output(evaluation.plan)
+            lines.append(f"no {FINAL}: {how_to_choose(output) or output.missing}")
+        if chain.missing and chain.grid is not None:
+            lines.append(f"no total in {MTF}: {chain.missing}")
+        if evaluation.way.get("way") == "in blocks" or on_memory:
+            lines.append(way_in_words(evaluation.way))
+        if self.others:
+            lines.append(f"also {', '.join(self.others)}")
+        return [*tables, *map(in_line, lines)]
 
 
 def input_files(plan: Plan, folder: Path) -> list[Path]:
@@ -342,21 +222,22 @@ class _Saved:
         return format_for_frames(self.port, self.path), cube.series
 
 
-def _claim(plan: Plan, options: Options, staging: Staging, way: WayOfRunning) -> list[_Saved]:
+def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
     """Reserve early what will be written; gives what is saved."""
-    if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
-        raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
-    values = [_port_value(plan, save.node, save.name) for save in options.saves]
-    if options.frames is not None and not any(isinstance(value, Image) for value in values):
+    frames, way, staging = stage.frames, stage.way, stage.staging
+    if frames is not None and not 1 <= frames <= MOST_FRAMES:
+        raise UsageError(f"--frames {frames}: give a whole number from 1 to {MOST_FRAMES}")
+    values = [_port_value(plan, save.node, save.name) for save in stage.saves]
+    if frames is not None and not any(isinstance(value, Image) for value in values):
         example = find_output(plan).port or "NODE.PORT"
         raise UsageError(
-            f"--frames {options.frames} needs --save, which names the picture and the file: "
+            f"--frames {frames} needs --save, which names the picture and the file: "
             f"--save {example}=frames.npy"
         )
-    saves, files, policy = [], [], policy_of(options)
-    for save, value in zip(options.saves, values, strict=True):
+    saves, files = [], []
+    for save, value in zip(stage.saves, values, strict=True):
         path, region = Path(save.text), _region(save, value)
-        saved = _Saved(path, save.port, value, region, options.frames)
+        saved = _Saved(path, save.port, value, region, frames)
         found = saved.series(policy, on_disk=way.on_disk(value, policy))
         if found is None:
             check_suffix(save.port, value, path)
@@ -371,8 +252,8 @@ def _claim(plan: Plan, options: Options, staging: Staging, way: WayOfRunning) ->
     refuse_without_room(files)
     for saved in saves:
         if way.on_disk(saved.value, policy):
-            check_streamed(saved.port, saved.value, saved.path, options.frames)
-    for path in options.reports:
+            check_streamed(saved.port, saved.value, saved.path, frames)
+    for path in stage.reports:
         staging.claim(path)
     return saves
 
@@ -451,15 +332,6 @@ def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
     for caution in cautions:
         nodes.setdefault(caution.node, []).append(caution.text)
     return {WARNINGS: nodes} if nodes else {}
-
-
-def _write_reports(
-    evaluation: Evaluation, skipped: tuple[Skip, ...], options: Options, staging: Staging
-) -> None:
-    for path in options.reports:
-        from app.report.report_facts import write_report
-
-        staging.write(path, partial(write_report, evaluation, skipped))
 
 
 def _save(

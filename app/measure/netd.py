@@ -1,20 +1,16 @@
-"""``imagechain netd``: SiTF, NETD and 3-D noise of a camera from frames of black bodies."""
+"""SiTF, NETD and 3-D noise of an infrared camera from frames of black bodies."""
 
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.command.results import Progress, check_stop, show, written
-from app.options.command_options import Options
 from app.run.readout_tables import columns, json_text, number_text
 from core.errors import DataError
 from core.names import in_line
@@ -42,49 +38,75 @@ Frames = NDArray[np.floating]
 
 
 @dataclass(frozen=True)
-class Measured:
+class NetdMeasurement:
+    """Fields of a black body, by temperature, and the response of the camera."""
+
     files: tuple[tuple[Path, ThermalField], ...]
     response: ThermalResponse
     unit: str
 
+    def lines(self) -> list[str]:
+        figures = [
+            (name, number_text(float(f"{value:.5g}")), unit, meaning)
+            for name, value, unit, meaning in _rows(self)
+        ]
+        return [
+            columns(figures, right=(1,)) + "\n",
+            columns(_levels(self), right=range(1, 13)),
+            *map(in_line, _remarks(self)),
+        ]
 
-def carry_out(options: Options, stop: threading.Event) -> None:
-    paths, kelvins = zip(*options.fields, strict=True)
+    def facts(self) -> dict[str, Any]:
+        return {
+            "format": "imagechain-netd",
+            "version": 1,
+            "unit": self.unit,
+            "figures": {name: value for name, value, _, _ in _rows(self)},
+            "departure_percent": self.response.departure_percent,
+            "levels": [
+                {
+                    "file": str(path),
+                    **_level_figures(at),
+                    "frames": field.noise.frames,
+                    "mean": field.field.mean_dn,
+                    "bad_pixels": field.field.bad,
+                    "structure_share": field.field.structure_share,
+                }
+                for (path, field), at in zip(self.files, self.response.levels, strict=True)
+            ],
+        }
+
+    def content(self, path: Path) -> str:
+        return json_text(self.facts()) if JSON.matches(path) else _csv(self)
+
+
+def measured_netd(
+    given: Sequence[tuple[Path, float]],
+    *,
+    check: Callable[[], None],
+    report: Callable[[str], object],
+) -> NetdMeasurement:
+    """The response of one camera to a black body at each of these temperatures, in kelvin."""
+    paths, kelvins = zip(*given, strict=True)
     files = [open_frames(path) for path in paths]
     check_one_camera(files, of_one="temporal noise")
-
-    def made() -> Measured:
-        with Progress(2 * len(files)) as progress:
-            fields = _fields(files, kelvins, progress, partial(check_stop, stop))
-        # By temperature, as the response has them.
-        ordered = sorted(zip(paths, fields, strict=True), key=lambda one: one[1].temperature_K)
-        return Measured(tuple(ordered), thermal_response(fields), files[0].unit or "DN")
-
-    measured = written(options.outputs, paths, stop, made, _text)
-    figures = [
-        (name, number_text(float(f"{value:.5g}")), unit, meaning)
-        for name, value, unit, meaning in _rows(measured)
-    ]
-    show(
-        options,
-        lambda: _facts(measured),
-        columns(figures, right=(1,)) + "\n",
-        columns(_levels(measured), right=range(1, 13)),
-        *map(in_line, _remarks(measured)),
-    )
+    fields = _fields(files, kelvins, report, check)
+    # By temperature, as the response has them.
+    ordered = sorted(zip(paths, fields, strict=True), key=lambda one: one[1].temperature_K)
+    return NetdMeasurement(tuple(ordered), thermal_response(fields), files[0].unit or "DN")
 
 
 def _fields(
     files: Sequence[FrameFile],
     temperatures: Sequence[float],
-    progress: Progress,
+    report: Callable[[str], object],
     check: Callable[[], None],
 ) -> list[ThermalField]:
     """Mean and noise of each; a pixel that is bad in one is left out of all."""
     flats = []
     good = np.ones((files[0].rows, files[0].columns), bool)
     for file in files:
-        progress(file.path.name)
+        report(file.path.name)
         taken = FlatFrames(file.rows, file.columns)
         first: Frames | None = None
         for frame in _frames(file, check):
@@ -97,7 +119,7 @@ def _fields(
         good &= own
     fields = []
     for file, kelvin, flat in zip(files, temperatures, flats, strict=True):
-        progress(file.path.name)
+        report(file.path.name)
         cube = NoiseCube(file.rows, file.columns)
         for frame in _frames(file, check):
             cube.add(filled(frame, good))
@@ -132,7 +154,7 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
             )
 
 
-def _rows(measured: Measured) -> list[Row]:
+def _rows(measured: NetdMeasurement) -> list[Row]:
     middle, unit = measured.response.middle, measured.unit
     wavelength, error = measured.response.wavelength_um, measured.response.wavelength_error
     effective: list[Row] = []
@@ -178,7 +200,7 @@ _LEVEL_HEAD = (
 )  # fmt: skip
 
 
-def _levels(measured: Measured) -> list[tuple[str, ...]]:
+def _levels(measured: NetdMeasurement) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = [_LEVEL_HEAD]
     for (path, field), at in zip(measured.files, measured.response.levels, strict=True):
         parts = [at.components_K[name] for name in COMPONENTS if name != "tvh"]
@@ -198,7 +220,7 @@ def _millikelvin(kelvin: float) -> str:
     return number_text(float(f"{1e3 * kelvin:.4g}"))
 
 
-def _remarks(measured: Measured) -> list[str]:
+def _remarks(measured: NetdMeasurement) -> list[str]:
     lines = []
     response, files = measured.response, measured.files
     if len(response.levels) == 2:
@@ -254,32 +276,7 @@ def _level_figures(at: NoiseTemperature) -> dict[str, float]:
     }
 
 
-def _text(measured: Measured, path: Path) -> str:
-    return json_text(_facts(measured)) if JSON.matches(path) else _csv(measured)
-
-
-def _facts(measured: Measured) -> dict[str, Any]:
-    return {
-        "format": "imagechain-netd",
-        "version": 1,
-        "unit": measured.unit,
-        "figures": {name: value for name, value, _, _ in _rows(measured)},
-        "departure_percent": measured.response.departure_percent,
-        "levels": [
-            {
-                "file": str(path),
-                **_level_figures(at),
-                "frames": field.noise.frames,
-                "mean": field.field.mean_dn,
-                "bad_pixels": field.field.bad,
-                "structure_share": field.field.structure_share,
-            }
-            for (path, field), at in zip(measured.files, measured.response.levels, strict=True)
-        ],
-    }
-
-
-def _csv(measured: Measured) -> str:
+def _csv(measured: NetdMeasurement) -> str:
     rows = [("name", "value", "unit", "meaning")]
     for name, value, unit, meaning in _rows(measured):
         rows.append((name, repr(value), unit, meaning))

@@ -1,68 +1,14 @@
-"""``imagechain modules``: the library, for people or for programs."""
+"""A module of the library in text, and as facts for programs."""
 
 from __future__ import annotations
 
 import json
-from itertools import groupby
 from textwrap import indent
 from typing import Any
 
-from app.command.results import show
-from app.library_index import declarations
-from app.options.command_options import Options
-from app.options.terminal_streams import print_error
 from app.run.readout_tables import columns
-from core.errors import UsageError
-from core.modules.declaration import Declaration, Port, package_of, where_absent
+from core.modules.declaration import Declaration, Port, package_of
 from core.modules.parameters import Parameter, plain
-from core.names import alike, shown
-from nodes.library import standard_library
-from nodes.plug_ins import missing_modules
-
-
-def carry_out(options: Options, _stop: object) -> None:
-    """Print every module, those that fit a word, or the one of that key.
-
-    Of one module all its text is printed, of all of them ports, parameters and read-outs, of those
-    that a word finds in key, title or summary the summary. A word in none of these is looked for in
-    the parameters' names.
-    """
-    library, key = standard_library(), options.key
-    declared = list(declarations(library).values())
-    found = key != "" and key not in library
-    if found:
-        word = key.casefold()
-        declared = [
-            entry
-            for entry in declared
-            if any(word in text.casefold() for text in (entry.key, entry.listed, entry.summary))
-        ]
-        declared = declared or [
-            entry
-            for entry in declarations(library).values()
-            if any(word in parameter.name.casefold() for parameter in entry.parameters)
-        ]
-    elif key:
-        declared = [entry for entry in declared if entry.key == key]
-    if not declared:
-        absent = where_absent(key, library)
-        hint = f": {absent}" if absent else alike(key, library)
-        hint = hint or "; imagechain modules lists them"
-        raise UsageError(f"there is no module {shown(key)}{hint}")
-    if options.json is True:
-        show(options, lambda: [described_module(entry) for entry in declared])
-        return
-    groups = list(dict.fromkeys(entry.group for entry in declared))
-    declared.sort(key=lambda entry: groups.index(entry.group))
-    if found:
-        print(columns([(entry.key, entry.listed, entry.summary) for entry in declared]))
-        return
-    for group, members in groupby(declared, key=lambda entry: entry.group):
-        print(f"{group}\n{'=' * len(group)}\n")
-        for entry in members:
-            print(module_text(entry, whole=bool(key)), end="\n\n")
-    for line in missing_modules(library) if not key else ():
-        print_error(f"warning: {line}")
 
 
 def described_module(declared: Declaration) -> dict[str, Any]:

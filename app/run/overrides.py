@@ -5,21 +5,80 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.options.option_values import Assignment
-from core.errors import ImagechainError, ParameterError, UsageError
+from app.run.option_values import Assignment
+from app.run.shipped import Place
+from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
-from core.names import close, shown
+from core.names import close, in_line, shown
+from core.network.file import read_network
 from core.network.linked_values import expression
 from core.network.network import Network, passed_through, with_marks
+from core.network.validation import check_network, plain_network
 
 # JSON takes neither a sign +, nor a number without digits before or after the point.
 _NUMBER = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)([eE][+-]?[0-9]+)?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class GivenNetwork:
+    """A network, and what a command line changes in it."""
+
+    place: Place
+    settings: tuple[Assignment, ...] = ()
+    disabled: tuple[str, ...] = ()
+    final: str | None = None
+    # pictures in place of scenes, ``[NODE=]FILE``, and what is said of them, None where nothing is
+    scenes: tuple[str, ...] = ()
+    scene_details: Mapping[str, Any] = field(default_factory=dict)
+    seed: int | None = None
+
+    def opened(self, library: Library) -> tuple[Network, list[str]]:
+        """The network of the file, changed; lines on a new scene."""
+        return self.changed(read_network(self.place.path, library=library), library)
+
+    def changed(self, network: Network, library: Library) -> tuple[Network, list[str]]:
+        """The network with its macros written out, changed and valid; lines on a new scene."""
+        if not network.nodes:
+            raise NetworkError(f"{shown(str(self.place.path))}: the network has no nodes")
+        network, lines = self._with_scenes(plain_network(network, library=library), library)
+        network = with_settings(network, self.settings, library=library)
+        network = with_disabled(network, self.disabled, library=library)
+        if self.final is not None:
+            network = with_final(network, self.final, library=library)
+        if self.seed is not None:
+            network = network.with_seed(self.seed)
+        check_network(network, library=library)
+        return network, lines
+
+    def _with_scenes(self, network: Network, library: Library) -> tuple[Network, list[str]]:
+        given = {name: value for name, value in self.scene_details.items() if value is not None}
+        if given and not self.scenes:
+            raise UsageError(f"--{next(iter(given)).replace('_', '-')} needs --scene FILE")
+        lines: list[str] = []
+        for text in self.scenes:
+            from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
+            from core.chain.engine import Engine
+            from core.evaluation.store import Store
+
+            node, _, file = text.partition("=")
+            named = file and node in scene_nodes(network, library)
+            details = {name.removeprefix("scene_"): value for name, value in given.items()}
+            replaced = with_own_scene(
+                network,
+                OwnScene(Path(file if named else text), option="--scene-", **details),
+                library=library,
+                plan=Engine(library, Store(0)).plan(network, folder=self.place.folder),
+                node=node if named else None,
+            )
+            lines += (in_line(f"{replaced.node}: {line}") for line in replaced.lines)
+            network = replaced.network
+        return network, lines
 
 
 def with_settings(network: Network, settings: Iterable[Assignment], *, library: Library) -> Network:

@@ -1,0 +1,294 @@
+"""``imagechain measure``, ``fit``, ``photon-transfer`` and ``netd``: from a camera's pictures."""
+
+from __future__ import annotations
+
+import json as json_module
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.command import options
+from app.command.results import Progress, check_stop, show, written
+from app.run import option_values as values
+from app.run.process import Stop
+from core.names import in_line
+from nodes.files.common.file_format import CSV, HTML, JSON
+
+if TYPE_CHECKING:
+    from app.measure.picture_measurement import PictureMeasurement
+    from app.run.overrides import GivenNetwork
+    from core.evaluation.policy import Policy
+
+
+@options.command()
+@options.argument(
+    "pictures", "PICTURE...",
+    "pictures in any format that Imagechain reads, or frames: .npy (frames, rows, columns), TIFF "
+    "with a page per frame, or ENVI with bands without wavelengths", values.file_path, many=True,
+)  # fmt: skip
+@options.json_file("write all results as .json")
+@options.option(
+    "--csv", "FILE", "write the pooled MTF as a .csv table for the module MTF File",
+    values.ending_in(CSV))  # fmt: skip
+@options.option(
+    "--report", "FILE", "write an .html page with the edges drawn on the picture",
+    values.ending_in(HTML))  # fmt: skip
+@options.option("--band", "N", "band or colour to measure, counted from 0", values.whole_number)
+@options.option(
+    "--fov-x-deg", "DEG",
+    "horizontal field of view, for frequencies in cycles/mrad (default: from the header)",
+    values.finite_number)  # fmt: skip
+@options.option(
+    "--pitch-um", "UM", "pixel pitch of the detector, for frequencies in cycles/mm",
+    values.finite_number)  # fmt: skip
+@options.option(
+    "--flats", "FILE...",
+    "frames of flat fields, one file per level, for the photon transfer curve (see imagechain "
+    "photon-transfer --help)",
+    values.file_path, several=True, many=True, group=options.RARER)  # fmt: skip
+@options.option(
+    "--dark", "FILE", "frames without light, with the same exposure, for the read noise",
+    values.file_path, group=options.RARER)  # fmt: skip
+@options.option(
+    "--offset-dn", "DN", "dark level, if there are no dark frames (default: 0)",
+    values.finite_number, group=options.RARER)  # fmt: skip
+def measure(
+    stop: Stop,
+    pictures: tuple[Path, ...],
+    json: Path | bool | None,
+    csv: Path | None,
+    report: Path | None,
+    band: int | None,
+    fov_x_deg: float | None,
+    pitch_um: float | None,
+    flats: tuple[Path, ...],
+    dark: Path | None,
+    offset_dn: float | None,
+) -> None:
+    """Measure MTF and noise in pictures of a camera.
+
+    The camera may be real or simulated. The command finds usable edges, measures the MTF of each
+    with its standard error (ISO 12233), and pools them into a horizontal and a vertical MTF. It
+    says why other edges are not used. Noise comes from flat areas. Several pictures of one size, or
+    files of frames, must come from one camera: their edges are pooled. If they show the same scene,
+    the noise is split into time, rows and columns.
+
+    A colour picture is measured by its luminance (0.2126 R + 0.7152 G + 0.0722 B of the stored
+    numbers). If a picture has other bands, choose one with --band. A picture with lossy
+    compression, such as JPEG, gives no figures. If a figure cannot be measured, the reason is
+    printed instead. Photograph a straight edge between a dark and a bright area, turned by about 5°
+    and not clipped, and store raw numbers. For how to do it, and what the figures mean: imagechain
+    handbook real_camera.
+
+    Example: imagechain measure picture.tif --report measured.html --csv mtf.csv
+    """
+    from app.measure.measurement_files import measurement_json, measurement_text
+    from app.measure.measurement_text import (
+        figure_rows,
+        flat_rows,
+        frame_rows,
+        refused_lines,
+        remarks,
+    )
+    from app.measure.measuring import MeasurePlan, measure_files
+    from app.run.readout_tables import columns
+
+    plan = MeasurePlan(pictures, band, fov_x_deg, flats, dark, offset_dn, pitch_um)
+    inputs = [*pictures, *flats, *([dark] if dark is not None else [])]
+
+    def made() -> PictureMeasurement:
+        with Progress(len(inputs)) as progress:
+            return measure_files(plan, check=partial(check_stop, stop), report=progress)
+
+    outputs = [path for path in (json, csv, report) if isinstance(path, Path)]
+    measured = written(outputs, inputs, stop, made, measurement_text)
+    rows = [*figure_rows(measured), *frame_rows(measured), *flat_rows(measured)]
+    lines = map(in_line, (*remarks(measured), *refused_lines(measured)))
+    facts = partial(json_module.loads, measurement_json(measured))
+    show(json, facts, columns(rows, right=(1,)), *lines)
+
+
+@options.command()
+@options.network_options
+@options.option(
+    "--to", "PICTURE...",
+    "one or more pictures from the camera, with linear raw numbers and no lossy compression",
+    values.file_path, several=True, many=True, required=True, to="pictures")  # fmt: skip
+@options.option(
+    "--free", "NODE.PARAM[=LOW:HIGH]...",
+    "parameters to fit, in their own range or the one you give, such as jitter.sigma_mrad or "
+    "optics.defocus_waves=0:2; may be repeated", several=True, many=True)  # fmt: skip
+@options.json_file("write parameters, errors and correlations")
+@options.option(
+    "--output", "FILE", "write the network with the fitted values", values.ending_in(JSON)
+)
+@options.option(
+    "--report", "FILE",
+    "write an .html page of the fit: patches side by side, edges overlaid, residuals",
+    values.ending_in(HTML))  # fmt: skip
+@options.flag(
+    "--known-scene",
+    "the network's source is the scene that the camera saw: fit the whole picture")  # fmt: skip
+@options.option("--band", "N", "band or colour to fit to, counted from 0", values.whole_number)
+@options.numerical_options
+def fit(
+    stop: Stop,
+    asked: GivenNetwork,
+    policy: Policy,
+    pictures: tuple[Path, ...],
+    free: tuple[str, ...],
+    json: Path | bool | None,
+    output: Path | None,
+    report: Path | None,
+    known_scene: bool,
+    band: int | None,
+) -> None:
+    """Fit parameters of a network to pictures of a camera.
+
+    Ideal edges replace the network's source where the pictures have edges. The fit compares the
+    edge spread that the chain predicts with the pictures' samples. You get every free parameter
+    with its standard error. One sample of a picture is one sample of the network's final picture.
+
+    First enter pitch and focal length of the camera in the network. For parameters with the same
+    effect on the edges, only their combination is given. Ranges shorten the search. imagechain
+    handbook fitting explains it.
+
+    Example: imagechain fit mwir_camera --to picture.tif --free jitter.sigma_mrad=0:0.2
+    optics.defocus_waves=0:1 --report fit.html --output fitted.json
+    """
+    from app.command.network_run import input_files
+    from app.fit.fit_page import fit_facts, fit_page, fit_text
+    from app.fit.free_parameter import free_parameters
+    from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
+    from app.run.readout_tables import json_text
+    from app.run.staging import Staging
+    from app.tradeoff.tradeoff_results import with_value
+    from core.atomic import write_text
+    from core.chain.engine import Engine
+    from core.editing.document import rebased
+    from core.network.file import format_network
+
+    library, place, network = options.opened(asked, bool(json))
+    fitted_parameters = free_parameters(free, network, library)
+    engine = Engine(library)
+    plan = engine.plan(network, folder=place.folder)
+    work = engine.work(policy, cancel=stop)
+    to_json = json if isinstance(json, Path) else None
+    with Staging(None, [place.path, *pictures, *input_files(plan, place.folder)]) as staging:
+        for path in filter(None, (to_json, output, report)):
+            staging.claim(path)
+        with Progress(3) as progress:
+            result = (fit_known_scene if known_scene else fit_pictures)(
+                engine, plan, work, free=fitted_parameters,
+                pictures=read_pictures(pictures, band=band), report=progress,
+            )  # fmt: skip
+        if to_json is not None:
+            text = json_text(fit_facts(result))
+            staging.write(to_json, partial(write_text, content=text))
+        if output is not None:
+            fitted = network
+            for parameter, one in zip(fitted_parameters, result.parameters, strict=True):
+                if one.used is not None:
+                    fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
+            typed = {(setting.node, setting.name) for setting in asked.settings}
+            moved = rebased(fitted, library, place.folder, output.parent, typed=typed)
+            text = format_network(moved.apply(fitted) if moved else fitted, library=library)
+            staging.write(output, partial(write_text, content=text))
+        if report is not None:
+            names = tuple(map(str, pictures))
+            page = fit_page(result, network=network.name or place.name, pictures=names)
+            staging.write(report, partial(write_text, content=page))
+        staging.commit()
+    show(json, lambda: fit_facts(result), fit_text(result))
+
+
+@options.command()
+@options.argument(
+    "flats", "FILE...",
+    "two or more frames of a flat field, one file per level: .npy (frames, rows, columns), TIFF "
+    "with a page per frame, or ENVI with a band per frame",
+    values.file_path, many=True)  # fmt: skip
+@options.option(
+    "--dark", "FILE",
+    "two or more frames without light, with the same size and exposure, for offset, read noise "
+    "and DSNU", values.file_path)  # fmt: skip
+@options.option(
+    "--offset-dn", "DN", "dark level, if there are no dark frames", values.finite_number
+)
+@options.written_outputs("write the figures and the levels", values.TRANSFERS)
+@options.json_flag
+def photon_transfer(
+    stop: Stop,
+    flats: tuple[Path, ...],
+    dark: Path | None,
+    offset_dn: float | None,
+    outputs: tuple[Path, ...],
+    json: bool,
+) -> None:
+    """Measure gain, read noise and full well from flat fields.
+
+    The camera may be real or simulated. The photon transfer curve (Janesick 2007; EMVA 1288) is the
+    temporal variance of the pixels against their mean. The inverse slope is the gain in electrons
+    per digital number. The variance at the dark level, less rounding, gives the read noise. The
+    level at which the variance collapses is the full well. The variance between pixels gives DSNU
+    and PRNU. The command also prints the figures that EMVA 1288 defines differently: K (DN per
+    electron), saturation capacity, sensitivity threshold, dynamic range, maximum SNR, and DSNU and
+    PRNU of rows, columns and pixels.
+
+    Take at least five levels of a uniform field, from near dark to beyond saturation, with at least
+    ten frames each. Lamp flicker does no harm; pixels must not be clipped at 0. Levels up to 0.7 of
+    saturation define the line. If the field is not uniform, a warning says so: PRNU and DSNU then
+    include its structure, while gain and read noise stay right. Simulate each level with another
+    --seed.
+
+    Example: imagechain photon-transfer flat1.tif flat2.tif flat3.tif --dark dark.tif --output
+    camera.json
+    """
+    from app.measure.photon_transfer import TransferMeasurement, measured_transfer
+
+    inputs = [*flats, *filter(None, [dark])]
+
+    def made() -> TransferMeasurement:
+        with Progress(len(inputs)) as progress:
+            check = partial(check_stop, stop)
+            return measured_transfer(flats, dark, offset_dn, check=check, report=progress)
+
+    measured = written(outputs, inputs, stop, made, TransferMeasurement.content)
+    show(json, measured.facts, *measured.lines())
+
+
+@options.command()
+@options.argument(
+    "fields", "FILE=TEMPERATURE...",
+    "two or more frames of a black body, and its temperature, such as 293.15K or 20C. Correct "
+    "the temperature for emissivity and air. Formats as for photon-transfer",
+    values.file_at_temperature, many=True)  # fmt: skip
+@options.written_outputs("write the figures, including those of each temperature", values.TRANSFERS)
+@options.json_flag
+def netd(
+    stop: Stop, fields: tuple[tuple[Path, float], ...], outputs: tuple[Path, ...], json: bool
+) -> None:
+    """Measure SiTF, NETD and 3-D noise with black bodies.
+
+    The camera may be real or simulated. Its frames show a black body that fills the field, at two
+    or more temperatures. You get SiTF (digital numbers per kelvin) and NETD (noise divided by SiTF)
+    with standard errors. At each temperature you also get the seven components of 3-D noise
+    (D'Agostino and Webb 1991) in kelvin.
+
+    Take at least 64 frames of each temperature, and at least three temperatures a few kelvin apart.
+    Two give SiTF midway between them, three also its change. NETD is the noise that is random in
+    time, row and column (sigma_tvh). Noise of whole rows, columns and frames is listed separately,
+    and included in the total. Bad pixels are left out. Rounding is included. Drift slower than the
+    sequence is counted as fixed pattern.
+
+    Example: imagechain netd cold.tif=20C middle.tif=25C hot.tif=30C --output netd.json
+    """
+    from app.measure.netd import NetdMeasurement, measured_netd
+
+    def made() -> NetdMeasurement:
+        with Progress(2 * len(fields)) as progress:
+            return measured_netd(fields, check=partial(check_stop, stop), report=progress)
+
+    paths = [path for path, _ in fields]
+    measured = written(outputs, paths, stop, made, NetdMeasurement.content)
+    show(json, measured.facts, *measured.lines())

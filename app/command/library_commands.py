@@ -1,0 +1,244 @@
+"""``imagechain networks``, ``modules``, ``presets``, ``handbook`` and ``bench``."""
+
+from __future__ import annotations
+
+import contextlib
+import json as json_module
+import os
+import sys
+import textwrap
+import webbrowser
+from functools import partial
+from importlib import import_module
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.command import options
+from app.command.results import Progress, say, show, written
+from app.run import option_values as values
+from app.run.process import Stop, Stopped, print_error
+from core.errors import UsageError
+from core.names import alike, close, shown
+
+if TYPE_CHECKING:
+    from app.bench import Measured
+    from app.run.preset_files import Preset
+
+BENCH_PARTS = ("speed", "precision", "peers", "studies", "measure")
+_SOURCE = "Source: "
+_USE = (
+    "To use a preset: in the editor, drag it from the library; in Python, "
+    "chain.add(ic.preset('NAME'))."
+)
+
+
+@options.command()
+@options.json_flag
+def networks(_stop: Stop, json: bool) -> None:
+    """List the example networks."""
+    from app.run.shipped import published_networks, shipped_networks
+
+    facts = [
+        {"network": name, "name": document["name"], "description": document["description"]}
+        for name, path in shipped_networks().items()
+        for document in [json_module.loads(path.read_text(encoding="utf-8"))]
+    ]
+    entries = (f"{one['network']} · {one['name']}\n{_filled(one['description'])}" for one in facts)
+    published = ", ".join(published_networks())
+    cameras = f"published cameras (imagechain handbook published): {published}"
+    show(json, lambda: facts, *entries, textwrap.fill(cameras, 96))
+
+
+def _filled(text: str) -> str:
+    return textwrap.fill(text, 96, initial_indent="  ", subsequent_indent="  ")
+
+
+@options.command()
+@options.argument(
+    "key", "[KEY|WORD]",
+    "only this module, or modules with this word in their key, title or summary", required=False,
+)  # fmt: skip
+@options.json_flag
+def modules(_stop: Stop, key: str, json: bool) -> None:
+    """List the modules.
+
+    Of one module all its text is printed, of all of them ports, parameters and read-outs, of those
+    with a word in key, title or summary the summary. A word in none of these is looked for in the
+    parameters' names.
+    """
+    from app.command.module_text import described_module, module_text
+    from app.library_index import declarations
+    from app.run.readout_tables import columns
+    from core.modules.declaration import where_absent
+    from nodes.library import standard_library
+    from nodes.plug_ins import missing_modules
+
+    library, word = standard_library(), key.casefold()
+    declared = list(declarations(library).values())
+    found = key != "" and key not in library
+    if found:
+        by_name = [
+            entry
+            for entry in declared
+            if any(word in text.casefold() for text in (entry.key, entry.listed, entry.summary))
+        ]
+        declared = by_name or [
+            entry
+            for entry in declared
+            if any(word in parameter.name.casefold() for parameter in entry.parameters)
+        ]
+    elif key:
+        declared = [entry for entry in declared if entry.key == key]
+    if not declared:
+        absent = where_absent(key, library)
+        hint = f": {absent}" if absent else alike(key, library)
+        hint = hint or "; imagechain modules lists them"
+        raise UsageError(f"there is no module {shown(key)}{hint}")
+    if json:
+        show(json, lambda: [described_module(entry) for entry in declared])
+        return
+    groups = list(dict.fromkeys(entry.group for entry in declared))
+    declared.sort(key=lambda entry: groups.index(entry.group))
+    if found:
+        print(columns([(entry.key, entry.listed, entry.summary) for entry in declared]))
+        return
+    for group, members in groupby(declared, key=lambda entry: entry.group):
+        print(f"{group}\n{'=' * len(group)}\n")
+        for entry in members:
+            print(module_text(entry, whole=bool(key)), end="\n\n")
+    for line in missing_modules(library) if not key else ():
+        print_error(f"warning: {line}")
+
+
+@options.command()
+@options.argument(
+    "word", "[WORD]", "only presets with this word in their name, text or module", required=False,
+)  # fmt: skip
+@options.json_flag
+def presets(_stop: Stop, word: str, json: bool) -> None:
+    """List the built-in cameras, lenses, detectors and light."""
+    from app.run.preset_files import shipped_presets
+    from nodes.library import standard_library
+
+    def fits(preset: Preset) -> bool:
+        texts = (preset.path.stem, preset.title, preset.text, *preset.modules)
+        return any(word.casefold() in text.casefold() for text in texts)
+
+    found = [preset for preset in shipped_presets(standard_library()) if fits(preset)]
+    if not found:
+        word = word.casefold()
+        raise UsageError(f"there is no preset with {shown(word)}; imagechain presets lists them")
+    entries = (
+        f"{preset.path.stem} · {preset.title} ({_module(preset)})\n{_filled(preset.text)}"
+        for preset in found
+    )
+    show(json, lambda: [_preset_facts(preset) for preset in found], *entries, _USE)
+
+
+def _module(preset: Preset) -> str:
+    return "macro" if preset.is_macro else preset.modules[0]
+
+
+def _preset_facts(preset: Preset) -> dict[str, str]:
+    about, _, source = preset.text.partition(_SOURCE)
+    facts = {"preset": preset.path.stem, "name": preset.title, "module": _module(preset)}
+    return facts | {"about": about.strip(), "source": source or about}
+
+
+@options.command()
+@options.argument("word", "[WORD]", "a module, a page, or a word on a page", required=False)
+@options.option(
+    "--html", "DIR",
+    "write the pages to a new folder, or over an older handbook, and do not open them",
+    values.file_path)  # fmt: skip
+@options.flag("--path", "print the path of the page, and do not open it")
+@options.json_flag
+def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -> None:
+    """Open the handbook at any page."""
+    from app.handbook.module_examples import PARTS
+    from app.handbook.written_pages import (
+        cached_handbook,
+        find_page,
+        readable_handbook,
+        write_handbook,
+    )
+    from nodes.library import standard_library
+
+    if html is not None and path:
+        raise UsageError("--html DIR and --path cannot be used together: --html prints its path")
+    library = standard_library()
+    address: str | None = "index.html"
+    if word:
+        address, known = find_page(word, library)
+        if address is None:
+            hint = close(word, known) or "; imagechain handbook opens the first page"
+            raise UsageError(f"the handbook has no page on {shown(word)}{hint}")
+    with Progress(sum(len(part.pages) for part in PARTS) + len(library)) as progress:
+
+        def made_next(title: str) -> None:
+            if stop.is_set():
+                raise Stopped
+            progress(title)
+
+        opened = html is None and not path
+        if html is not None:
+            write_handbook(html, library, made_next)
+            folder = html
+        elif opened:
+            folder = readable_handbook(library)
+        else:
+            folder = cached_handbook(library, made_next)
+        page = folder.resolve() / str(address)
+        show(json, lambda: {"page": str(page)}, str(page))
+        if opened:
+            _open_page(page)
+            cached_handbook(library, made_next)
+
+
+def _open_page(page: Path) -> None:
+    """Show a page in the browser, where there is one, and a display for it."""
+    displays = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+    if sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in displays):
+        with contextlib.suppress(OSError, webbrowser.Error):
+            webbrowser.open(page.as_uri())
+
+
+@options.command()
+@options.json_file("write every figure, for programs", values.file_path)
+@options.option("--html", "FILE", "write a page with tables and plots", values.file_path)
+@options.flag("--quick", "use fewer repetitions and sizes")
+@options.option(
+    "--only", "PART", f"measure this part: {', '.join(BENCH_PARTS)}", options.one_of(*BENCH_PARTS),
+    many=True)  # fmt: skip
+@options.option(
+    "--size", "N", "side of the picture in samples (default: 1024)", values.whole_number
+)
+def bench(
+    stop: Stop,
+    json: Path | bool | None,
+    html: Path | None,
+    quick: bool,
+    only: tuple[str, ...],
+    size: int | None,
+) -> None:
+    """Measure run time against error. The unit is a bare Fourier round trip."""
+    from app.bench import PARTS, bench_page, measured
+    from app.bench.timing import SIZE, Settings, isolate
+    from app.run.readout_tables import json_text
+
+    isolate()
+    settings = Settings(SIZE if size is None else size, quick)
+    files = [path for path in (json, html) if isinstance(path, Path)]
+    names = [name for name in PARTS if name in (only or PARTS)]
+
+    def made() -> tuple[dict[str, Any], Measured]:
+        wanted = {name: import_module(f"app.bench.{name}").MEASURES for name in names}
+        return measured(wanted, PARTS, settings, say=partial(say, json))
+
+    def content(made: tuple[dict[str, Any], Measured], path: Path) -> str:
+        return json_text(made[0], 1) if path == json else bench_page(*made)
+
+    facts, _ = written(files, (), stop, made, content)
+    end = f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files)
+    show(json, lambda: facts, end)

@@ -1,0 +1,350 @@
+"""How a command declares its words with click, and the groups of options that commands share."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from app.command.results import say
+from app.run.option_values import (
+    assignment,
+    ending_in,
+    file_path,
+    finite_number,
+    save_target,
+    tolerance,
+    whole_number,
+)
+from app.run.shipped import Place, find_network
+from core.errors import UsageError
+from core.modules.parameters import LARGEST_INTEGER
+from core.names import close, shown
+from nodes.files.common.file_format import JSON, Format, suffixes
+
+if TYPE_CHECKING:
+    from app.run.overrides import GivenNetwork
+    from core.modules.declaration import Library
+    from core.network.network import Network
+
+SAVED = "SAVED"  # in a help, for the suffixes of what a port can be saved as
+GROUPS = ("Arguments", "Options", "A picture of your own", "Options for rarer cases")
+ARGUMENTS, EVERYDAY, SCENE, RARER = GROUPS
+DEBUG = "--debug"  # taken before the words come to click: for the help
+DEBUGGING = click.Option(
+    [DEBUG], is_flag=True, expose_value=False, help="print Python's traceback before the error line"
+)
+Read = Callable[[str, str], Any]
+Function = Callable[..., Any]
+
+
+class Option(click.Option):
+    """An option of one of the help's groups; `read` makes a value of the text behind its name.
+
+    It is given once, or `many` times; `several` takes all texts up to the next option.
+    """
+
+    def __init__(self, names: Sequence[str], **how: Any) -> None:
+        self.group: str = how.pop("group")
+        self.several: bool = how.pop("several", False)
+        super().__init__(names, **how)
+
+
+class Argument(click.Argument):
+    def __init__(self, names: Sequence[str], *, about: str, **how: Any) -> None:
+        super().__init__(names, **how)
+        self.group, self.about = ARGUMENTS, about
+
+
+class PlainErrors(click.Command):
+    """Says in one line of ours what is wrong with the words."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        words = [*args]
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as error:
+            what = _what_is_wrong(error, ctx, words)
+            raise UsageError(f"{what} ({ctx.command_path} --help)") from error
+
+
+def _what_is_wrong(error: click.UsageError, ctx: click.Context, words: list[str]) -> str:
+    parameters = ctx.command.get_params(ctx)
+    options = {name: parameter for parameter in parameters for name in parameter.opts}
+    match error:
+        case click.NoSuchOption():
+            names = [name for name in options if name.startswith("-")]
+            return f"there is no option {shown(error.option_name)}{close(error.option_name, names)}"
+        case click.MissingParameter():  # what is given has been read before
+            missing = [one for one in parameters if one.required and one.name not in ctx.params]
+            names = [
+                str(one.metavar).removesuffix("...") if isinstance(one, Argument) else one.opts[0]
+                for one in missing
+            ]
+            return f"the following arguments are required: {', '.join(names)}"
+        case click.BadOptionUsage():
+            name = error.option_name
+            option = options[name]
+            if getattr(option, "is_flag", False):
+                given = next(word for word in words if word.startswith(f"{name}="))
+                return f"argument {name}: ignored explicit argument {given[len(name) + 1 :]!r}"
+            many = "at least one" if getattr(option, "several", False) else "one"
+            wants = f"{many} argument" if option.nargs == 1 else f"{option.nargs} arguments"
+            return f"argument {name}: expected {wants}"
+        case _:
+            return error.message
+
+
+class Command(PlainErrors):
+    """A command whose function gets, before its options, the event that is set to stop it."""
+
+    allow_extra_args = True  # refused below, in the words of the other errors
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Write ``--free A B`` as ``--free A --free B``, which click knows how to read."""
+        options = [option for option in self.params if isinstance(option, Option)]
+        several = {option.opts[0] for option in options if option.several}
+        words: list[str] = []
+        current = ""
+        for word in args:
+            if word.startswith("-"):
+                current = word if word in several else ""
+            elif current and words[-1] != current:
+                words.append(current)
+            words.append(word)
+        super().parse_args(ctx, words)
+        if ctx.args and not ctx.resilient_parsing:
+            word = shown(ctx.args[0].partition("=")[0])
+            raise UsageError(f"unexpected argument: {word} ({ctx.command_path} --help)")
+        return ctx.args
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        return [*super().get_params(ctx), DEBUGGING]
+
+    def invoke(self, ctx: click.Context) -> Any:
+        assert self.callback is not None
+        return self.callback(ctx.obj, **ctx.params)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            if isinstance(parameter, Argument):
+                record = str(parameter.metavar), parameter.about
+            else:
+                record = parameter.get_help_record(ctx) or ("", "")
+            groups.setdefault(getattr(parameter, "group", RARER), []).append(record)
+        for title in sorted(groups, key=GROUPS.index):
+            with formatter.section(title):
+                formatter.write_dl([(name, _with_suffixes(text)) for name, text in groups[title]])
+
+
+def _with_suffixes(about: str) -> str:
+    if SAVED not in about:
+        return about
+    from nodes.files import formats  # which takes numpy to load
+
+    return about.replace(SAVED, " ".join(suffixes(*formats.SAVED)))
+
+
+command = functools.partial(click.command, cls=Command)
+"""Makes a function the command of its name; its docstring is the help."""
+
+
+def option(
+    name: str,
+    metavar: str,
+    about: str,
+    read: Read | None = None,
+    *,
+    to: str = "",
+    group: str = EVERYDAY,
+    many: bool = False,
+    default: Any = None,
+    **how: Any,
+) -> Callable[[Function], Function]:
+    """An option with a text behind it, in the parameter `to` of the function."""
+
+    def value(_context: click.Context, option: click.Parameter, given: Sequence[Any] | None) -> Any:
+        texts = [_read(read, option, text) for text in given or ()]
+        if many:
+            return tuple(texts)
+        if len(texts) > 1:
+            raise click.UsageError(f"{name} is given more than once")
+        return texts[0] if texts else default
+
+    return click.option(
+        name, *([to] if to else []), cls=Option, metavar=metavar, help=about, multiple=True,
+        callback=value, type=click.UNPROCESSED, group=group, **how,
+    )  # fmt: skip
+
+
+def flag(
+    name: str, about: str, group: str = EVERYDAY, to: str = ""
+) -> Callable[[Function], Function]:
+    names = [name, *([to] if to else [])]
+    return click.option(*names, cls=Option, is_flag=True, help=about, group=group)
+
+
+def argument(
+    to: str, metavar: str, about: str, read: Read | None = None, *, many: bool = False,
+    required: bool = True,
+) -> Callable[[Function], Function]:  # fmt: skip
+    def value(context: click.Context, _argument: click.Parameter, given: Any) -> Any:
+        name = str(context.info_name)
+        texts = given if many else [given or ""]
+        values = tuple(text if read is None else read(name, text) for text in texts)
+        return values if many else values[0]
+
+    return click.argument(
+        to, cls=Argument, metavar=metavar, about=about, nargs=-1 if many else 1, required=required,
+        callback=value, type=click.UNPROCESSED,
+    )  # fmt: skip
+
+
+def _read(read: Read | None, option: click.Parameter, text: Any) -> Any:
+    name = option.opts[0]
+    if isinstance(text, tuple):
+        return tuple(_read(read, option, part) for part in text)
+    if not isinstance(text, str) or read is None:
+        return text
+    if text.startswith("--"):  # the next option, where click expects a value
+        raise click.BadOptionUsage(name, "")
+    return read(name, text)
+
+
+def one_of(*choices: str) -> Read:
+    def read(option: str, text: str) -> str:
+        if text in choices:
+            return text
+        known = ", ".join(map(repr, choices))
+        raise click.UsageError(f"argument {option}: invalid choice: {text!r} (choose from {known})")
+
+    return read
+
+
+def together(*options: Callable[[Function], Function]) -> Callable[[Function], Function]:
+    """Options that are declared as a group, in this order."""
+    return lambda function: functools.reduce(lambda made, one: one(made), options[::-1], function)
+
+
+json_flag = flag("--json", "print the result as JSON, and nothing else", RARER)
+
+
+def json_file(about: str, read: Read | None = None) -> Callable[[Function], Function]:
+    """``--json`` of a command that writes JSON to a file, too."""
+    about += "; without FILE, print the JSON alone"
+    how: dict[str, Any] = {"is_flag": False, "flag_value": True}  # without FILE, True
+    return option("--json", "[FILE]", about, read or ending_in(JSON), **how)
+
+
+def save_option(metavar: str, about: str) -> Callable[[Function], Function]:
+    read: Read = lambda _, text: save_target(text)  # noqa: E731
+    return option("--save", metavar, about, read, many=True, to="saves")
+
+
+def written_outputs(about: str, formats: Sequence[Format]) -> Callable[[Function], Function]:
+    about += f", as {' '.join(suffixes(*formats))}; may be repeated"
+    return option("--output", "FILE", about, ending_in(*formats), to="outputs", many=True)
+
+
+def network_options(function: Function) -> Function:
+    """A network and what is changed in it, as `GivenNetwork`; one that is not there is told first.
+
+    What only few need to load, such as numbers, is loaded after that.
+    """
+
+    @functools.wraps(function)
+    def given(
+        stop: object, /, network: str, settings: Any, disabled: Any, final: Any, scenes: Any,
+        seed: int | None = None, **more: Any,
+    ) -> Any:  # fmt: skip
+        details = {name: more.pop(name) for name in [*more] if name.startswith("scene_")}
+        place = find_network(network)
+        from app.run.overrides import GivenNetwork
+
+        asked = GivenNetwork(place, settings, disabled, final, scenes, details, seed)
+        return function(stop, asked, **more)
+
+    rare, scene = partial(option, group=RARER), partial(option, group=SCENE)
+    return together(
+        argument("network", "NETWORK", "a network file, or the name of an example network"),
+        option("--set", "NODE.PARAM=VALUE",
+            "change a parameter for this run; null clears it; may be repeated",
+            partial(assignment, form="NODE.PARAM=VALUE"), many=True, to="settings"),
+        option("--disable", "NODE",
+            "switch a node off for this run: it passes on its input; may be repeated",
+            many=True, to="disabled"),
+        rare("--final", "NODE.PORT",
+            "use this picture as the network's output, instead of the one marked in the file"),
+        scene("--scene", "[NODE=]FILE",
+            "use this picture or cube as the scene; NODE chooses among several scenes",
+            _scene, many=True, to="scenes"),
+        scene("--scene-fov-deg", "X Y",
+            "its field of view (default: from its header, else as wide as the old scene)",
+            finite_number, nargs=2),
+        scene("--scene-range-m", "M", "its distance", finite_number),
+        scene("--scene-sample-m", "M", "size of a sample in the scene, instead of the field of "
+            "view", finite_number),
+        scene("--scene-band-um", "A B",
+            "its wavelength band (default: from its header, else as for the old scene)",
+            finite_number, nargs=2),
+        scene("--scene-unit", "UNIT",
+            "its unit: a radiance unit, K, C, reflectance, or relative (scaled to the range of "
+            "the old scene); default: the file's unit, else relative"),
+    )(given)  # fmt: skip
+
+
+def _scene(option: str, text: str) -> str:
+    file_path(option, text)
+    return text
+
+
+def opened(asked: GivenNetwork, json: bool) -> tuple[Library, Place, Network]:
+    """The network with its macros written out and the command line's changes, valid."""
+    from nodes.library import standard_library
+
+    library = standard_library()
+    network, lines = asked.opened(library)
+    say(json, *lines)
+    return library, asked.place, network
+
+
+def place_options(function: Function) -> Function:
+    """Where the network's files go: `output_dir` and `allowed`."""
+    return together(
+        option("--output-dir", "DIR",
+            "folder for final.png, mtf.csv and readouts.json (default ./NAME-output)", file_path),
+        option("--allow-writes-to", "DIR",
+            "let the network's nodes write and replace any file below DIR. By default they write "
+            "only to the network's folder and the output folder, and replace only files that this "
+            "network has written. May be repeated", file_path, many=True, to="allowed",
+            group=RARER),
+    )(function)  # fmt: skip
+
+
+def numerical_options(function: Function) -> Function:
+    """Seed and accuracy: the seed goes to the network, the rest is its `policy`."""
+
+    @functools.wraps(function)
+    def given(*words: Any, precision: Any, tolerance: Any, threads: int, **more: Any) -> Any:
+        from core.evaluation.policy import Policy
+
+        return function(*words, policy=Policy(precision, tolerance, threads), **more)
+
+    number = partial(option, group=RARER)
+    return together(
+        option("--seed", "N", "seed of the noise, instead of the network's",
+            partial(whole_number, largest=LARGEST_INTEGER)),
+        number("--precision", "[single|double]", "default: single", one_of("single", "double"),
+            default="single"),
+        number("--tolerance", "T",
+            "error budget, 0 to below 1: leave out stages that together change the picture by "
+            "less than this fraction of its range. Default: below the precision's rounding; 1e-4 "
+            "of each band's contrast if a few wavelengths represent all bands. 0 leaves out only "
+            "what changes nothing", tolerance),
+        number("--threads", "N", "worker threads (default: all)",
+            partial(whole_number, largest=1024), default=0),
+    )(given)  # fmt: skip

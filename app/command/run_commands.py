@@ -1,0 +1,200 @@
+"""``imagechain run`` and ``check``: a network's picture and figures, and its errors."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.command import options
+from app.command.results import Progress, say, show
+from app.run import option_values as values
+from app.run.option_values import Save
+from app.run.process import Stop, too_late
+from core.errors import ImagechainError, InputError
+from core.names import in_line
+from nodes.files.common.file_format import suffixes
+
+if TYPE_CHECKING:
+    from app.run.overrides import GivenNetwork
+    from app.run.write_rules import WriteRules
+    from core.evaluation.policy import Policy
+
+
+@options.command()
+@options.network_options
+@options.save_option(
+    "NODE.PORT=FILE",
+    f"write the value of a port, as {options.SAVED}. NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE writes "
+    "part of an image: these rows and columns, counted from 0, without BOTTOM and RIGHT "
+    "themselves (default: the image's bounds). .bsq and .img (ENVI) keep all bands of an "
+    "image; .zarr takes a picture of any size. May be repeated")  # fmt: skip
+@options.option(
+    "--frames", "N",
+    "save N frames of each image, each with its own temporal noise; the first is the picture. "
+    "Formats: .npy (frames, rows, columns), .tif .tiff (one page each), .bsq .img (ENVI, one "
+    "band each)", values.whole_number)  # fmt: skip
+@options.place_options
+@options.flag(
+    "--all", "print the read-outs of all nodes instead of the main figures", to="every_readout"
+)
+@options.option(
+    "--memory", "SIZE",
+    "memory for pictures, such as 2GB or 500MB (default: half of what the process may use). A "
+    "network that needs more runs in blocks, with its pictures on disk; the results are the same",
+    values.size_in_bytes, to="memory_bytes", group=options.RARER)  # fmt: skip
+@options.option(
+    "--scratch", "DIR",
+    "folder for pictures that do not fit into memory (default: beside the output)",
+    values.file_path, group=options.RARER)  # fmt: skip
+@options.option(
+    "--report", "FILE",
+    f"write a report, {' or '.join(suffixes(*values.REPORTS))}; may be repeated",
+    values.report_path, many=True, to="reports")  # fmt: skip
+@options.numerical_options
+@options.json_flag
+def run(
+    stop: Stop,
+    asked: GivenNetwork,
+    policy: Policy,
+    saves: tuple[Save, ...],
+    frames: int | None,
+    output_dir: Path | None,
+    allowed: tuple[Path, ...],
+    every_readout: bool,
+    memory_bytes: int | None,
+    scratch: Path | None,
+    reports: tuple[Path, ...],
+    json: bool,
+) -> None:
+    """Compute a network's picture and figures.
+
+    The files appear in the output folder once everything has succeeded; otherwise none is written.
+    """
+    from app.command.network_run import KEPT_BYTES, NetworkRun, Stage, input_files, sink_targets
+    from app.run.evaluation import TimedWork, planned
+    from app.run.figures import Figure, main_figures
+    from app.run.own_scene import without_judges
+    from app.run.staging import Staging
+    from app.run.way_of_running import way_of_running
+    from app.run.write_rules import OPTION
+    from core.chain.engine import Engine
+    from core.evaluation.store import Store
+
+    library, place, network = options.opened(asked, json)
+    left_out: tuple[str, ...] = ()
+
+    def once() -> tuple[NetworkRun, str]:
+        start = time.perf_counter()
+        plan = planned(Engine(library, Store(0)), network, place.folder)
+        way = way_of_running(plan, policy, memory_bytes)
+        # All that a run needs is known and held; reports may need more, and again.
+        engine = Engine(library, way.store(None if reports else Store(KEPT_BYTES)))
+        folder, rules = _folder_and_rules(asked, output_dir, allowed)
+        figures: list[Figure] = []
+        with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
+            with Progress(len(plan.nodes)) as progress:
+                work = TimedWork(policy, engine.store, progress, stop)
+                stage = Stage(
+                    folder, staging, rules, look=lambda made: figures.extend(main_figures(made)),
+                    way=way, saves=saves, frames=frames, reports=reports, scratch=scratch,
+                )  # fmt: skip
+                evaluation, skipped = stage.prepare(engine, plan, work, start=start)
+            work.check()
+            too_late(stop)
+            forgotten = rules.commit(staging)
+        written = sink_targets(plan, place.folder).values()
+        others = [*(save.text for save in saves), *map(str, (*reports, *written))]
+        return NetworkRun(evaluation, skipped, figures, folder, others), forgotten
+
+    while True:
+        try:
+            made, forgotten = once()
+            break
+        except ImagechainError as error:
+            spare = [save.node for save in saves]
+            smaller = without_judges(network, error, library, spare, figures_only=not asked.scenes)
+            if smaller is None:
+                raise
+            network, more = smaller
+            say(json, *map(in_line, more))
+            left_out += more
+    lines = made.lines(every_readout=every_readout, on_memory=memory_bytes is not None)
+    if forgotten:
+        needs = f"could not record the files, so the next run needs {OPTION}: {forgotten}"
+        lines.append(in_line(needs))
+    show(json, lambda: {**made.facts(), "left_out": list(left_out)}, *lines)
+
+
+@options.command()
+@options.network_options
+@options.place_options
+@options.json_flag
+def check(
+    _stop: Stop,
+    asked: GivenNetwork,
+    output_dir: Path | None,
+    allowed: tuple[Path, ...],
+    json: bool,
+) -> None:
+    """Print the errors and warnings of a network. It also says what a run would write."""
+    from app.command.network_run import FINAL, input_files, own_files, sink_targets
+    from app.run.evaluation import planned
+    from app.run.output import find_output, how_to_choose
+    from app.run.readout_tables import warning_lines
+    from app.run.staging import Staging
+    from core.chain.engine import Engine
+    from core.network.validation import NetworkProblems
+
+    written: list[str] = []
+    try:
+        library, place, network = options.opened(asked, json)
+        plan = planned(Engine(library), network, place.folder)
+        folder, rules = _folder_and_rules(asked, output_dir, allowed)
+        own, sinks = own_files(plan, folder), sink_targets(plan, place.folder)
+        written.append(f"run writes {', '.join(map(str, own))}")
+        written += [f"{node}: run writes {target}" for node, target in sinks.items()]
+        staging = Staging(folder, [place.path, *input_files(plan, place.folder)])
+        if refused := rules.refused(sinks, own, staging):
+            raise NetworkProblems(refused)
+    except InputError as error:
+        problems = error.problems if isinstance(error, NetworkProblems) else (error,)
+        lines = [*map(in_line, written), *(in_line(str(problem)) for problem in problems)]
+        facts = [{"node": problem.node, "message": problem.message} for problem in problems]
+        show(json, lambda: {"errors": facts}, *lines)
+        name = asked.place.name
+        raised = InputError(f"{name}: {_count(problems, 'error')}, the first: {problems[0]}")
+        raised.exit_code = error.exit_code  # 1 for the fault of a plug-in
+        raise raised from None
+    cautions = plan.warnings()
+    warnings = warning_lines(cautions)
+    if choose := how_to_choose(find_output(plan)):
+        warnings.append(f"warning: no {FINAL}: {choose}")
+    count = f", {_count(warnings, 'warning')}" if warnings else ""
+    size = f"{_count(network.nodes, 'node')}, {_count(network.links, 'link')}"
+    summary = f"{place.name}: no errors{count} ({size})"
+    show(
+        json,
+        lambda: {"errors": [], "warnings": [asdict(caution) for caution in cautions]},
+        *map(in_line, [*warnings, summary, *written]),
+    )
+
+
+def _folder_and_rules(
+    asked: GivenNetwork, output_dir: Path | None, allowed: Sequence[Path]
+) -> tuple[Path, WriteRules]:
+    """The output folder, and what the network may write."""
+    from app.run.staging import check_folder
+    from app.run.write_rules import write_rules
+
+    folder = output_dir or Path(f"{asked.place.name}-output")
+    check_folder(folder)
+    given = (setting.node for setting in asked.settings if setting.name == "path")
+    named = output_dir is not None
+    return folder, write_rules(asked.place, folder, named=named, allowed=allowed, given=given)
+
+
+def _count(things: Any, what: str) -> str:
+    return f"{len(things)} {what}{'' if len(things) == 1 else 's'}"

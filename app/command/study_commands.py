@@ -1,0 +1,296 @@
+"""``imagechain tradeoff``, ``study`` and ``solve``: a network with other values of parameters."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import time
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.command import options
+from app.command.results import Progress, say, show, written
+from app.run import option_values as values
+from app.run.option_values import Save
+from app.run.process import Stop
+from core.errors import DataError, UsageError
+from core.names import in_line, shown
+from nodes.files.common.file_format import suffixes
+
+if TYPE_CHECKING:
+    from app.run.overrides import GivenNetwork
+    from app.study.study_request import StudyRows
+    from core.evaluation.policy import Policy
+
+_MOST_JOBS = 1024
+_OF_PLUG_IN = re.compile(r"\ba fault of the (module \S+ in the )?plug-in ")
+
+
+@options.command()
+@options.network_options
+@options.option(
+    "--vary", "NODE.PARAM=VALUES",
+    "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
+    "if given twice, each value of the second makes a curve",
+    many=True, required=True)  # fmt: skip
+@options.option(
+    "--figure", "NODE.READOUT",
+    "figure to compute: a read-out of a node, or an MTF of the chain. total.mtf_nyquist_x "
+    "and total.mtf_half_nyquist_x (or _y) are at the samples' Nyquist frequency and half of "
+    "it, total.mtf_pixel_nyquist_x and total.mtf_half_pixel_nyquist_x at the pixels'. May be "
+    "repeated (default: the electronics' figures and the chain's MTFs, if they change)",
+    many=True, to="figures")  # fmt: skip
+@options.written_outputs("write the figures", values.OUTPUTS)
+@options.numerical_options
+@options.json_flag
+def tradeoff(
+    stop: Stop,
+    asked: GivenNetwork,
+    policy: Policy,
+    vary: tuple[str, ...],
+    figures: tuple[str, ...],
+    outputs: tuple[Path, ...],
+    json: bool,
+) -> None:
+    """Plot figures against a parameter.
+
+    Where the network fails at a value, the table has a gap and says why.
+    """
+    from app.command.network_run import input_files
+    from app.run.readout_tables import warned_points
+    from app.tradeoff.tradeoff_drawing import failures, table, trade_off_content, trade_off_facts
+    from app.tradeoff.tradeoff_figures import chosen_figures
+    from app.tradeoff.tradeoff_results import Results, shown_value, trade_off
+    from app.tradeoff.values import OPTION, variations
+    from core.chain.engine import Engine
+
+    library, place, network = options.opened(asked, json)
+    varied, second = variations(vary, network, library)
+    chosen = chosen_figures(figures, network, library)
+    engine = Engine(library)
+    plan = engine.plan(network, folder=place.folder)
+    points = [value for _ in (second.values if second else (None,)) for value in varied.values]
+
+    def made() -> Results:
+        with Progress(len(points)) as progress:
+            results = trade_off(
+                engine, plan, engine.work(policy, cancel=stop), varied, second, chosen,
+                name=network.name or place.name, by_default=not figures,
+                # Each point counts once, also where values look alike.
+                reached=lambda count: progress(
+                    f"{count}: {varied.text} {shown_value(points[count - 1], varied.unit)}"
+                ),
+            )  # fmt: skip
+        if (why := results.why_nothing()) is not None:
+            why = why and f": {why}"
+            raise UsageError(f"{OPTION} {varied.text}: no value gives a figure{why}")
+        return results
+
+    inputs = [place.path, *input_files(plan, place.folder)]
+    results = written(outputs, inputs, stop, made, trade_off_content)
+    width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
+    lines = [table(results, width)]
+    if reasons := failures(results):
+        lines += ["", *map(in_line, reasons)]
+    if outputs:
+        lines += ["", in_line(", ".join(map(str, outputs)))]
+    warned = warned_points([point.warnings for _, point in results.rows()])
+    show(json, lambda: trade_off_facts(results), *lines, *warned)
+
+
+_tls = partial(options.option, group=options.RARER)
+
+
+@options.command()
+@options.network_options
+@options.option(
+    "--vary", "NODE.PARAM=VALUES",
+    "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
+    "with --sample latin, FROM:TO or FROM:TO:log; may be repeated", many=True)  # fmt: skip
+@options.option(
+    "--over", "NODE.PARAM=PATTERN",
+    "compute every point for each file that matches a pattern, such as "
+    "scene.path='scenes/*.img', in numerical order; may be repeated", many=True)  # fmt: skip
+@options.option(
+    "--sample", "HOW",
+    "grid: all combinations of the values (default); latin: --points N points of a Latin "
+    "hypercube, drawn with the network's seed; a .csv file: its rows, with columns named "
+    "NODE.PARAM", default="grid")  # fmt: skip
+@options.option("--points", "N", "number of points to draw", values.whole_number)
+@options.option(
+    "--figure", "NODE.READOUT",
+    "figure to compute at each point, as for tradeoff; may be repeated (default: figures of "
+    "the electronics and the chain's MTF; none if pictures are saved)",
+    many=True, to="figures")  # fmt: skip
+@options.save_option(
+    "NODE.PORT=PATTERN",
+    "save each point's picture or curve. Fields in the file's name: {point}, {NODE.PARAM} "
+    f"of a varied parameter, {{scene}} for the name of the picture. Formats: {options.SAVED}. May "
+    "be repeated")  # fmt: skip
+@options.option(
+    "--output", "FILE", f"file for the rows, as {' '.join(suffixes(*values.STUDIES))}",
+    values.study_path, required=True)  # fmt: skip
+@options.option(
+    "--summary", "FILE",
+    f"plot of the figures, as {' '.join(suffixes(*values.SUMMARIES))}; may be repeated",
+    values.summary_path, many=True, to="summaries")  # fmt: skip
+@options.flag("--fresh", "discard the rows of an unfinished study")
+@options.option(
+    "--jobs", "N",
+    "number of processes on this machine (default: one; all cores if the remaining points take "
+    "long enough)", values.whole_number, group=options.RARER)  # fmt: skip
+@options.option(
+    "--memory", "SIZE",
+    "memory for computed values in all processes together, such as 2GB (default: 256MB in "
+    "each process); give it for pictures larger than about 4000 x 4000 samples",
+    values.size_in_bytes, to="memory_bytes", group=options.RARER)  # fmt: skip
+@options.option(
+    "--scheduler", "ADDRESS",
+    "compute on the workers of a Dask scheduler, such as tls://10.0.0.1:8786; the workers need "
+    "Imagechain and must see the same files", default="", group=options.RARER)  # fmt: skip
+@_tls("--tls-ca-file", "FILE", "certificate of the authority for a scheduler at tls://")
+@_tls("--tls-cert", "FILE", "certificate for a scheduler at tls://")
+@_tls("--tls-key", "FILE", "private key for a scheduler at tls://")
+@options.numerical_options
+@options.json_flag
+def study(
+    stop: Stop,
+    asked: GivenNetwork,
+    policy: Policy,
+    vary: tuple[str, ...],
+    over: tuple[str, ...],
+    sample: str,
+    points: int | None,
+    figures: tuple[str, ...],
+    saves: tuple[Save, ...],
+    output: Path,
+    summaries: tuple[Path, ...],
+    fresh: bool,
+    jobs: int | None,
+    memory_bytes: int | None,
+    scheduler: str,
+    tls_ca_file: str | None,
+    tls_cert: str | None,
+    tls_key: str | None,
+    json: bool,
+) -> None:
+    """Compute figures and pictures for many values and scenes.
+
+    The points are those of a grid, a Latin hypercube or a list, for every picture that matches a
+    pattern. Each point becomes a row: its values, its figures, a key of the computation, its
+    computing time, and the reason if it failed. To resume a study that was stopped or killed, give
+    the same command again; finished rows are saved in OUTPUT.journal.
+    """
+    from app.study.carrying_out import Workers, carry_out
+    from app.study.study_request import make_study
+    from app.tradeoff.values import FORM, OPTION
+
+    begun = time.perf_counter()
+    library, place, network = options.opened(asked, json)
+    tls = _tls_files({"--tls-ca-file": tls_ca_file, "--tls-cert": tls_cert, "--tls-key": tls_key})
+    workers = Workers(_jobs(jobs, scheduler), scheduler, tls, memory_bytes)
+    workers.check()
+    settings = [values.assignment(OPTION, text, FORM) for text in vary]
+    labels = [setting.port for setting in settings]
+    if twice := next((label for label in labels if labels.count(label) > 1), None):
+        raise UsageError(f"{OPTION} {twice} is given twice: vary another parameter")
+    wanted = make_study(
+        network, name=network.name or place.name, folder=place.folder, library=library,
+        vary={setting.port: setting.text for setting in settings}, over=over, sample=sample,
+        points=points, figures=figures, saves=saves, policy=policy, read=[place.path],
+        output=output, summaries=summaries,
+    )  # fmt: skip
+    if workers.warning:
+        say(json, f"warning: {workers.warning}")
+
+    def where(done: int) -> str:
+        if done >= len(wanted.order):
+            return ""
+        point = wanted.points[wanted.order[done]]
+        words = (str(axis.shown(v)) for axis, v in zip(wanted.axes, point, strict=True))
+        return " ".join(words)[:60]
+
+    with Progress(len(wanted.points), time_left=True) as progress:
+        result = carry_out(
+            wanted, workers, output=output, summaries=summaries, fresh=fresh,
+            reached=lambda done: progress.reach(done, where(done)), cancel=stop,
+        )  # fmt: skip
+    _show_rows(result, [output, *summaries], json, time.perf_counter() - begun)
+
+
+def _jobs(jobs: int | None, scheduler: str) -> int:
+    if jobs is None:
+        return 0
+    if scheduler:
+        raise UsageError(
+            "--jobs is for processes on this machine: give --jobs or --scheduler, not both"
+        )
+    if not 1 <= jobs <= _MOST_JOBS:
+        raise UsageError(f"--jobs {jobs}: give a whole number from 1 to {_MOST_JOBS}")
+    return jobs
+
+
+def _tls_files(given: dict[str, str | None]) -> tuple[str, ...]:
+    files = {name: text for name, text in given.items() if text is not None}
+    missing = [name for name in given if name not in files]
+    if files and missing:
+        raise UsageError(f"{missing[0]} is missing: TLS needs {', '.join(given)}")
+    for name, text in files.items():
+        if not Path(text).is_file():
+            raise UsageError(f"{name} {shown(text)}: there is no such file")
+    return tuple(files.values())
+
+
+def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: float) -> None:
+    """Print where the rows are; a `DataError` when all is done, but points have failed."""
+    from app.run.readout_tables import warned_points
+
+    failed, count, files = result.failed, len(result.rows), [*map(str, written)]
+
+    def facts() -> dict[str, Any]:
+        columns = result.columns()
+        rows = zip(*(column.values for column in columns), strict=True)
+        heads = [column.head for column in columns]
+        return {"rows": [dict(zip(heads, row, strict=True)) for row in rows], "files": files}
+
+    show(
+        json,
+        facts,
+        in_line(f"{count} points in {seconds:.3g} s: {', '.join(files)}"),
+        *warned_points([row.warnings for row in result.rows]),
+    )
+    if failed:
+        row = failed[0]
+        error = DataError(
+            f"{len(failed)} of {count} points failed, see the column error of {files[0]}; the "
+            f"first, point {row.place + 1}: {row.error}"
+        )
+        error.exit_code = 1 if _OF_PLUG_IN.search(row.error) else 2
+        raise error
+
+
+@options.command()
+@options.network_options
+@options.option(
+    "--for", "NODE.PARAM[=LOW:HIGH]",
+    "the parameter to find, in its own range or the one you give", required=True, to="solve_for",
+)  # fmt: skip
+@options.option(
+    "--until", "NODE.READOUT=VALUE",
+    "the read-out, and the value you want, in the read-out's unit", required=True)  # fmt: skip
+@options.numerical_options
+@options.json_flag
+def solve(
+    stop: Stop, asked: GivenNetwork, policy: Policy, solve_for: str, until: str, json: bool
+) -> None:
+    """Find the parameter value that gives a wanted read-out."""
+    from app.tradeoff.solved_network import solve_network
+
+    library, place, network = options.opened(asked, json)
+    facts, lines = solve_network(
+        network, library, place.folder, solve_for=solve_for, until=until, policy=policy,
+        cancel=stop, progress=Progress,
+    )  # fmt: skip
+    show(json, lambda: facts, *lines)
