@@ -15,6 +15,7 @@ from core.names import in_line
 from nodes.files.common.file_format import CSV, HTML, JSON
 
 if TYPE_CHECKING:
+    from app.fit.fit_result import FitResult
     from app.measure.picture_measurement import PictureMeasurement
     from app.run.overrides import GivenNetwork
     from core.evaluation.policy import Policy
@@ -161,9 +162,7 @@ def fit(
     from app.fit.free_parameter import free_parameters
     from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
     from app.run.readout_tables import json_text
-    from app.run.staging import Staging
     from app.tradeoff.tradeoff_results import with_value
-    from core.atomic import write_text
     from core.chain.engine import Engine
     from core.editing.document import rebased
     from core.network.file import format_network
@@ -173,32 +172,31 @@ def fit(
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)
     work = engine.work(policy, cancel=stop)
-    to_json = json if isinstance(json, Path) else None
-    with Staging(None, [place.path, *pictures, *input_files(plan, place.folder)]) as staging:
-        for path in filter(None, (to_json, output, report)):
-            staging.claim(path)
+
+    def made() -> FitResult:
         with Progress(3) as progress:
-            result = (fit_known_scene if known_scene else fit_pictures)(
+            return (fit_known_scene if known_scene else fit_pictures)(
                 engine, plan, work, free=fitted_parameters,
                 pictures=read_pictures(pictures, band=band), report=progress,
             )  # fmt: skip
-        if to_json is not None:
-            text = json_text(fit_facts(result))
-            staging.write(to_json, partial(write_text, content=text))
-        if output is not None:
-            fitted = network
-            for parameter, one in zip(fitted_parameters, result.parameters, strict=True):
-                if one.used is not None:
-                    fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
-            typed = {(setting.node, setting.name) for setting in asked.settings}
-            moved = rebased(fitted, library, place.folder, output.parent, typed=typed)
-            text = format_network(moved.apply(fitted) if moved else fitted, library=library)
-            staging.write(output, partial(write_text, content=text))
-        if report is not None:
+
+    def content(result: FitResult, path: Path) -> str:
+        if path == json:
+            return json_text(fit_facts(result))
+        if path == report:
             names = tuple(map(str, pictures))
-            page = fit_page(result, network=network.name or place.name, pictures=names)
-            staging.write(report, partial(write_text, content=page))
-        staging.commit()
+            return fit_page(result, network=network.name or place.name, pictures=names)
+        fitted = network
+        for parameter, one in zip(fitted_parameters, result.parameters, strict=True):
+            if one.used is not None:
+                fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
+        typed = {(setting.node, setting.name) for setting in asked.settings}
+        moved = rebased(fitted, library, place.folder, path.parent, typed=typed)
+        return format_network(moved.apply(fitted) if moved else fitted, library=library)
+
+    files = [path for path in (json, output, report) if isinstance(path, Path)]
+    inputs = [place.path, *pictures, *input_files(plan, place.folder)]
+    result = written(files, inputs, stop, made, content)
     show(json, lambda: fit_facts(result), fit_text(result))
 
 

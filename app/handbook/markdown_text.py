@@ -14,7 +14,7 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -28,15 +28,6 @@ _SOURCE = re.compile(r"^(\w+)\.md\b")
 _REMARK = re.compile(r"^<!--.*-->\n", re.MULTILINE)  # such as marks to write between
 
 
-@dataclass(frozen=True)
-class Heading:
-    """A title within a page."""
-
-    level: int
-    text: str
-    anchor: str
-
-
 @dataclass
 class Rendered:
     """A page's body, and what it says."""
@@ -44,7 +35,6 @@ class Rendered:
     title: str = ""
     lead: str = ""
     body: str = ""
-    headings: list[Heading] = field(default_factory=list)
     words: str = ""
 
 
@@ -109,12 +99,10 @@ def _name_headings(tokens: list[Any], page: Rendered) -> None:
         if token.type != "heading_open":
             continue
         text = re.sub(r"[*`]", "", inline.content)
-        anchor = anchor_of(text)
         if token.tag == "h1":
             page.title = text
         else:
-            token.attrSet("id", anchor)
-            page.headings.append(Heading(int(token.tag[1]), text, anchor))
+            token.attrSet("id", anchor_of(text))
 
 
 def _link_modules(tokens: list[Any], modules: Mapping[str, str]) -> None:

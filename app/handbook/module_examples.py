@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import Any
 
 import networks
-from core.modules.declaration import Declaration, Library
-from core.network.network import Link, Network, Node
+from core.modules.declaration import Declaration, Library, declaration
+from core.network.network import Link, Network, Node, reached
 
 Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
 IT = "it"
@@ -181,34 +181,24 @@ def example_network(declared: Declaration, library: Library) -> Network:
         for name in ("magnitude", "phase"):
             made = declared.output(name) is not None and declared.key != "init_trans"
             links.append((f"{IT if made else 'init'}.{name}", f"seen.{name}"))
-    needed = _needed(links, "seen" if "seen" in nodes else IT)
+    sources: dict[str, list[str]] = {}
+    for source, target in links:
+        sources.setdefault(_node(target), []).append(_node(source))
+    needed = reached(sources, {IT, "seen"} & nodes.keys())
     return Network(
         name=declared.title,
         seed=1996,
         nodes={
-            name: Node(name, key, {k: v for k, v in params.items() if _known(library, key, k)})
+            name: Node(
+                name,
+                key,
+                {k: v for k, v in params.items() if declaration(library[key]).parameter(k)},
+            )
             for name, (key, params) in nodes.items()
             if name in needed
         },
         links=tuple(Link.between(*link) for link in links if _node(link[1]) in needed),
     )
-
-
-def _known(library: Library, key: str, name: str) -> bool:
-    from core.modules.declaration import declaration
-
-    return declaration(library[key]).parameter(name) is not None
-
-
-def _needed(links: list[tuple[str, str]], last: str) -> set[str]:
-    needed, waiting = {last, IT}, [last, IT]
-    while waiting:
-        name = waiting.pop()
-        for source, target in links:
-            if _node(target) == name and _node(source) not in needed:
-                needed.add(_node(source))
-                waiting.append(_node(source))
-    return needed
 
 
 def _node(port: str) -> str:
@@ -228,50 +218,17 @@ class Part:
     pages: tuple[str, ...]
 
 
-PARTS = (
-    Part("Begin", ("index", "getting_started")),
-    Part(
-        "Tutorials",
-        (
-            "infrared_camera",
-            "edge_pictures",
-            "real_camera",
-            "fitting",
-            "laboratory",
-            "satellite",
-            "dirsig_scene",
-            "lens_and_mtf",
-            "cluster_study",
-        ),
-    ),
-    Part(
-        "Guides",
-        (
-            "editor",
-            "editor_views",
-            "commands",
-            "network_files",
-            "python_package",
-            "cameras",
-            "judging",
-            "studies",
-            "beyond_memory",
-            "plug_ins",
-        ),
-    ),
-    Part(
-        "Reference",
-        (
-            "reference",
-            "glossary",
-            "shipped_networks",
-            "published_cameras",
-            "formulas",
-            "speed_and_accuracy",
-            "how_it_works",
-            "extending",
-        ),
-    ),
+PARTS = tuple(
+    Part(title, tuple(pages.split()))
+    for title, pages in {
+        "Begin": "index getting_started",
+        "Tutorials": "infrared_camera edge_pictures real_camera fitting laboratory satellite "
+        "dirsig_scene lens_and_mtf cluster_study",
+        "Guides": "editor editor_views commands network_files python_package cameras judging "
+        "studies beyond_memory plug_ins",
+        "Reference": "reference glossary shipped_networks published_cameras formulas "
+        "speed_and_accuracy how_it_works extending",
+    }.items()
 )
 REFERENCE = "reference"
 """The page that lists the modules."""

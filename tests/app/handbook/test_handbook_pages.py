@@ -151,7 +151,7 @@ def test_a_page_of_markdown():
     )
     page = rendered(text, {"Gaussian MTF": "modules/gaussian_mtf.html"}, lambda _: "")
     assert (page.title, page.lead) == ("A page", "What it is *about*.")
-    assert [(h.level, h.anchor) for h in page.headings] == [(2, "one-two")]
+    assert '<h2 id="one-two">' in page.body
     assert '<a href="modules/gaussian_mtf.html">Gaussian MTF</a> &lt;b&gt;' in page.body
     assert '<a href="other.html#y">x</a>' in page.body
     assert '<svg class="formula"' in page.body
