@@ -42,6 +42,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     With ``--debug`` anywhere among the words, Python's traceback comes before that line.
     """
+    if argv is None and "_IMAGECHAIN_COMPLETE" in os.environ:  # a shell wants the words to type
+        COMMAND_LINE.main(prog_name="imagechain")
     given = list(sys.argv[1:] if argv is None else argv)
     words = [word for word in given if word != DEBUG]
     # The engine divides its work itself; BLAS threads beside its own only get in their way (the

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from app.command.results import say
 from app.run.option_values import (
@@ -19,7 +20,7 @@ from app.run.option_values import (
     tolerance,
     whole_number,
 )
-from app.run.shipped import Place, find_network
+from app.run.shipped import Place, every_network, find_network
 from core.errors import UsageError
 from core.modules.parameters import LARGEST_INTEGER
 from core.names import close, shown
@@ -41,11 +42,20 @@ Read = Callable[[str, str], Any]
 Function = Callable[..., Any]
 
 
+def _completed(word: click.Parameter, _ctx: click.Context, start: str) -> list[CompletionItem]:
+    """What a shell may complete: the names of networks where one is wanted, else files."""
+    names = every_network() if word.name == "network" else ()
+    found = [CompletionItem(name) for name in names if name.startswith(start)]
+    return found or [CompletionItem(start, type="file")]
+
+
 class Option(click.Option):
     """An option of one of the help's groups; `read` makes a value of the text behind its name.
 
     It is given once, or `many` times; `several` takes all texts up to the next option.
     """
+
+    shell_complete = _completed
 
     def __init__(self, names: Sequence[str], **how: Any) -> None:
         self.group: str = how.pop("group")
@@ -54,6 +64,8 @@ class Option(click.Option):
 
 
 class Argument(click.Argument):
+    shell_complete = _completed
+
     def __init__(self, names: Sequence[str], *, about: str, **how: Any) -> None:
         super().__init__(names, **how)
         self.group, self.about = ARGUMENTS, about
