@@ -7,7 +7,6 @@ import json as json_module
 import os
 import sys
 import textwrap
-import webbrowser
 from functools import partial
 from importlib import import_module
 from itertools import groupby
@@ -198,6 +197,8 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
 
 def _open_page(page: Path) -> None:
     """Show a page in the browser, where there is one, and a display for it."""
+    import webbrowser  # only where a page is opened
+
     displays = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
     if sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in displays):
         with contextlib.suppress(OSError, webbrowser.Error):

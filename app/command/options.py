@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from app.command.results import say
 from app.run.option_values import (
@@ -27,6 +26,8 @@ from core.names import close, shown
 from nodes.files.common.file_format import JSON, Format, suffixes
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from app.run.overrides import GivenNetwork
     from core.modules.declaration import Library
     from core.network.network import Network
@@ -44,6 +45,8 @@ Function = Callable[..., Any]
 
 def _completed(word: click.Parameter, _ctx: click.Context, start: str) -> list[CompletionItem]:
     """What a shell may complete: the names of networks where one is wanted, else files."""
+    from click.shell_completion import CompletionItem
+
     names = every_network() if word.name == "network" else ()
     found = [CompletionItem(name) for name in names if name.startswith(start)]
     return found or [CompletionItem(start, type="file")]
@@ -220,11 +223,11 @@ def _read(read: Read | None, option: click.Parameter, text: Any) -> Any:
     name = option.opts[0]
     if isinstance(text, tuple):
         return tuple(_read(read, option, part) for part in text)
-    if not isinstance(text, str) or read is None:
+    if not isinstance(text, str):
         return text
     if text.startswith("--"):  # the next option, where click expects a value
         raise click.BadOptionUsage(name, "")
-    return read(name, text)
+    return text if read is None else read(name, text)
 
 
 def one_of(*choices: str) -> Read:

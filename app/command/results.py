@@ -12,7 +12,6 @@ from typing import Any, Self, TypeVar
 
 from app.run.process import too_late
 from app.run.readout_tables import json_text
-from core.atomic import write_bytes, write_text
 from core.errors import Cancelled
 
 Made = TypeVar("Made")
@@ -42,6 +41,8 @@ def written(
 
 
 def write_content(path: Path, content: str | bytes) -> None:
+    from core.atomic import write_bytes, write_text  # only where files are written
+
     if isinstance(content, bytes):
         write_bytes(path, content)
     else:

@@ -133,11 +133,15 @@ def picture(samples: Samples, caption: str, limits: tuple[float, float] | None =
     times = max(1, _LARGE // max(levels.shape))
     levels = np.repeat(np.repeat(levels, times, axis=0), times, axis=1)
     rows, columns = levels.shape
-    data = base64.b64encode(encode_png(levels)).decode()
-    alt = html.escape(caption)
+    size = f'width="{columns}" height="{rows}" '
+    return png_figure(encode_png(levels), caption, "picture", size)
+
+
+def png_figure(content: bytes, caption: str, kind: str, size: str = "") -> str:
+    data, text = base64.b64encode(content).decode(), html.escape(caption)
     return (
-        f'<figure class="picture"><img alt="{alt}" width="{columns}" height="{rows}" '
-        f'src="data:image/png;base64,{data}"><figcaption>{alt}</figcaption></figure>'
+        f'<figure class="{kind}"><img alt="{text}" {size}src="data:image/png;base64,{data}">'
+        f"<figcaption>{text}</figcaption></figure>"
     )
 
 

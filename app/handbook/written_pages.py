@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import html
 import json
@@ -20,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.handbook.example_figures import Example, curves, example_of, picture
+from app.handbook.example_figures import Example, curves, example_of, picture, png_figure
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
 from app.handbook.module_examples import MODULES, PAGES, PARTS, REFERENCE, SHIPPED
 from app.handbook.published_cameras import published_camera
@@ -373,7 +372,7 @@ def page_figure(words: str, engine: Engine) -> str:
     for number, (kind, what, *caption) in enumerate(shown):
         text = caption[0] if caption else what
         if kind == "shipped":
-            drawings.append(_shipped(what, text))
+            drawings.append(png_figure((SHIPPED / "pictures" / what).read_bytes(), text, kind))
         elif kind == "picture":
             samples = engine.value(plan, what, work)
             drawn = np.abs(samples) if isinstance(plan.output(what), Pupil) else samples
@@ -389,10 +388,6 @@ def page_figure(words: str, engine: Engine) -> str:
     return f'<div class="figures">\n{"".join(drawings)}\n</div>\n'
 
 
-def _shipped(name: str, caption: str) -> str:
-    return _png((SHIPPED / "pictures" / name).read_bytes(), caption)
-
-
 def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
     """A measurement's drawing of a picture: its edges, or their MTF."""
     # Imported only where a page has one: all that measures.
@@ -404,16 +399,8 @@ def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
     source = Source((MeasuredFile("picture", 1, ""),), [picture], *picture.shape)
     measured = measure_pictures(source)
     if kind == "edges":
-        return _png(edges_png(measured, measured.previews[0]), caption, kind)
-    return _png(mtf_png(measured), caption, kind)
-
-
-def _png(content: bytes, caption: str, kind: str = "shipped") -> str:
-    data, text = base64.b64encode(content).decode(), html.escape(caption)
-    return (
-        f'<figure class="{kind}"><img alt="{text}" src="data:image/png;base64,{data}">'
-        f"<figcaption>{text}</figcaption></figure>"
-    )
+        return png_figure(edges_png(measured, measured.previews[0]), caption, kind)
+    return png_figure(mtf_png(measured), caption, kind)
 
 
 # What stands on a module's page, from its declaration.
@@ -498,11 +485,7 @@ def prose(text: str, names: Iterable[str]) -> str:
 
 def with_symbols(text: str, names: Iterable[str]) -> str:
     """Words below a formula: `x_k` is a symbol with an index."""
-    pieces = re.split(r"(<code>.*?</code>)", prose(text, names))
-    return "".join(
-        piece if piece.startswith("<code>") else _SYMBOL.sub(r"\1<sub>\2</sub>", piece)
-        for piece in pieces
-    )
+    return _outside_code(_SYMBOL, r"\1<sub>\2</sub>", prose(text, names))
 
 
 def with_links(piece: str, addresses: Mapping[str, str]) -> str:
@@ -513,12 +496,14 @@ def with_links(piece: str, addresses: Mapping[str, str]) -> str:
     if not titles:
         return piece
     names = "|".join(re.escape(title) for title in sorted(titles, key=len, reverse=True))
+    link = lambda found: f'<a href="{titles[found[1]]}">{found[1]}</a>'  # noqa: E731
+    return _outside_code(re.compile(rf"\b({names})\b"), link, piece)
+
+
+def _outside_code(pattern: re.Pattern[str], shown: Any, piece: str) -> str:
     parts = re.split(r"(<code>.*?</code>)", piece)
     return "".join(
-        part
-        if part.startswith("<code>")
-        else re.sub(rf"\b({names})\b", lambda m: f'<a href="{titles[m[1]]}">{m[1]}</a>', part)
-        for part in parts
+        part if part.startswith("<code>") else pattern.sub(shown, part) for part in parts
     )
 
 

@@ -58,6 +58,9 @@ USAGE = {
         "a: there is no such folder",
     ),
     "seed twice": (["run", "net.json", "--seed", "1", "--seed", "1"], "--seed is given more"),
+    "an option for a value": (["run", "net.json", "--disable", "--json"], "expected one argument"),
+    "one number of two": (["run", "net.json", "--scene-fov-deg", "2"], "expected 2 arguments"),
+    "value of a flag": (["run", "net.json", "--all=3"], "ignored explicit argument '3'"),
 }
 
 

@@ -74,6 +74,23 @@ def test_help_goes_to_stdout(words, capsys):
     assert not err
 
 
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        ("mea", "plain,measure"),
+        ("run mwi", "plain,mwir_camera"),
+        ("run a --thr", "plain,--threads"),
+        ("run a --report r", "file,r"),
+    ],
+)
+def test_words_completed_in_a_shell(words, completed, tmp_path):
+    typed = f"imagechain {words}"
+    shell = {"COMP_WORDS": typed, "COMP_CWORD": str(typed.count(" "))}
+    names = {**ENVIRONMENT, **shell, "_IMAGECHAIN_COMPLETE": "bash_complete"}
+    done = finished([sys.executable, "-m", "app.command.cli"], folder=tmp_path, env=names)
+    assert done.stdout.split() == [completed]
+
+
 def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for kind, told in ((MemoryError, "memory"), (ZeroDivisionError, "internal error")):
