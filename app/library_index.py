@@ -13,7 +13,6 @@ from typing import Any
 import core
 import nodes
 from app.user_folders import cache_folder
-from core.atomic import write_bytes
 from core.errors import FileError
 from core.modules.declaration import Declaration, Library, declaration
 from nodes.library import OURS, standard_library
@@ -45,6 +44,8 @@ def _kept() -> dict[str, Declaration]:
 
 
 def _keep(declared: dict[str, Declaration]) -> None:
+    from core.atomic import write_bytes  # only where they are kept anew
+
     try:
         cache_folder().mkdir(parents=True, exist_ok=True)
         write_bytes(cache_folder() / _FILE, pickle.dumps((_stamp(), declared)))

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.command import options
-from app.editor.qt_libraries import check_libraries, leave_sources_unread, nothing_collected
 from app.run import option_values as values
 from app.run.process import Stop
 from app.run.shipped import find_network
@@ -53,6 +52,8 @@ def edit(
     """Open the editor, or draw its window to a file."""
     if network:
         find_network(network)  # a misspelt name is told before what takes long to load
+    from app.editor.qt_libraries import check_libraries, leave_sources_unread, nothing_collected
+
     if screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):
