@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -130,13 +130,14 @@ class NetworkRun:
     folder: Path
     others: list[str]  # files beside those of the folder
 
-    def facts(self) -> dict[str, Any]:
+    def facts(self, left_out: Sequence[str]) -> dict[str, Any]:
         evaluation = self.evaluation
         return {
             "figures": [asdict(figure) for figure in self.figures],
             "readouts": evaluation.readouts,
             "warnings": [asdict(caution) for caution in evaluation.cautions],
             "skipped": [asdict(skip) for skip in self.skipped],
+            "left_out": list(left_out),
             "way": evaluation.way,
             "files": [*map(str, own_files(evaluation.plan, self.folder)), *self.others],
         }

@@ -125,7 +125,7 @@ def run(
     if forgotten:
         needs = f"could not record the files, so the next run needs {OPTION}: {forgotten}"
         lines.append(in_line(needs))
-    show(json, lambda: {**made.facts(), "left_out": list(left_out)}, *lines)
+    show(json, lambda: made.facts(left_out), *lines)
 
 
 @options.command()

@@ -112,6 +112,18 @@ def _is_prose(words: str) -> bool:
         not _CODE_LIKE.search(re.sub(r"\{[^{}]*\}", "…", words).strip()))  # fmt: skip
 
 
+_OPTIONS = {
+    "option",
+    "argument",
+    "flag",
+    "save_option",
+    "written_outputs",
+    "rare",
+    "scene",
+    "number",
+}
+
+
 def _kind(node: ast.AST, parents: dict[ast.AST, ast.AST], name: str) -> str:
     above: ast.AST | None = node
     while above is not None and not isinstance(above, ast.stmt):
@@ -121,12 +133,12 @@ def _kind(node: ast.AST, parents: dict[ast.AST, ast.AST], name: str) -> str:
             word = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
             if _RAISES.search(word):
                 return "message"
-            if word in {"Param", "Readout", "Input", "Output", "_add", "add", "_flag"}:
+            if word in {"Param", "Readout", "Input", "Output", *_OPTIONS}:
                 return "help"
     if isinstance(above, ast.Raise):
         return "message"
     return "window" if name.startswith("app/editor/") else (
-        "help" if name.startswith("app/options/") else "message")  # fmt: skip
+        "message")  # fmt: skip
 
 
 def _of_page(path: Path) -> Iterator[Text]:
