@@ -43,13 +43,15 @@ Read = Callable[[str, str], Any]
 Function = Callable[..., Any]
 
 
-def _completed(word: click.Parameter, _ctx: click.Context, start: str) -> list[CompletionItem]:
+def _completed(
+    word: click.Parameter, ctx: click.Context, incomplete: str  # noqa: ARG001
+) -> list[CompletionItem]:  # fmt: skip
     """What a shell may complete: the names of networks where one is wanted, else files."""
     from click.shell_completion import CompletionItem
 
     names = every_network() if word.name == "network" else ()
-    found = [CompletionItem(name) for name in names if name.startswith(start)]
-    return found or [CompletionItem(start, type="file")]
+    found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
+    return found or [CompletionItem(incomplete, type="file")]
 
 
 class Option(click.Option):

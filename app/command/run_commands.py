@@ -76,7 +76,6 @@ def run(
     from app.command.network_run import KEPT_BYTES, NetworkRun, Stage, input_files, sink_targets
     from app.run.evaluation import TimedWork, planned
     from app.run.figures import Figure, main_figures
-    from app.run.own_scene import without_judges
     from app.run.staging import Staging
     from app.run.way_of_running import way_of_running
     from app.run.write_rules import OPTION
@@ -114,6 +113,8 @@ def run(
             made, forgotten = once()
             break
         except ImagechainError as error:
+            from app.run.own_scene import without_judges
+
             spare = [save.node for save in saves]
             smaller = without_judges(network, error, library, spare, figures_only=not asked.scenes)
             if smaller is None:
