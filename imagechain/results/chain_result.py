@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from app.command.network_run import input_files, sink_files, sink_targets
 from app.run.evaluation import Evaluation, TimedWork, evaluate
+from app.run.option_values import size_in_bytes
 from app.run.output import find_output
 from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_array, save_value
 from app.run.staging import Staging

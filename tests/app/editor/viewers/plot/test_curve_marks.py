@@ -1,8 +1,12 @@
 """The Nyquist frequency is marked where a measured MTF is plotted."""
 
+import numpy as np
 import pytest
 
+from core.chain.results import CurveData, CurveMark, Series
 from core.editing.operations import set_parameter
+
+FREQUENCY = np.linspace(0.0, 2.0, 201)
 
 
 def test_a_mark_in_a_low_plot_has_its_number_alone(shown):
