@@ -274,10 +274,10 @@ def netd(
     (D'Agostino and Webb 1991) in kelvin.
 
     Take at least 64 frames of each temperature, and at least three temperatures a few kelvin apart.
-    Two give SiTF midway between them, three also its change. NETD is the noise that is random in
-    time, row and column (sigma_tvh). Noise of whole rows, columns and frames is listed separately,
-    and included in the total. Bad pixels are left out. Rounding is included. Drift slower than the
-    sequence is counted as fixed pattern.
+    Two temperatures give SiTF midway between them; from three on you also see how it changes. NETD
+    is the noise that is random in time, row and column (sigma_tvh). Noise of whole rows, columns
+    and frames is listed separately, and included in the total. Bad pixels are left out. Rounding is
+    included. Drift slower than the sequence is counted as fixed pattern.
 
     Example: imagechain netd cold.tif=20C middle.tif=25C hot.tif=30C --output netd.json
     """

@@ -363,28 +363,15 @@ def transform_block(values: Array, kind: Kind, axis: int) -> Array:
     return np.asarray(transform(values, type=2, axis=axis, overwrite_x=True))
 
 
-def transform_rows(work: Work, values: Array, kind: Kind) -> None:
-    """Transform every row of float samples by type II or its inverse, in place."""
-
-    def one(rows: slice) -> None:
-        values[rows] = transform_block(values[rows], kind, axis=1)
-
-    work.for_each(one, row_blocks(values.shape))
-
-
-def transform_columns(
-    work: Work, values: Array | StripArray, kind: Kind, width: int | None = None
-) -> None:
-    """Transform every column, or the first `width`, in place; see `transform_rows`."""
+def transform_columns(work: Work, values: Array | StripArray, kind: Kind) -> None:
+    """Transform every column of float samples by type II or its inverse, in place."""
 
     def one(block: Array) -> None:
         block[...] = transform_block(np.ascontiguousarray(block), kind, axis=0)
 
-    if isinstance(values, StripArray):
-        for _, strip in values:
-            work.for_each(one, column_blocks(strip))
-        return
-    work.for_each(one, column_blocks(values if width is None else values[:, :width]))
+    parts = (strip for _, strip in values) if isinstance(values, StripArray) else (values,)
+    for part in parts:
+        work.for_each(one, column_blocks(part))
 
 
 def column_blocks(values: Array) -> list[Array]:

@@ -62,7 +62,7 @@ def test_the_histogram_is_that_of_the_samples(viewer):
     assert np.abs(shown - counts).sum() <= 0.02 * counts.sum()
 
 
-@pytest.mark.parametrize("name", NAMES[:2])
+@pytest.mark.parametrize("name", list(NAMES)[:2])
 def test_colours(viewer, name):
     viewer.bar.display.colours.chosen.emit(name)
     viewer.canvas.grab()

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.errors import DataError
 from core.evaluation.policy import Policy
 from delivered_chains import LIBRARY, scene
 from scan_chains import CHAINS, DEFAULT_CHAINS, EXACT, network, planned, values
@@ -124,16 +123,6 @@ class TestEstimate:
         assert errors[0] > errors[1] > errors[2] > errors[3] > 0.0
         if chain == "line smear":  # a smooth law; the others end at their cutoff with a kink
             assert errors[0] > 10 * errors[1] > 100 * errors[2] > 1e6 * errors[3]
-
-
-def test_direct_sums_that_would_not_end_are_refused(tmp_path):
-    picture = np.ones((6000, 4200))
-    engine, plan = planned(tmp_path, picture, network(
-        ("smear",), picture.shape, method="direct", look_angle_deg=1.3,
-        init={"fov_x_deg": 80.0, "fov_y_deg": 80.0},
-    ))  # fmt: skip
-    with pytest.raises(DataError, match="method = nodes"):
-        engine.value(plan, "lines.image", engine.work(Policy()))
 
 
 @pytest.mark.parametrize("method", METHODS)
