@@ -87,6 +87,12 @@ class PlainErrors(click.Command):
             what = _what_is_wrong(error, ctx, words)
             raise UsageError(f"{what} ({ctx.command_path} --help)") from error
 
+    def get_help_option(self, ctx: click.Context) -> click.Option | None:
+        option = super().get_help_option(ctx)
+        if option is not None:
+            option.help = "show this help"
+        return option
+
 
 def _what_is_wrong(error: click.UsageError, ctx: click.Context, words: list[str]) -> str:
     parameters = ctx.command.get_params(ctx)

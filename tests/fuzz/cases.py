@@ -2,7 +2,7 @@
 
 A fuzzer gives a function from a case to a verdict and calls `command`. Case N of seed S is the same
 whatever is run before it: `--seed S --first N --count 1` repeats it alone. A case that hangs, fills
-memory or crashes ends the command; what it says last is where every thread stood.
+memory or crashes ends the command; it has said its number, and says where every thread stood.
 """
 
 from __future__ import annotations
@@ -76,6 +76,7 @@ def command(
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     start, counts = time.monotonic(), Counter[str]()
     for number in range(words.first, words.first + words.count):
+        print(f"--seed {words.seed} --first {number}", end="\r", file=sys.stderr, flush=True)
         faulthandler.dump_traceback_later(limit_s, exit=True)
         finding = _finding(attempt, words.seed, number, folder, counts)
         if finding:
