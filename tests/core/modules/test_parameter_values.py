@@ -18,6 +18,7 @@ class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
     places: Annotated[tuple[float, ...], Param("places", unit="mrad")] = ()
     open: Annotated[bool, Param("open", unit="-")] = True
     side: Annotated[Literal["left", "right"], Param("side", unit="side")] = "left"
+    words: Annotated[str, Param("words")] = ""
 
     def run(self) -> None:
         raise NotImplementedError
@@ -40,6 +41,8 @@ class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
         ("places", 1, "places = 1 mrad is not allowed: a list of numbers"),
         ("open", 1, "open = 1 - is not allowed: true or false"),
         ("side", "top", "side = 'top' side is not allowed: one of left, right"),
+        ("words", 1, "words = 1 is not allowed: a text"),
+        ("words", "a\0", "words = 'a\\x00' is not allowed: a text"),
     ],
 )
 def test_a_refusal_names_value_unit_and_what_is_allowed(name, value, line):
