@@ -51,6 +51,10 @@ BEFORE: Nodes = MappingProxyType(
                                        "fov_y_deg": 0.9, "cut_on_um": 0.5, "cut_off_um": 0.7}),
         "counted": ("focal_plane", {"integration_time_s": 2e-3, "full_well_e": 4e6,
                                     "read_noise_e": 30}),
+        "long": ("focal_plane", {"integration_time_s": 8e-3, "full_well_e": 6e6,
+                                 "read_noise_e": 500, "units": "electrons", "bits": 0}),
+        "short": ("focal_plane", {"integration_time_s": 1e-3, "full_well_e": 6e6,
+                                  "read_noise_e": 500, "units": "electrons", "bits": 0}),
     }
 )  # fmt: skip
 LINKS = (
@@ -62,6 +66,8 @@ LINKS = (
     ("scene.image", "kelvin.image"), ("scene.image", "unlike.image"),
     ("init.context", "unlike.context"), ("day.image", "counted.image"),
     ("init.context", "counted.context"),
+    ("scene.image", "long.image"), ("init.context", "long.context"),
+    ("scene.image", "short.image"), ("init.context", "short.context"),
 )  # fmt: skip
 SOURCES: Mapping[str, str] = MappingProxyType(
     {
@@ -87,6 +93,10 @@ OWN_SOURCES: Mapping[tuple[str, str], str | None] = MappingProxyType(
         ("nuc", "image"): "unlike.image",
         ("persistence", "earlier"): "ground.image",
         ("camera_geometry", "image"): "ground.image",
+        ("dual_gain", "high"): "long.image",
+        ("dual_gain", "low"): "short.image",
+        ("dual_gain", "high_table"): "long.table",
+        ("dual_gain", "low_table"): "short.table",
         ("spatial_blur", "magnitude"): "blur.magnitude",
         ("line_by_line", "magnitude"): "blur.magnitude",
         ("mtf_slices", "transfer"): "detector.magnitude",
@@ -130,6 +140,9 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "field_psf": {"tangential_mrad": [0.05, 0.1, 0.4], "sagittal_mrad": [0.05, 0.07, 0.15],
                       "tile": 32},
         "veiling_glare": {"share_percent": 15, "length_mrad": 20},
+        "microlens": {"chief_ray_deg": 35, "half_response_deg": 25},
+        "read_window": {"columns": 96, "rows": 72, "row_time_us": 20},
+        "dual_gain": {"switch_level": 5.5e6, "low_factor": 8},
         "crosstalk": {"kernel": "0.02 0.05 0.02; 0.05 0.72 0.05; 0.02 0.05 0.02"},
         "charge_diffusion_mtf": {"absorption_per_um": 0.02, "diffusion_length_um": 100},
         "charge_eff_mtf": {"efficiency": 0.9985},

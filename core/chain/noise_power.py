@@ -136,6 +136,16 @@ class NoisePower:
                 changed = changed._folded(axis, factor, average=False)
         return changed
 
+    def cropped(self, rows: slice, columns: slice) -> NoisePower:
+        """Of some rows and columns."""
+        new = rows.stop - rows.start, columns.stop - columns.start
+        if self.power.shape == (1, 1) and self._plain:
+            if self.variances is not None:
+                return NoisePower.white(*new, self.variances[rows, columns])
+            return replace(self, rows=new[0], columns=new[1])
+        high = self.operated(0, lambda waves: waves[rows], new[0])
+        return high.operated(1, lambda waves: waves[columns], new[1])
+
     def resampled(self, new: tuple[int, int], along: Operator, across: Operator) -> NoisePower:
         """Behind linear operators on columns (rows → new rows) and on rows of samples."""
         changed = self

@@ -31,7 +31,26 @@ _BLOCK_SAMPLES = 1 << 18
 _UNITS = {"field_deg": "deg", "height_mm": "mm", "half_diagonal": "half diagonals"}
 
 
-class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
+class LightOverField(Module):
+    """Base of modules that multiply the picture by a law of the field angle."""
+
+    @property
+    def off(self) -> bool:
+        """Whether the picture passes unchanged."""
+        raise NotImplementedError
+
+    @readout("%")
+    def corner_percent(self, outputs: ImageOutput) -> float:
+        """Light at the corner of the picture, relative to the middle."""
+        return 100.0 if self.off else 100.0 * float(_profile(*_planned(outputs))[-1])
+
+    @readout("%")
+    def mean_percent(self, outputs: ImageOutput) -> float:
+        """Mean light over the picture, relative to the middle."""
+        return 100.0 if self.off else 100.0 * _means(*_planned(outputs))[0]
+
+
+class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Optics"):
     """Darken the picture away from the optical axis, which is at its middle.
 
     `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
@@ -91,7 +110,7 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
             raise ParameterError("coefficients", (), "at least one number, such as -0.3")
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
-        if self._off:
+        if self.off:
             return ImageOutput(image)
         grid, law = image.grid(), self.law(image, here)
         light = _profile(grid, law)
@@ -102,18 +121,16 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
                 f"{worst:.3g} in the picture"
             )
             raise ParameterError("coefficients", self.coefficients, allowed)
-        step = here.step(lit, image.recipe, grid=grid, law=law)
-        mean = _means(grid, law)[0]
-        made = stepped(image, step, gain=mean, vignetting=image.vignetting * mean)
-        return ImageOutput(made)
+        return ImageOutput(darkened(image, law, here))
 
     def law(self, image: Image, here: NodeContext) -> Law:
-        """Arguments of `relative_illumination`."""
-        law: dict[str, Any] = {"natural": self.natural, "scale": None}
+        """`relative_illumination` and its arguments."""
+        law: dict[str, Any] = {"function": relative_illumination, "natural": self.natural}
+        law["scale"] = None
         if self.measured == "none":
             return tuple(law.items())
         if self.against == "half_diagonal":
-            law["scale"] = 1.0 / _corner(image.grid())
+            law["scale"] = 1.0 / corner(image.grid())
         elif self.against == "height_mm":
             of_camera = None if image.camera is None else image.camera.focal_length_mm
             law["scale"] = self.focal_length_mm or of_camera
@@ -136,9 +153,9 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
         """The curve in the file ends before the corner of the picture."""
         if self.measured != "file":
             return None
-        grid, how = self._planned(outputs)
-        corner, law = _corner(grid), dict(how)
-        reached = np.degrees(np.arctan(corner)) if law["scale"] is None else corner * law["scale"]
+        grid, how = _planned(outputs)
+        end, law = corner(grid), dict(how)
+        reached = np.degrees(np.arctan(end)) if law["scale"] is None else end * law["scale"]
         last = law["heights"][-1]
         if reached <= last * (1.0 + 1e-6):
             return None
@@ -149,30 +166,19 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
             "extend the file to the corner",
         )
 
-    @readout("%")
-    def corner_percent(self, outputs: ImageOutput) -> float:
-        """Relative illumination at the corner of the picture."""
-        return 100.0 * float(_profile(*self._planned(outputs))[-1])
-
-    @readout("%")
-    def mean_percent(self, outputs: ImageOutput) -> float:
-        """Mean relative illumination of the picture."""
-        return 100.0 * _means(*self._planned(outputs))[0]
-
     @property
-    def _off(self) -> bool:
+    def off(self) -> bool:
         return not self.natural and self.measured == "none"
 
-    def _planned(self, outputs: ImageOutput) -> tuple[Grid, Law]:
-        """Sampling and law, as the step has them."""
-        if self._off:
-            return Grid(1, 1, 1.0, 1.0), (("natural", False),)
-        assert isinstance(outputs.image.recipe, Step)
-        how = dict(outputs.image.recipe.parameters)
-        return how["grid"], how["law"]
+
+def _planned(outputs: ImageOutput) -> tuple[Grid, Law]:
+    """Sampling and law, as the step has them."""
+    assert isinstance(outputs.image.recipe, Step)
+    how = dict(outputs.image.recipe.parameters)
+    return how["grid"], how["law"]
 
 
-def _corner(grid: Grid) -> float:
+def corner(grid: Grid) -> float:
     """Tangent of the field angle at the corner of the frame."""
     return math.hypot(*_half_sides(grid))
 
@@ -184,8 +190,13 @@ def _half_sides(grid: Grid) -> tuple[float, float]:
 
 def _profile(grid: Grid, law: Law) -> Array:
     """Illumination from the middle to the corner."""
-    tangent = np.linspace(0.0, _corner(grid), _POINTS)
-    return relative_illumination(tangent=tangent, **dict(law))
+    return _light(np.linspace(0.0, corner(grid), _POINTS), law)
+
+
+def _light(tangent: Array, law: Law) -> Array:
+    how = dict(law)
+    light: Array = how.pop("function")(tangent=tangent, **how)
+    return light
 
 
 @lru_cache(maxsize=64)
@@ -196,8 +207,15 @@ def _means(grid: Grid, law: Law) -> tuple[float, float]:
         half * (2.0 * np.arange(count) + 1.0 - count) / count
         for half, count in ((half_x, min(grid.columns, _POINTS)), (half_y, min(grid.rows, _POINTS)))
     )
-    light = relative_illumination(tangent=np.hypot(x, y[:, np.newaxis]), **dict(law))
+    light = _light(np.hypot(x, y[:, np.newaxis]), law)
     return float(light.mean()), math.sqrt(float(np.square(light).mean()))
+
+
+def darkened(image: Image, law: Law, here: NodeContext) -> Image:
+    """The picture times a law of the tangent of the field angle: a function and its arguments."""
+    grid = image.grid()
+    step, mean = here.step(lit, image.recipe, grid=grid, law=law), _means(grid, law)[0]
+    return stepped(image, step, gain=mean, vignetting=image.vignetting * mean)
 
 
 @dataclass(frozen=True)
@@ -239,7 +257,7 @@ def _lit(work: Work, image: Array, region: Region, *, grid: Grid, law: Law) -> A
     def block(top: int) -> None:
         rows = slice(top, top + step)
         tangent = np.sqrt(np.square(x) + np.square(y[rows, np.newaxis]))
-        light = relative_illumination(tangent=tangent, **dict(law))
+        light = _light(tangent, law)
         np.multiply(image[rows], light.astype(image.dtype), out=made[rows])
 
     step = max(1, _BLOCK_SAMPLES // region.columns)

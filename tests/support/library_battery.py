@@ -48,6 +48,7 @@ BASE_LINKS = (
 SOURCES = {
     "image": "scene.image", "context": "init.context", "magnitude": "blur.magnitude",
     "phase": "lag.phase", "pupil": "pupil.pupil", "transfer": "blur.mtf",
+    "table": "share.table",
 }  # fmt: skip
 # What a module can make nothing of is not what it is tried with.
 OWN_SOURCES = {

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.checks import positive, within
@@ -88,3 +88,24 @@ def multiplied_charge(
         exact = width * scipy.special.gammaincinv(shape, scipy.special.ndtr(z))
         made.reshape(-1)[few] = np.where(before > 0.0, exact, before)
     return np.asarray(made)
+
+
+def low_gain_share(*, high: ArrayLike, switch_level: float, blend: float) -> Array:
+    """Share, from 0 to 1, that the read-out of low gain has in a pixel that is read at two gains.
+
+    Parameters
+    ----------
+    high : array_like
+        Read-out of high gain.
+    switch_level : float
+        Value of `high` beyond which the low gain is used alone, above 0, in the same unit.
+    blend : float
+        Width of a linear change below it, as a share of it, from 0 to 1; 0 switches at once.
+
+    Source: as in dual-gain sCMOS cameras; Fowler et al. 2010, Proc. SPIE 7536, 753607.
+    """
+    level = positive("switch_level", switch_level)
+    values, width = np.asarray(high, np.float64), level * within("blend", blend, 0.0, 1.0)
+    if width == 0.0:
+        return np.asarray(values > level, np.float64)
+    return np.clip((values - level) / width + 1.0, 0.0, 1.0)

@@ -34,6 +34,7 @@ CHAIN = {
     "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.5}),
     "pupil": ("exit_pupil", {}),
     "back": ("back_transform", {}),
+    "counted": ("focal_plane", {"integration_time_s": 1e-5, "full_well_e": 4e6}),
 }
 LINKS = (
     ("scene.image", "init.image"),
@@ -41,6 +42,8 @@ LINKS = (
     ("init.magnitude", "blur.magnitude"),
     ("blur.magnitude", "back.magnitude"),
     ("init.phase", "back.phase"),
+    ("scene.image", "counted.image"),
+    ("init.context", "counted.context"),
 )
 SOURCES = {
     "image": "back.image",
@@ -49,8 +52,10 @@ SOURCES = {
     "phase": "init.phase",
     "pupil": "pupil.pupil",
     "transfer": "blur.mtf",
+    "table": "counted.table",
 }
 PARAMS = {
+    "read_window": {"row_time_us": 10.0},
     "charge_diffusion_mtf": {"absorption_per_um": 0.05},
     "read_image": {"path": "picture.npy", "fov_x_deg": 10.0, "fov_y_deg": 10.0},
     "noise_file": {"path": "picture.npy"},

@@ -1,0 +1,167 @@
+"""Dual Gain: two read-outs of one scene joined, for more dynamic range (HDR)."""
+
+import math
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from core.chain.step_lineage import Array, picture_step
+from core.chain.wires import Image, Table
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.work import Work
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, readout, warning
+from core.physics.detector.charge_gain import low_gain_share
+from nodes.shared.module_ports import figure
+from nodes.shared.steps import PictureRange, picture_range
+
+
+class DualGainOutputs(NamedTuple):
+    image: Image
+    low_share: Image
+
+
+class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
+    """Join two read-outs of one scene: of high gain where it is dark, of low gain where bright.
+
+    Use it for pixels that are read at two gains, and for HDR from a long and a short exposure.
+    Build each read-out with a Focal Plane of its own, with `units` = electrons. Pixels of `image`
+    come from `high` up to `switch_level`, and from `low` above it. For two gains of one exposure,
+    give both Focal Planes the same typed seed: then they share the shot noise and the fixed
+    pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
+    tables to see the joined dynamic range. Noise budgets and figures count the noise of `high`,
+    which is the picture's up to the switch. Source: EMVA 1288 release 4.0 (dynamic range:
+    saturation over the noise in the dark), for the two read-outs.
+    """
+
+    formulas = (
+        Formula(
+            r"L'=(1-w)\,L_h+w\,k\,L_l,\quad w=\mathrm{clip}\left(\frac{L_h-s(1-b)}{s\,b},0,1"
+            r"\right)",
+            where="s: switch_level; b: blend_percent as a share, and 0 a sharp switch at s; k: "
+            "low_factor",
+        ),
+        Formula(
+            r"D=D_h+20\lg\frac{L_{sat,l}}{L_{sat,h}}",
+            where="D_h: dynamic_range_dB of `high`; L_sat: saturation_radiance of each read-out",
+        ),
+    )
+
+    switch_level: Annotated[
+        float | None,
+        Param("value of `high` above which `low` is used, in the picture's unit; empty: never",
+              low=1e-12, high=1e12, slider=(1, 1e5)),
+    ] = None  # fmt: skip
+    blend_percent: Annotated[
+        float,
+        Param("width of a gradual change below the switch, as a share of it", unit="%", low=0,
+              high=100),
+    ] = 0.0  # fmt: skip
+    low_factor: Annotated[
+        float,
+        Param("what `low` is multiplied by: ratio of the exposure times, or of the gains in DN",
+              low=1e-6, high=1e6, slider=(1, 64)),
+    ] = 1.0  # fmt: skip
+
+    def run(
+        self,
+        high: Image,
+        low: Image,
+        here: NodeContext,
+        high_table: Table | None = None,
+        low_table: Table | None = None,
+    ) -> DualGainOutputs:
+        for what, one, other in (
+            ("size", f"{high.columns} × {high.rows}", f"{low.columns} × {low.rows}"),
+            ("unit", high.unit or "none", low.unit or "none"),
+        ):
+            if one != other:
+                raise DataError(f"high and low must have the same {what}: {one} and {other}")
+        how: dict[str, Any] = {"level": self.switch_level, "blend": self.blend_percent / 100.0}
+        share = here.step(share_of_low, high.recipe, **how)
+        shown = high.with_recipe(share, unit="")
+        if self.switch_level is None:
+            return DualGainOutputs(high, shown)
+        step = here.step(joined, high.recipe, low.recipe, share, factor=self.low_factor)
+        return DualGainOutputs(high.with_recipe(step), shown)
+
+    @warning
+    def switch(self, high: Image, low: Image) -> Recipe | None:
+        """The switch is never reached, or lies below the picture's mean."""
+        if self.switch_level is None:
+            return None
+        seen = [Step.of(picture_range, one.recipe) for one in (high, low)]
+        return Step.of(switch_caution, *seen, level=self.switch_level, factor=self.low_factor)
+
+    @readout("%")
+    def low_percent(self, outputs: DualGainOutputs) -> Recipe:
+        """Share of the picture that comes from `low`."""
+        return Step.of(percent_of, outputs.low_share.recipe)
+
+    @readout("dB", name="dynamic_range_dB")
+    def joined_range(
+        self, high_table: Table | None = None, low_table: Table | None = None
+    ) -> Recipe | None:
+        """Saturation of `low` over the noise of `high` in the dark; needs both tables."""
+        if high_table is None or low_table is None:
+            return None
+        own = Step.of(figure, high_table.recipe, name="dynamic_range_dB")
+        ends = (
+            Step.of(figure, table.recipe, name="saturation_radiance")
+            for table in (high_table, low_table)
+        )
+        return Step.of(joined_decibels, own, *ends)
+
+
+@ends_lineage
+def joined_decibels(
+    work: Work, own_dB: float | None, high: float | None, low: float | None
+) -> float | None:
+    if own_dB is None or not high or not low:
+        return None
+    return own_dB + 20.0 * math.log10(low / high)
+
+
+@ends_lineage
+def switch_caution(
+    work: Work, high: PictureRange, low: PictureRange, *, level: float, factor: float
+) -> Caution | None:
+    if high.mean > level:
+        return Caution(
+            "budgets and figures count the noise of high, but a pixel of the picture's mean is of "
+            f"low: the mean of high is {high.mean:.4g}, above switch_level = {level:g}",
+            "connect them to the read-out that you want to judge",
+        )
+    if high.high <= level < factor * low.high:
+        return Caution(
+            f"low is never used, though its picture is brighter: high ends at {high.high:.4g}, "
+            f"below switch_level = {level:g}",
+            "set switch_level below the saturation of high",
+        )
+    return None
+
+
+@ends_lineage
+@pointwise
+def share_of_low(work: Work, high: Array, *, level: float | None, blend: float) -> Array:
+    if level is None:
+        return np.zeros_like(high)
+    share = low_gain_share(high=high, switch_level=level, blend=blend)
+    return np.asarray(share, high.dtype)
+
+
+@in_blocks()
+@ends_lineage
+def percent_of(work: Work, share: Array) -> float:
+    return 100.0 * float(np.mean(share, dtype=np.float64))
+
+
+@picture_step()
+@pointwise
+def joined(work: Work, high: Array, low: Array, share: Array, *, factor: float) -> Array:
+    """Of `high` to the bit where nothing is of `low`."""
+    made: Array = np.multiply(low, low.dtype.type(factor))
+    made -= high
+    made *= share
+    made += high
+    return made

@@ -1,0 +1,92 @@
+"""Microlens Angle: pixels respond less to light that meets their microlenses at an angle."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from core.chain.wires import Image
+from core.errors import ParameterError
+from core.modules.declaration import Formula, NodeContext, Param, Section
+from core.physics.detector.microlens import MOST_DEG, microlens_response
+from nodes.files.spectrum_tables import read_heights
+from nodes.optics.vignetting import Law, LightOverField, corner, darkened
+from nodes.shared.module_ports import ImageOutput
+
+_BRIGHTEST = 2.0  # times that at a right angle; measured curves may rise a little first
+
+
+class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", group="Detector"):
+    """Darken the picture where the lens's chief rays miss what the microlenses are made for.
+
+    A detector's data sheet gives the chief ray angle (CRA) at the corner for which its microlenses
+    are shifted. The lens's data sheet gives its own. If both are equal, nothing changes. The angle
+    between them lowers the response: to half at `half_response_deg`, or by a measured curve. The
+    axis is at the middle of the picture, and the corner is the picture's. Only the chief ray
+    counts: the cone of a fast lens is not averaged. Put the module before Focal Plane, so that shot
+    noise follows. Signal and SNR use the mean over the field; transfer functions do not change.
+    Source: Catrysse and Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
+    """
+
+    formulas = (
+        Formula(
+            r"L'=L\,R(\delta),\quad\delta=\left|\arctan(h\tan\alpha)-\arctan(h\tan\alpha_m)\right|",
+            where="h: distance from the middle over that of the corner; α: chief_ray_deg; α_m: "
+            "matched_deg; R = 2^(−(δ/δ_half)²), or the curve in the file",
+        ),
+    )
+
+    chief_ray_deg: Annotated[
+        float,
+        Param("angle of the lens's chief ray at the corner", unit="deg", low=-MOST_DEG,
+              high=MOST_DEG, slider=(-40, 40)),
+    ] = 0.0  # fmt: skip
+    matched_deg: Annotated[
+        float,
+        Param("angle for which the microlenses at the corner are shifted", unit="deg",
+              low=-MOST_DEG, high=MOST_DEG, slider=(-40, 40)),
+    ] = 0.0  # fmt: skip
+    response: Annotated[
+        Literal["half_angle", "file"], Param("response over angle: one number, or measured")
+    ] = "half_angle"
+    half_response_deg: Annotated[
+        float,
+        Param("angle at which the response is half", unit="deg", low=0.1, high=90, slider=(5, 45)),
+    ] = 20.0
+    path: Annotated[Path | None, Param("CSV of angle in degrees and response, 1 at 0")] = None
+
+    panel = (
+        Section("Chief ray at the corner", ("chief_ray_deg", "matched_deg")),
+        Section("Response", ("response",)),
+        Section("", ("half_response_deg",), shown_when=("response", ("half_angle",))),
+        Section("", ("path",), shown_when=("response", ("file",))),
+    )
+
+    def check(self) -> None:
+        """Refuse a measured response without its file."""
+        if self.response == "file" and self.path is None:
+            raise ParameterError("path", None, "a CSV of angle and response")
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        if self.off:
+            return ImageOutput(image)
+        return ImageOutput(darkened(image, self._law(image, here), here))
+
+    def _law(self, image: Image, here: NodeContext) -> Law:
+        law: dict[str, Any] = {
+            "function": microlens_response,
+            "corner": corner(image.grid()),
+            "chief_ray_deg": self.chief_ray_deg,
+            "matched_deg": self.matched_deg,
+        }
+        if self.response == "half_angle":
+            return (*law.items(), ("half_response_deg", self.half_response_deg))
+        assert self.path is not None
+        file = (here.folder / self.path).absolute()
+        how: dict[str, Any] = {"what": "response", "low": 0.0, "high": _BRIGHTEST}
+        angles, values = zip(*read_heights(file, unit="deg", **how), strict=True)
+        if angles[0] > 0.0:
+            angles, values = (0.0, *angles), (1.0, *values)
+        return (*law.items(), ("angles", angles), ("values", values))
+
+    @property
+    def off(self) -> bool:
+        return self.chief_ray_deg == self.matched_deg

@@ -1,0 +1,135 @@
+"""Read-out Window: a region of interest (ROI) is read instead of the whole detector."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+
+from core.chain.linear_change import Axis, Linear, Vector
+from core.chain.noise_power import NoisePower
+from core.chain.step_lineage import Array, picture_step
+from core.chain.wires import Image
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, in_parts
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.modules.declaration import Formula, NodeContext, Param, Section, readout
+from core.transfer.factors import Grid
+from nodes.shared.module_ports import ImageOutput, OfPixels
+
+
+class ReadWindow(OfPixels, key="read_window", title="Read-out Window", group="Detector"):
+    """Read a window of the detector, its region of interest (ROI), and drop all other pixels.
+
+    An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the
+    pixels keep their noise and their fixed pattern, whatever the window. Transfer functions, NETD
+    and SNR do not change. Fewer rows are read faster: `frame_rate_Hz` is the highest rate of a
+    detector that reads row after row and needs an overhead for each frame. Source: EMVA 1288
+    release 4.0, section 2 (region of interest); the rate is the data sheet's row time, summed up.
+    """
+
+    formulas = (
+        Formula(
+            r"f=\frac{1}{n_r\,t_r+t_0}",
+            where="n_r: rows of the window; t_r: row_time_us; t₀: overhead_us",
+        ),
+    )
+
+    columns: Annotated[
+        int | None,
+        Param("width of the window; empty: all", unit="px", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+    rows: Annotated[
+        int | None,
+        Param("height of the window; empty: all", unit="px", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+    left: Annotated[
+        int | None,
+        Param("columns to the left of the window; empty: centred", unit="px", low=0, high=65535,
+              slider=(0, 2048), zero_is_empty=False),
+    ] = None  # fmt: skip
+    top: Annotated[
+        int | None,
+        Param("rows above the window; empty: centred", unit="px", low=0, high=65535,
+              slider=(0, 2048), zero_is_empty=False),
+    ] = None  # fmt: skip
+    row_time_us: Annotated[
+        float | None,
+        Param("time to read one row", unit="µs", low=1e-6, high=1e9, slider=(1, 100)),
+    ] = None
+    overhead_us: Annotated[
+        float,
+        Param("time that every frame takes besides its rows", unit="µs", low=0, high=1e9,
+              slider=(0, 1000)),
+    ] = 0.0  # fmt: skip
+
+    panel = (
+        Section("Window", ("columns", "rows", "left", "top")),
+        Section("Frame rate", ("row_time_us", "overhead_us")),
+    )
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        rows, columns = self.rows or image.rows, self.columns or image.columns
+        window = Region(self._place("y", image), self._place("x", image), rows, columns)
+        if window.shape == image.shape:
+            return ImageOutput(image)
+        step = here.step(windowed, image.recipe, window=window, old=image.shape)
+        made = image.with_recipe(step, rows=window.rows, columns=window.columns)
+        return ImageOutput(made)
+
+    def _place(self, axis: Axis, image: Image) -> int:
+        size, own, first, what = (
+            (image.columns, self.columns, self.left, "columns")
+            if axis == "x"
+            else (image.rows, self.rows, self.top, "rows")
+        )
+        wanted = own or size
+        if wanted > size:
+            raise ParameterError(what, wanted, f"at most {size}, as many as the picture has")
+        start = (size - wanted) // 2 if first is None else first
+        if start + wanted > size:
+            name = "left" if axis == "x" else "top"
+            allowed = f"at most {size - wanted}: the window must lie within {size} {what}"
+            raise ParameterError(name, start, allowed)
+        return start
+
+    @readout("Hz", name="frame_rate_Hz")
+    def frame_rate(self, outputs: ImageOutput) -> float | None:
+        """Highest frame rate of this window; none without `row_time_us`."""
+        if self.row_time_us is None:
+            return None
+        return 1e6 / (outputs.image.rows * self.row_time_us + self.overhead_us)
+
+
+@dataclass(frozen=True)
+class Windowed(Linear):
+    """Some rows and columns of a picture of the `old` size."""
+
+    window: Region
+    old: tuple[int, int]
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        return self.old
+
+    def grid_before(self, grid: Grid) -> Grid:
+        return Grid(*self.old, grid.interval_x_mrad, grid.interval_y_mrad)
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        return power.cropped(*self.window.slices)
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        return row[self.window.slices[1 if axis == "x" else 0]]
+
+
+def _windowed_part(
+    work: Work, region: Region, picture: Recipe, *, window: Region, **_: Any
+) -> Array:
+    wanted = Region(window.top + region.top, window.left + region.left, *region.shape)
+    part: Array = work.part(picture, wanted)
+    return part
+
+
+@picture_step(linear=lambda _, **how: Windowed(**how))
+@in_parts(_windowed_part)
+def windowed(work: Work, picture: Array, *, window: Region, old: tuple[int, int]) -> Array:
+    return np.ascontiguousarray(picture[window.slices])
