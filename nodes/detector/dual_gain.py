@@ -49,7 +49,8 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     switch_level: Annotated[
         float | None,
-        Param("value of `high` above which `low` is used, in the picture's unit; empty: never",
+        Param("level of the high gain above which the low gain is used, in the picture's unit; "
+              "empty: never",
               low=1e-12, high=1e12, slider=(1, 1e5)),
     ] = None  # fmt: skip
     blend_percent: Annotated[
@@ -59,7 +60,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     ] = 0.0  # fmt: skip
     low_factor: Annotated[
         float,
-        Param("what `low` is multiplied by: ratio of the exposure times, or of the gains in DN",
+        Param("factor of the low gain: ratio of the exposure times, or of the gains in DN",
               low=1e-6, high=1e6, slider=(1, 64)),
     ] = 1.0  # fmt: skip
 
@@ -95,14 +96,14 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     @readout("%")
     def low_percent(self, outputs: DualGainOutputs) -> Recipe:
-        """Share of the picture that comes from `low`."""
+        """Share of the picture that comes from the low gain."""
         return Step.of(percent_of, outputs.low_share.recipe)
 
     @readout("dB", name="dynamic_range_dB")
     def joined_range(
         self, high_table: Table | None = None, low_table: Table | None = None
     ) -> Recipe | None:
-        """Saturation of `low` over the noise of `high` in the dark; needs both tables."""
+        """Saturation of the low gain over the dark noise of the high gain; needs both tables."""
         if high_table is None or low_table is None:
             return None
         own = Step.of(figure, high_table.recipe, name="dynamic_range_dB")
