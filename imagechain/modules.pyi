@@ -2050,6 +2050,46 @@ def spectral_response(
     Read-outs: mean_of_band.
     """
 
+def microlens(
+    *,
+    chief_ray_deg: float | Expression = 0.0,
+    matched_deg: float | Expression = 0.0,
+    response: Literal['half_angle', 'file'] = 'half_angle',
+    half_response_deg: float | Expression = 20.0,
+    path: str | PathLike[str] | None = None,
+) -> Part:
+    """Darken the picture where the lens's chief rays miss what the microlenses are made for.
+
+    A detector's data sheet gives the chief ray angle (CRA) at the corner for which its microlenses
+    are shifted. The lens's data sheet gives its own. If both are equal, nothing changes. The angle
+    between them lowers the response: to half at `half_response_deg`, or by a measured curve. The
+    axis is at the middle of the picture, and the corner is the picture's. Only the chief ray
+    counts: the cone of a fast lens is not averaged. Put the module before Focal Plane, so that shot
+    noise follows. Signal and SNR use the mean over the field; transfer functions do not change.
+    Source: Catrysse and Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
+
+    Parameters
+    ----------
+    chief_ray_deg : float | Expression
+        angle of the lens's chief ray at the corner [deg]: a number from -75 to 75; default 0.0
+    matched_deg : float | Expression
+        angle for which the microlenses at the corner are shifted [deg]: a number from -75 to 75;
+        default 0.0
+    response : Literal['half_angle', 'file']
+        response over angle: one number, or measured: one of half_angle, file; default 'half_angle'
+    half_response_deg : float | Expression
+        angle at which the response is half [deg]: a number from 0.1 to 90; default 20.0
+    path : str | PathLike[str] | None
+        CSV of angle in degrees and response, 1 at 0: a file name or empty; default empty
+
+    Notes
+    -----
+    Microlens Angle, in the group Detector.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: corner_percent (%), mean_percent (%).
+    """
+
 def focal_plane(
     *,
     seed_mode: Literal['automatic', 'typed'] = 'automatic',
@@ -2448,6 +2488,86 @@ def nuc(
     Inputs: image.
     Outputs: image, gain, offset, table.
     Read-outs: pattern_low, pattern_high, response_per_kelvin, weak_pixels.
+    """
+
+def dual_gain(
+    *,
+    switch_level: float | Expression | None = None,
+    blend_percent: float | Expression = 0.0,
+    low_factor: float | Expression = 1.0,
+) -> Part:
+    """Join two read-outs of one scene: of high gain where it is dark, of low gain where bright.
+
+    Use it for pixels that are read at two gains, and for HDR from a long and a short exposure.
+    Build each read-out with a Focal Plane of its own, with `units` = electrons. Pixels of `image`
+    come from `high` up to `switch_level`, and from `low` above it. For two gains of one exposure,
+    give both Focal Planes the same typed seed: then they share the shot noise and the fixed
+    pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
+    tables to see the joined dynamic range. Noise budgets and figures count the noise of `high`,
+    which is the picture's up to the switch. Source: EMVA 1288 release 4.0 (dynamic range:
+    saturation over the noise in the dark), for the two read-outs.
+
+    Parameters
+    ----------
+    switch_level : float | Expression | None
+        level of the high gain above which the low gain is used, in the picture's unit; empty:
+        never: a number from 1e-12 to 1e+12 or empty; default empty
+    blend_percent : float | Expression
+        width of a gradual change below the switch, as a share of it [%]: a number from 0 to 100;
+        default 0.0
+    low_factor : float | Expression
+        factor of the low gain: ratio of the exposure times, or of the gains in DN: a number from
+        1e-06 to 1e+06; default 1.0
+
+    Notes
+    -----
+    Dual Gain, in the group Detector.
+    Inputs: high, low, high_table (optional), low_table (optional).
+    Outputs: image, low_share.
+    Read-outs: low_percent (%), dynamic_range_dB (dB).
+    """
+
+def read_window(
+    *,
+    columns: int | Expression | None = None,
+    rows: int | Expression | None = None,
+    left: int | Expression | None = None,
+    top: int | Expression | None = None,
+    row_time_us: float | Expression | None = None,
+    overhead_us: float | Expression = 0.0,
+) -> Part:
+    """Read a window of the detector, its region of interest (ROI), and drop all other pixels.
+
+    An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the
+    pixels keep their noise and their fixed pattern, whatever the window. Transfer functions, NETD
+    and SNR do not change. Fewer rows are read faster: `frame_rate_Hz` is the highest rate of a
+    detector that reads row after row and needs an overhead for each frame. Source: EMVA 1288
+    release 4.0, section 2 (region of interest); the rate is the data sheet's row time, summed up.
+
+    Parameters
+    ----------
+    columns : int | Expression | None
+        width of the window; empty: all [px]: a whole number from 1 to 65536 or empty; default empty
+    rows : int | Expression | None
+        height of the window; empty: all [px]: a whole number from 1 to 65536 or empty; default
+        empty
+    left : int | Expression | None
+        columns to the left of the window; empty: centred [px]: a whole number from 0 to 65535 or
+        empty; default empty
+    top : int | Expression | None
+        rows above the window; empty: centred [px]: a whole number from 0 to 65535 or empty; default
+        empty
+    row_time_us : float | Expression | None
+        time to read one row [µs]: a number from 1e-06 to 1e+09 or empty; default empty
+    overhead_us : float | Expression
+        time that every frame takes besides its rows [µs]: a number from 0 to 1e+09; default 0.0
+
+    Notes
+    -----
+    Read-out Window, in the group Detector.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: frame_rate_Hz (Hz).
     """
 
 def rolling_shutter(

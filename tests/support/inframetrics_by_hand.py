@@ -133,14 +133,14 @@ def _default(builder, node, name):
 
 # Of the shipped network a part that has every kind of node, wire, field and page.
 KEPT = {
-    "scene": ("cut_off_um", "cut_on_um", "delta_K", "height", "kind", "width"),
+    "scene": ("kind", "width"),
     "init": ("detector_x_um", "detector_y_um", "f_number", "focal_length_mm", "platform"),
-    "aberration": ("sigma_x_mrad", "sigma_y_mrad"),
+    "aberration": ("sigma_x_mrad",),
     "jitter": ("sigma_mrad",),
     "detector": (),
     "back": (),
-    "electronics": ("bits", "material", "region", "scan_mirror_rate_Hz", "use_mtf"),
-    "frame_grabber": ("height",),
+    "electronics": ("material", "region", "scan_mirror_rate_Hz", "use_mtf"),
+    "frame_grabber": (),
 }
 WIRES = (
     "scene.image init.image, init.context aberration.context, init.context jitter.context, "
