@@ -1,7 +1,4 @@
-"""Backdrops: titled grounds behind nodes that belong together, moved in the network's file.
-
-Laying a network out keeps each round the nodes that stand on it.
-"""
+"""Backdrops: titled grounds behind nodes that belong together; laying out keeps them there."""
 
 from __future__ import annotations
 
@@ -13,11 +10,13 @@ from typing import Any
 from core.editing.layout import (
     Box,
     Point,
+    Size,
     Sizes,
     boxes_of,
     hull,
     is_in_reach,
     placed,
+    shifted,
     size_of,
     way_back,
 )
@@ -49,11 +48,7 @@ class Backdrop:
 
 
 def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
-    """The network's backdrops, the hindmost first. What a file has in their place is no backdrop.
-
-    Neither is one out of the canvas's reach. Their places in this tuple are what `change`,
-    `remove` and `nodes_on` call `index`.
-    """
+    """Those in the canvas's reach, the hindmost first; elsewhere `index` is a place in this."""
     return tuple(backdrop for _, backdrop in _indexed(network))
 
 
@@ -64,10 +59,7 @@ def add(network: Network, backdrop: Backdrop) -> Operation:
 
 
 def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
-    """Give a backdrop another title, place, size or colour; what else the file has of it stays.
-
-    Raises `NetworkError` if there is no such backdrop.
-    """
+    """Give a backdrop another title, place, size or colour; what else the file has of it stays."""
     entries = _entries(network)
     place = _place(network, index)
     entries[place] = _entry(entries[place], backdrop)
@@ -75,10 +67,7 @@ def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
 
 
 def remove(network: Network, index: int) -> Operation:
-    """Take a backdrop away; the nodes on it stay.
-
-    Raises `NetworkError` if there is no such backdrop.
-    """
+    """Take a backdrop away; the nodes on it stay."""
     entries = _entries(network)
     del entries[_place(network, index)]
     return set_network_field(FIELD, entries or ABSENT, "Delete backdrop")
@@ -91,16 +80,12 @@ def around(
     boxes = _boxes(network, names, sizes).values()
     if not boxes:
         raise NetworkError("select the nodes for the backdrop first")
-    left, top, right, bottom = hull(boxes)
-    width, height = right - left + 2 * MARGIN, bottom - top + 2 * MARGIN + HEAD
-    return add(network, Backdrop(title, left - MARGIN, top - MARGIN - HEAD, width, height))
+    left, top, right, bottom = _round(boxes)
+    return add(network, Backdrop(title, left, top, right - left, bottom - top))
 
 
 def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
-    """The nodes that lie wholly on a backdrop, and move with it.
-
-    Raises `NetworkError` if there is no such backdrop.
-    """
+    """The nodes that lie wholly on a backdrop, and move with it."""
     _place(network, index)
     ground = backdrops_of(network)[index]
     if ground.note:
@@ -114,34 +99,17 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
 
 
 def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Operation | None:
-    """Let backdrops keep the nodes that lie on them where some are pushed to the right.
-
-    `places` are where. A backdrop whose nodes all go the same way goes with them. Any other grows:
-    it reaches from its first node to its last. None where none has to change.
-    """
+    """Let backdrops keep the nodes that lie on them where some are pushed to the right."""
     entries, changed = _entries(network), False
     for index, (place, ground) in enumerate(_indexed(network)):
-        names = nodes_on(network, index, sizes)
-        ways = {
-            name: places[name][0] - network.layout[name][0] if name in places else 0.0
-            for name in names
-        }
-        if not any(ways.values()):
-            continue
-        if len(set(ways.values())) == 1:
-            moved = replace(ground, x=ground.x + ways[names[0]])
-        else:
-            boxes = _boxes(network, names, sizes)
-            rights = {name: box[2] for name, box in boxes.items()}
-            lefts = {name: box[0] for name, box in boxes.items()}
-            # Its left edge follows its first node: it would lie over the backdrop before it.
-            x = ground.x + min(lefts[n] + way for n, way in ways.items()) - min(lefts.values())
-            margin = min(MARGIN, ground.x + ground.width - max(rights.values()))
-            right = max(rights[name] + way for name, way in ways.items()) + margin
-            right = max(right, ground.x + ground.width)
-            moved = replace(ground, x=x, width=right - x)
-        if moved != ground:
-            entries[place] = _entry(entries[place], moved)
+        ways = [
+            places[name][0] - network.layout[name][0] if name in places else 0.0
+            for name in nodes_on(network, index, sizes)
+        ]
+        if any(ways):
+            # From its first node to its last: else it would lie over the backdrop before it.
+            x, width = ground.x + min(ways), ground.width + max(ways) - min(ways)
+            entries[place] = _entry(entries[place], replace(ground, x=x, width=width))
             changed = True
     return set_network_field(FIELD, entries, "Move backdrops") if changed else None
 
@@ -208,34 +176,28 @@ _Members = Mapping[int, tuple[str, ...]]
 
 
 def laid_out(
-    network: Network,
-    sizes: Sizes,
-    room: tuple[float, float] | None = None,
-    drawn: Sizes | None = None,
+    network: Network, sizes: Sizes, room: Size | None = None, drawn: Sizes | None = None
 ) -> Operation:
     """Lay all nodes out, those on a backdrop together on it; see `arranged`.
 
-    `drawn` are the sizes with what is drawn below the nodes, which is given room as well. A
-    backdrop whose nodes cannot be put together, because a wire leaves it and comes back, is put
-    round where its nodes stand then. Empty backdrops stay where they are.
+    `drawn` are the sizes with what is drawn below the nodes. A backdrop whose nodes cannot be put
+    together, because a wire leaves it and comes back, is put round where its nodes stand then.
     """
     grounds = backdrops_of(network)
     members = {index: nodes_on(network, index, sizes) for index in range(len(grounds))}
-    members = {index: names for index, names in members.items() if names}
     sizes = sizes if drawn is None else drawn
-    order = sorted(members, key=lambda index: -grounds[index].width * grounds[index].height)
-    places = _places(network, sizes, tuple(network.nodes), order, members, room)
-    x, y = way_back(network, places)
-    places = {name: (at[0] + x, at[1] + y) for name, at in places.items()}
-    steps: list[Operation] = [Move(dict(places))]
-    # The innermost first: an outer one goes round it, too.
-    frames: dict[int, Box] = {}
+    order = sorted(
+        (index for index, names in members.items() if names),
+        key=lambda index: -grounds[index].width * grounds[index].height,
+    )
+    places, frames = _places(network, sizes, tuple(network.nodes), order, members, room)
+    back = way_back(network, places)
+    places = {name: shifted(at, back) for name, at in places.items()}
+    frames = {index: _shifted_box(box, back) for index, box in frames.items()}
+    steps: list[Operation] = [Move(places)]
     for index in reversed(order):
         points = {name: places[name] for name in members[index]}
-        boxes = list(boxes_of(points, sizes).values())
-        boxes += [frames[inner] for inner in _on(index, list(frames), members)]
-        frames[index] = _round(boxes)
-    for index, (left, top, right, bottom) in frames.items():
+        left, top, right, bottom = frames.get(index) or _round(boxes_of(points, sizes).values())
         ground = replace(grounds[index], x=left, y=top, width=right - left, height=bottom - top)
         if ground != grounds[index]:
             steps.append(change(network, index, ground))
@@ -249,84 +211,60 @@ def _places(
     names: Sequence[str],
     order: Sequence[int],
     members: _Members,
-    room: tuple[float, float] | None,
-) -> dict[str, Point]:
-    """Points of these nodes, of which some stand on backdrops: the largest ones first."""
+    room: Size | None,
+) -> tuple[dict[str, Point], dict[int, Box]]:
+    """Points of these nodes, and boxes of the backdrops that some stand on, largest ones first."""
     outer: list[int] = []
-    taken: set[str] = set()
     for index in order:
-        if not taken & set(members[index]):
+        if not any(set(members[index]) & set(members[other]) for other in outer):
             outer.append(index)
-            taken |= set(members[index])
     while True:
         unit_of = {name: _key(index) for index in outer for name in members[index]}
-        units = list(dict.fromkeys(unit_of.get(name, name) for name in names))
-        followers = {unit: tuple(_onward(network, names, unit_of, unit)) for unit in units}
+        followers = _followers(network, {name: unit_of.get(name, name) for name in names})
         in_ring = {unit for ring in cycles(followers) for unit in ring}
-        broken = [index for index in outer if _key(index) in in_ring]
-        if not broken:
+        if not in_ring.intersection(map(_key, outer)):
             break
-        outer = [index for index in outer if index not in broken]
-    inside: dict[int, dict[str, Point]] = {}
+        outer = [index for index in outer if _key(index) not in in_ring]
+    # A stage is broken up only where it is far too long for a row of its own.
+    wide = None if room is None else (_ROWS_IN_STAGE * room[0], room[1])
+    inside: dict[int, tuple[dict[str, Point], dict[int, Box]]] = {}
     unit_sizes = {name: size_of(name, sizes) for name in names}
     for index in outer:
         # Of two that hold the same nodes the larger one holds the other.
-        within = _on(index, order[order.index(index) + 1 :], members)
-        # A stage is broken up only where it is far too long for a row of its own.
-        wide = None if room is None else (_ROWS_IN_STAGE * room[0], room[1])
-        points = _places(network, sizes, members[index], within, members, wide)
-        depth = 1 + _depth(within, members)
-        inside[index] = _set_in(points, depth)
-        boxes = boxes_of(inside[index], sizes).values()
-        unit_sizes[_key(index)] = (
-            max(box[2] for box in boxes) + depth * MARGIN,
-            max(box[3] for box in boxes) + depth * MARGIN,
-        )
+        smaller = order[order.index(index) + 1 :]
+        within = [other for other in smaller if set(members[other]) <= set(members[index])]
+        points, frames = _places(network, sizes, members[index], within, members, wide)
+        frames[index] = _round([*boxes_of(points, sizes).values(), *frames.values()])
+        inside[index] = points, frames
+        left, top, right, bottom = frames[index]
+        unit_sizes[_key(index)] = right - left, bottom - top
     outside = placed(followers, unit_sizes, room)
     places = {unit: at for unit, at in outside.items() if unit in network.nodes}
-    for index, points in inside.items():
-        left, top = outside[_key(index)]
-        places |= {name: (left + x, top + y) for name, (x, y) in points.items()}
-    return places
+    boxes: dict[int, Box] = {}
+    for index, (points, frames) in inside.items():
+        x, y = outside[_key(index)]
+        way = x - frames[index][0], y - frames[index][1]
+        places |= {name: shifted(at, way) for name, at in points.items()}
+        boxes |= {other: _shifted_box(box, way) for other, box in frames.items()}
+    return places, boxes
 
 
-def _on(index: int, others: Sequence[int], members: _Members) -> list[int]:
-    """Those of the other backdrops whose nodes stand on this one."""
-    return [other for other in others if set(members[other]) <= set(members[index])]
-
-
-def _depth(within: Sequence[int], members: _Members) -> int:
-    """How many backdrops stand on each other, at most."""
-    depths = (
-        1 + _depth(_on(index, within[place + 1 :], members), members)
-        for place, index in enumerate(within)
-    )
-    return max(depths, default=0)
-
-
-def _set_in(points: Mapping[str, Point], depth: int) -> dict[str, Point]:
-    """The points with margins and titles at the left and above them."""
-    left, top = (min(point[axis] for point in points.values()) for axis in (0, 1))
-    x, y = depth * MARGIN - left, depth * (MARGIN + HEAD) - top
-    return {name: (at[0] + x, at[1] + y) for name, at in points.items()}
-
-
-def _onward(
-    network: Network, names: Sequence[str], unit_of: Mapping[str, str], unit: str
-) -> dict[str, None]:
-    chosen = set(names)
-    within = [name for name in names if unit_of.get(name, name) == unit]
-    return {
-        unit_of.get(target, target): None
-        for name in within
-        for target in network.followers[name]
-        if target in chosen and unit_of.get(target, target) != unit
-    }
+def _followers(network: Network, unit_of: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    """What the links of nodes lead to, where some count as one."""
+    targets: dict[str, dict[str, None]] = {unit: {} for unit in unit_of.values()}
+    for name, unit in unit_of.items():
+        onward = (unit_of[target] for target in network.followers[name] if target in unit_of)
+        targets[unit] |= {target: None for target in onward if target != unit}
+    return {unit: tuple(onward) for unit, onward in targets.items()}
 
 
 def _round(boxes: Iterable[Box]) -> Box:
     left, top, right, bottom = hull(boxes)
     return left - MARGIN, top - MARGIN - HEAD, right + MARGIN, bottom + MARGIN
+
+
+def _shifted_box(box: Box, by: Point) -> Box:
+    return (*shifted(box[:2], by), *shifted(box[2:], by))
 
 
 def _key(index: int) -> str:

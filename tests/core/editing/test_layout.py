@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.editing.layout import EDGES, WAYS, aligned, arranged, crossings, distributed
+from core.editing.layout import EDGES, WAYS, aligned, arranged, distributed
 from core.editing.operations import Move
 from core.network.network import Link, Network, Node
 from thorough import examples
@@ -99,20 +99,6 @@ def test_long_chains_and_cycles_need_no_recursion(count):
     assert xs == sorted(set(xs))
     looped = Network(nodes=nodes, links=(*links, Link(names[-1], "o", names[0], "i")))
     assert len(set(arranged(looped, {}).values())) == count
-
-
-@pytest.mark.parametrize("wires", [1, 2, 3, 5, 6, 7, 11, 16])
-def test_crossings_are_those_of_all_pairs(wires):
-    """Every number of wires, not only those that halve evenly: each pair looked at."""
-    random = Random(wires)
-    left = [random.uniform(-9, 9) for _ in range(wires)]
-    right = [random.uniform(-9, 9) for _ in range(wires)]
-    followers = {f"l{k}": [f"r{k}"] for k in range(wires)} | {f"r{k}": [] for k in range(wires)}
-    column = {name: int(name.startswith("r")) for name in followers}
-    height = {f"{side}{k}": y for side, ys in (("l", left), ("r", right)) for k, y in enumerate(ys)}
-    pairs = itertools.combinations(zip(left, right, strict=True), 2)
-    crossed = sum((one[0] < other[0]) != (one[1] < other[1]) for one, other in pairs)
-    assert crossings(followers, column, height) == crossed
 
 
 UNEQUAL = {"a": (100.0, 50.0), "b": (200.0, 80.0), "c": (60.0, 120.0), "d": (90.0, 40.0)}
