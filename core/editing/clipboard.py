@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -27,41 +27,21 @@ from core.modules.declaration import Declaration, Library
 from core.modules.parameters import Parameter, plain
 from core.names import shown, thaw
 from core.network.file import format_network
-from core.network.linked_values import LinkError, named_nodes, naming, resolved, with_names
+from core.network.linked_values import with_names
 from core.network.network import EXPRESSION, Link, Network, Node
 from core.network.parsing import FORMAT, parse_network, read_json
 
-NODES_FORMAT = "imagechain-nodes"
-_VALUES = "values"  # of parameters that follow nodes which are not copied: the network pasted into
-# may not have them
+NODES_FORMAT, VALUES_FORMAT = "imagechain-nodes", "imagechain-values"
 SOURCE = "the clipboard"
-
-ValueOf = Callable[[str, str], Any]
-
 _FARTHEST = 1e6  # a point beyond is none that a canvas could show
 
 
-def copied(
-    network: Network, names: Iterable[str], library: Library, value_of: ValueOf | None = None
-) -> str:
-    """Nodes, the links among them and where they lie, as JSON text.
-
-    `value_of` gives the value of a node's parameter; where the network is the inside of a macro,
-    with what is set from outside.
-
-    Raises `NetworkError` if there is no such node, or one holds what JSON cannot.
-    """
-    part = _part(network, names)
-    document = json.loads(format_network(part, library=library))
+def copied(network: Network, names: Iterable[str], library: Library) -> str:
+    """Nodes, the links among them and where they lie, as JSON text."""
+    document = json.loads(format_network(_part(network, names), library=library))
     copied_fields = ("version", "nodes", "links", "layout", WIRE_DOTS)
-    fields = {
-        "format": NODES_FORMAT,
-        **{key: document[key] for key in copied_fields if key in document},
-    }
-    value_of = value_of or resolved(network, library=library).value
-    if values := _values_of_outer_links(network, part, value_of):
-        fields[_VALUES] = values
-    return json.dumps(fields, ensure_ascii=False, indent=2)
+    fields = {key: document[key] for key in copied_fields if key in document}
+    return json.dumps({"format": NODES_FORMAT, **fields}, ensure_ascii=False, indent=2)
 
 
 def pasted(
@@ -71,16 +51,11 @@ def pasted(
     at: Point | None = None,
     sizes: Sizes = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], Operation]:
-    """What puts copied nodes in, under names that are free; and those names.
+    """What puts copied nodes, or those of a network file, in; and their names, which are free.
 
-    The text is what `copied` gave, or a whole network file. `at` is the middle of where they are to
-    lie; None: where they lay when they were copied. Where there is no room they lie as near as
-    there is. A copy is not marked as the output.
-
-    Raises `NetworkError` if the text holds no nodes, or what is wrong with them, in one line.
+    `at` is the middle of where they are to lie; None: where they lay when they were copied.
     """
-    part, values = _read(text, library)
-    part = _with_values_for(part, values, network)
+    part = _read(text, library)
     points = _points(part)
     if at is not None:
         points = _centred(points, at)
@@ -93,10 +68,7 @@ def duplicated(
     library: Library,  # noqa: ARG001 - same arguments as `copied` and `pasted`
     sizes: Sizes = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], Operation]:
-    """What puts a copy of nodes on free ground near them, fed by the same wires; and its names.
-
-    Raises `NetworkError` if there is no such node.
-    """
+    """What puts a copy of nodes on free ground near them, fed by the same wires; and its names."""
     part = _part(network, names)
     points = {name: at for name, at in part.layout.items() if name in part.nodes}
     feeding = [
@@ -119,36 +91,10 @@ def _part(network: Network, names: Iterable[str]) -> Network:
     )
 
 
-def _values_of_outer_links(
-    network: Network, part: Network, value_of: ValueOf
-) -> dict[str, dict[str, Any]]:
-    """Values of the part's parameters that follow nodes outside it, by node and parameter."""
-    values: dict[str, dict[str, Any]] = {}
-    for name, parameter in naming(part, network.nodes.keys() - part.nodes.keys()):
-        value = value_of(name, parameter)
-        if type(value) in (int, float):
-            values.setdefault(name, {})[parameter] = value
-    return values
-
-
-def _with_values_for(part: Network, values: Any, network: Network) -> Network:
-    """The part with values for parameters that follow what is neither in it nor in the network."""
-    for name, node in part.nodes.items():
-        given = values.get(name) if isinstance(values, dict) else None
-        for parameter, leaders in named_nodes(node).items():
-            value = given.get(parameter) if isinstance(given, dict) else None
-            known = all(network.has(leader) or part.has(leader) for leader in leaders)
-            if not known and type(value) in (int, float):
-                part = part.with_parameter(name, parameter, value)
-    return part
-
-
-def _read(text: str, library: Library) -> tuple[Network, Any]:
-    """The nodes, and the values of parameters that follow what was not copied."""
+def _read(text: str, library: Library) -> Network:
     strange = "contains no copied nodes and no network"
     document = _read_format(text, (NODES_FORMAT, FORMAT), strange)
     document["format"] = FORMAT
-    values = document.pop(_VALUES, None)
     part = parse_network(json.dumps(document), library=library, name_of_source=SOURCE)
     if not part.nodes:
         raise NetworkError(f"{SOURCE} contains no nodes")
@@ -156,7 +102,7 @@ def _read(text: str, library: Library) -> tuple[Network, Any]:
         check_new_wires(replace(part, links=()), part, library)
     except NetworkError as error:
         raise NetworkError(f"{SOURCE}: {error.message}") from None
-    return part, values
+    return part
 
 
 def _read_format(text: str, formats: Sequence[str], strange: str) -> dict[str, Any]:
@@ -224,149 +170,53 @@ def _adding(
     return names, Add(placed, tuple(links), label, joined_fields(network.extra, dots))
 
 
-VALUES_FORMAT = "imagechain-values"
-_MOST_NAMED = 4
-
-Place = tuple[str, str]  # node and parameter
-DeclarationOf = Callable[[str], Declaration | None]
-FaultsAfter = Callable[[Operation, Iterable[Place]], Mapping[Place, LinkError]]
-
-
-@dataclass(frozen=True)
-class CopiedValues:
-    """Values by parameter as a network file has them, and the units of those that have one."""
-
-    values: Mapping[str, Any]
-    units: Mapping[str, str]
-
-
-@dataclass(frozen=True)
-class PastedValues:
-    """The values' one step, which may change nothing; the parameters it sets; why not others."""
-
-    operation: Operation
-    taken: tuple[str, ...]
-    left_out: tuple[str, ...]
-
-
 def copied_values(node: Node, declared: Declaration | None) -> str:
-    """Every value of a node's panel as JSON text, those left at their defaults too.
-
-    Expressions are copied as such. Of an unknown module only what is set can be copied.
-    """
-    values: dict[str, Any] = {}
-    units: dict[str, str] = {}
-    for parameter in declared.parameters if declared is not None else ():
-        if parameter.name in node.params:
-            values[parameter.name] = thaw(node.params[parameter.name])
-        elif not parameter.required:
-            values[parameter.name] = plain(parameter.default)
-        else:
-            continue
-        if parameter.param.unit:
-            units[parameter.name] = parameter.param.unit
-    if declared is None:
-        values = thaw(node.params)
-    fields: dict[str, Any] = {"format": VALUES_FORMAT, "version": 1, "module": node.module}
-    fields |= {"node": node.id, "values": values}
-    if units:
-        fields["units"] = units
+    """Every value of a node's panel as JSON text, defaults too; expressions as such."""
+    usual = declared.parameters if declared is not None else ()
+    values = {one.name: plain(one.default) for one in usual if not one.required}
+    fields = {"format": VALUES_FORMAT, "version": 1, "values": values | thaw(node.params)}
     return json.dumps(fields, ensure_ascii=False, indent=2)
 
 
-def read_values(text: str) -> CopiedValues:
+def read_values(text: str) -> dict[str, Any]:
     """What `copied_values` gave; a `NetworkError` if the text holds no values, in one line."""
     strange = "contains no parameter values"
-    document = _read_format(text, (VALUES_FORMAT,), strange)
-    values, units = document.get("values"), document.get("units", {})
+    values = _read_format(text, (VALUES_FORMAT,), strange).get("values")
     if not isinstance(values, dict) or not values:
         raise NetworkError(f"{SOURCE} {strange}")
-    if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
-        raise NetworkError(f"{SOURCE}: units must be an object with a string for each parameter")
-    return CopiedValues(values, units)
+    return values
 
 
 def pasted_values(
-    text: str,
-    names: Iterable[str],
-    network: Network,
-    *,
-    declaration_of: DeclarationOf,
-    faults_after: FaultsAfter,
-) -> PastedValues:
-    """What gives nodes the copied values of the parameters that they have.
-
-    A value that is the parameter's default leaves it at its default. What a module has not, does
-    not take, or has in another unit is left out. `faults_after` gives, of an operation and
-    parameters, the faults of those whose expressions have no value after it.
+    text: str, names: Sequence[str], declaration_of: Callable[[str], Declaration | None]
+) -> tuple[Operation, tuple[str, ...]]:
+    """What gives nodes the copied values that their parameters take, and why not the others.
 
     Raises `NetworkError` if the text holds no values, or nothing of it fits any of the nodes.
     """
-    copied, names = read_values(text), tuple(names)
-    steps: dict[Place, Any] = {}
-    left_out: list[str] = []
+    values = read_values(text)
+    steps: list[Operation] = []
+    left_out = []
     for name in names:
         declared = declaration_of(name)
-        if declared is None:
-            left_out.append(f"{shown(name)} belongs to an unknown module")
-            continue
-        missing = [key for key in copied.values if declared.parameter(key) is None]
-        if missing:
-            left_out.append(f"{declared.title} has no {_listed(missing)}")
-        for parameter in declared.parameters:
-            if parameter.name in copied.values:
-                try:
-                    steps[name, parameter.name] = _fitting(parameter, copied)
-                except ImagechainError as error:
-                    left_out.append(error.message)
-    for place, fault in _link_faults(steps, faults_after).items():
-        del steps[place]
-        left_out.append(fault.message)
-    left_out = list(dict.fromkeys(left_out))
+        title = declared.title if declared is not None else shown(name)
+        for key, raw in values.items():
+            parameter = declared.parameter(key) if declared is not None else None
+            if parameter is None:
+                left_out.append(f"{title} has no {shown(key)}")
+                continue
+            try:
+                steps.append(set_parameter(name, key, _fitting(parameter, raw)))
+            except ImagechainError as error:
+                left_out.append(error.message)
     if not steps:
         raise NetworkError(f"no value fits {named(names)}: {'; '.join(left_out[:3])}")
-    changes = [
-        set_parameter(name, key, value)
-        for (name, key), value in steps.items()
-        if value is not ABSENT or key in network.node(name).params
-    ]
-    number = len(copied.values)
-    what = f"Paste {number} values" if number > 1 else f"Paste {next(iter(copied.values))}"
-    taken = tuple(f"{name}.{key}" for name, key in steps)
-    return PastedValues(Together(changes, f"{what} on {named(names)}"), taken, tuple(left_out))
+    return Together(steps, f"Paste values on {named(names)}"), tuple(dict.fromkeys(left_out))
 
 
-def _fitting(parameter: Parameter, copied: CopiedValues) -> Any:
-    """The value as a network file has it; ABSENT for the default.
-
-    Raises `NetworkError` or `ParameterError` if the parameter is in another unit, or does not take
-    the value.
-    """
-    raw, unit = copied.values[parameter.name], copied.units.get(parameter.name)
-    there = parameter.param.unit
-    if unit is not None and unit != there:
-        raise NetworkError(
-            f"{parameter.name} is in {there or 'no unit'} in this node, not in {unit}"
-        )
+def _fitting(parameter: Parameter, raw: Any) -> Any:
+    """The value as a network file has it; ABSENT for the default."""
     if isinstance(raw, dict) and EXPRESSION in raw:
         return raw
     value = parameter.coerce(raw)
-    is_default = not parameter.required and value == parameter.default
-    return ABSENT if is_default else plain(value)
-
-
-def _link_faults(steps: Mapping[Place, Any], faults_after: FaultsAfter) -> dict[Place, LinkError]:
-    """The faults of expressions among the steps; without those, others may have no value either."""
-    faults: dict[Place, LinkError] = {}
-    while True:
-        rest = {place: value for place, value in steps.items() if place not in faults}
-        setting = Together([set_parameter(*place, value) for place, value in rest.items()])
-        fresh = faults_after(setting, rest)
-        if not fresh:
-            return faults
-        faults |= fresh
-
-
-def _listed(keys: Sequence[str]) -> str:
-    more = f" and {len(keys) - _MOST_NAMED} more" if len(keys) > _MOST_NAMED else ""
-    return ", ".join(map(shown, keys[:_MOST_NAMED])) + more
+    return ABSENT if not parameter.required and value == parameter.default else plain(value)

@@ -320,11 +320,12 @@ def free_places(
     for axis, gap in enumerate((GAP_X, GAP_Y)):
         for far in (True, False):
             way = 0.0
-            # Of a whole gap only nearly all counts: rounding could end the search nowhere.
-            while met := [b for b in there if _meet(_box_along(new, axis, way), b, 0.999)]:
-                if far:
+            for _ in there:  # each time past one of them
+                # Of a gap only nearly all counts: rounding would have it end nowhere.
+                met = [b for b in there if _meet(_box_along(new, axis, way), b, 0.999)]
+                if far and met:
                     way = min(box[axis + 2] for box in met) + gap - new[axis]
-                else:
+                elif met:
                     way = max(box[axis] for box in met) - gap - new[axis + 2]
             ways.append((abs(way), axis, way))
     _, axis, way = min(ways)

@@ -301,8 +301,7 @@ class EditCommands(QObject):
     def copy(self) -> None:
         names = self._session.selection
         if names:
-            session = self._session
-            text = copied(session.network, names, session.library, session.value)
+            text = copied(self._session.network, names, self._session.library)
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:

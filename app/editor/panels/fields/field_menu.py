@@ -66,13 +66,13 @@ def typed_text(parameter: Parameter, text: str) -> str:
 
 
 def _value_of_node(parameter: Parameter, text: str) -> str:
-    copied, name = read_values(text), parameter.name
-    if name not in copied.values:
+    values, name = read_values(text), parameter.name
+    if name not in values:
         raise ParameterError(name, None, "the node on the clipboard has no such value")
-    raw = copied.values[name]
+    raw = values[name]
     if isinstance(raw, dict) and EXPRESSION in raw:
         return f"= {expression_text(raw)}"
-    return "" if raw is None else text_with_unit(parameter, raw, copied.units.get(name, ""))
+    return "" if raw is None else text_with_unit(parameter, raw, parameter.param.unit)
 
 
 def text_with_unit(parameter: Parameter, value: Any, unit: str) -> str:

@@ -96,22 +96,16 @@ def copy_values(session: Session, names: Sequence[str]) -> None:
 
 def paste_values(session: Session, names: Sequence[str]) -> None:
     """Give nodes the clipboard's values, as one step; what is left out is said in one line."""
+    text = QGuiApplication.clipboard().text()
     try:
-        pasted = pasted_values(
-            QGuiApplication.clipboard().text(),
-            names,
-            session.network,
-            declaration_of=session.declared,
-            faults_after=session.link_faults,
-        )
+        operation, left_out = pasted_values(text, names, session.declared)
     except ImagechainError as error:
         session.message.emit("error", f"no values were pasted: {error}")
         return
-    session.do(pasted.operation)
-    number = len(pasted.taken)
-    text = f"pasted {number} value{'' if number == 1 else 's'} on {named(names)}"
-    if pasted.left_out:
-        more = len(pasted.left_out) - _MOST_REASONS
-        reasons = "; ".join(pasted.left_out[:_MOST_REASONS])
+    session.do(operation)
+    text = f"pasted values on {named(names)}"
+    if left_out:
+        more = len(left_out) - _MOST_REASONS
+        reasons = "; ".join(left_out[:_MOST_REASONS])
         text += f"; left out: {reasons}{f'; and {more} more' if more > 0 else ''}"
     session.message.emit("note", text)
