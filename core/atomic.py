@@ -21,9 +21,6 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     the block ends, and is flushed to the disk before the rename. When the block raises, it is
     removed and what was at `path` before is untouched. A symbolic link is followed: its target is
     replaced. What a killed process has left in the folder is removed.
-
-    Raises `FileError`: `path` is a folder or no regular file, its folder is missing or cannot be
-    written, or the disk is full. An `OSError` from within the block is given as `FileError` too.
     """
     target = _target(path)
     mode = _mode_of_existing(target)

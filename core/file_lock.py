@@ -42,12 +42,7 @@ class FileLock:
 
 
 def take(path: Path) -> FileLock | None:
-    """Make a lock file of this process; None where the file system has no locks.
-
-    Nor is there one where another process holds it, or is just testing whether it is held.
-
-    Raises `OSError` if the file cannot be made.
-    """
+    """Make a lock file of this process; None where the file system has no locks."""
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
         _try(descriptor)

@@ -114,10 +114,7 @@ _PROC = Path("/proc")
 
 
 def start_token(pid: int) -> str:
-    """What distinguishes a process from a later one of the same number; empty where unknown.
-
-    On Linux, the boot and the time within it at which the process began.
-    """
+    """What distinguishes a process from a later one of the same number; empty where unknown."""
     try:
         # The program's name, in parentheses, may hold spaces and parentheses itself.
         fields = (_PROC / str(pid) / "stat").read_bytes().rpartition(b")")[2].split()

@@ -22,11 +22,7 @@ def in_turn(function: Callable[[Any], None], items: Sequence[Any]) -> None:
 
 
 class Workers:
-    """A pool of threads, begun when first needed.
-
-    Starting threads anew for each loop costs 0.3 ms, a tenth of a Fourier round trip at 1024²;
-    waking one that waits costs a quarter of that.
-    """
+    """A pool of threads, begun when first needed."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -98,11 +94,7 @@ def amount_text(size: float) -> str:
 
 
 def store_bytes() -> int:
-    """How much a store may keep: a quarter of the memory, or half of what is free if that is less.
-
-    Both are of what the process may use, where a container or a limit gives it less than the
-    machine has. 128 MiB at least.
-    """
+    """How much a store may keep: a quarter of the memory, or half of what is free if less."""
     whole = usable_bytes()
     if whole is None:
         return WITHOUT_KNOWLEDGE
@@ -111,10 +103,7 @@ def store_bytes() -> int:
 
 
 def usable_bytes() -> int | None:
-    """The memory that the process may use; None where the system does not report it.
-
-    That of the machine, or less where a container or a limit of the process leaves it less.
-    """
+    """The memory that the process may use; None where the system does not report it."""
     whole = [size for size in (physical_bytes(), *_limits()) if size is not None]
     return min(whole, default=None)
 

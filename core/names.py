@@ -14,10 +14,7 @@ from core.errors import NetworkError
 
 
 def check_id(name: str) -> None:
-    """Refuse a node id that is empty or has a dot, an equals sign or a control character.
-
-    Raises `NetworkError`, saying what is allowed.
-    """
+    """Refuse a node id that is empty or has a dot, an equals sign or a control character."""
     # Cs: half a surrogate pair cannot be saved; Zl and Zp break lines as control characters do.
     barred = (c in ".=" or unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in name)
     if not name.strip() or any(barred):

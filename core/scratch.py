@@ -34,10 +34,7 @@ _SHARE_PICTURE = 16  # of the budget, from which on a picture lies on disk
 
 
 class ScratchDisk:
-    """Where the pictures and spectra of a run in blocks lie, which may take so much memory.
-
-    Used as a context manager, within which mapped pages are let go of as they become many.
-    """
+    """Where the pictures and spectra of a run in blocks lie, which may take so much memory."""
 
     def __init__(self, folder: Path, memory_bytes: int) -> None:
         self.folder, self.memory_bytes = folder, memory_bytes
@@ -56,10 +53,7 @@ class ScratchDisk:
         return is_for_disk(shape, dtype, self.memory_bytes)
 
     def empty(self, shape: tuple[int, ...], dtype: DTypeLike) -> Array:
-        """An array on disk, its samples 0.
-
-        Raises `FileError` if the disk has no room, or the folder cannot be written to.
-        """
+        """An array on disk, its samples 0."""
         mapped = self._mapped(_size(shape, dtype))
         return np.frombuffer(mapped, dtype, count=int(np.prod(shape))).reshape(shape)
 

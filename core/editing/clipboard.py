@@ -190,10 +190,7 @@ def read_values(text: str) -> dict[str, Any]:
 def pasted_values(
     text: str, names: Sequence[str], declaration_of: Callable[[str], Declaration | None]
 ) -> tuple[Operation, tuple[str, ...]]:
-    """What gives nodes the copied values that their parameters take, and why not the others.
-
-    Raises `NetworkError` if the text holds no values, or nothing of it fits any of the nodes.
-    """
+    """What gives nodes the copied values that their parameters take, and why not the others."""
     values = read_values(text)
     steps: list[Operation] = []
     left_out = []

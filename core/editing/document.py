@@ -78,10 +78,7 @@ class History:
         return len(self._states) - 1
 
     def line(self, position: int) -> str:
-        """What the step did that leads to a position, in one line; of 0 nothing.
-
-        Of one value also what it was before and after.
-        """
+        """What the step did that leads to a position, in one line; of 0 nothing."""
         state = self._states[position]
         match state.field:
             case ("nodes", node, "params", name):
@@ -98,10 +95,7 @@ class History:
         self.end_gesture()
 
     def add(self, network: Network, operation: Operation, gesture: Hashable = None) -> None:
-        """Take the network after an operation; what was undone is forgotten.
-
-        Operations in a row with the same `gesture` become one step.
-        """
+        """Take the network after an operation; what was undone is forgotten."""
         del self._states[self._at + 1 :]
         if self.saved is not None and self.saved > self._at:
             self.saved = None
@@ -196,12 +190,7 @@ class Document:
         self._listeners.append(listener)
 
     def do(self, operation: Operation, gesture: Hashable = None) -> bool:
-        """Carry an operation out, unless it changes nothing; whether it did.
-
-        Operations in a row that share a `gesture`, such as those of one drag, are one undo step.
-
-        Raises `NetworkError` or `ParameterError` if it does not fit; the document is as before.
-        """
+        """Carry an operation out, unless it changes nothing; whether it did."""
         before = self.network
         after = operation.apply(before)
         if self._same(before, after):
@@ -227,10 +216,7 @@ class Document:
         self.go_to(min(self.history.position + 1, self.history.last))
 
     def go_to(self, position: int) -> None:
-        """Undo, or do again, until so many steps are done; the listeners are called once.
-
-        Raises `NetworkError` if the history has not so many.
-        """
+        """Undo, or do again, until so many steps are done; the listeners are called once."""
         before = self.network
         self.history.go_to(position)
         self._tell(before)
@@ -242,14 +228,7 @@ class Document:
         return "removed" if current == GONE else "changed"
 
     def save(self, path: Path | None = None, *, over: bool = False) -> None:
-        """Write it to a file, which is its own from then on.
-
-        `over` writes over changes that another program made to its own file.
-
-        Raises `ChangedFileError` if its own file is no longer what it was, and `over` is not set;
-        `FileError` if it cannot be written: the document stays modified, the file as it was;
-        `NetworkError` if it holds what no file can, or has no path.
-        """
+        """Write it to a file, which is its own from then on."""
         target = path or self.path
         if target is None:
             raise NetworkError("the network has no file yet: choose where to save it")
@@ -301,10 +280,7 @@ def mark(content: bytes) -> str:
 
 
 def mark_of(path: Path) -> str:
-    """The mark of what a file holds; `GONE` where there is none.
-
-    What cannot be read as a file has one that no content has.
-    """
+    """The mark of what a file holds; `GONE` where there is none."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait
             return "not a regular file"

@@ -54,8 +54,6 @@ def group(
     None: as the network alone has it.
     The macro has an input for every wire that comes from outside and every input that still needs
     one, an output for every one that leads outside and for the pictures nothing leads on from.
-
-    Raises `NetworkError` if there is no such node, or a way leaves the nodes and comes back.
     """
     members = tuple(dict.fromkeys(names))
     if not members:
@@ -110,10 +108,7 @@ def group(
 def ungroup(
     network: Network, library: Library, name: str, where: str = ""
 ) -> tuple[tuple[str, ...], Operation]:
-    """What puts the nodes of a macro in its place, under names that are free; and the names.
-
-    Raises `NetworkError` if there is no such macro, or it is disabled.
-    """
+    """What puts the nodes of a macro in its place, under names that are free; and the names."""
     node = _macro(network, name)
     if node.disabled:
         raise NetworkError(f"{shown(name)} is disabled: enable it first, then ungroup it")

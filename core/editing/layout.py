@@ -308,10 +308,7 @@ def _along(at: Point, axis: int, by: float) -> Point:
 def free_places(
     points: Mapping[str, Point], sizes: Sizes, network: Network, network_sizes: Sizes
 ) -> dict[str, Point]:
-    """The points, moved straight together as far as is needed to stand on no node of the network.
-
-    `sizes` are those of the new nodes. Nodes of the network without a point take up no room.
-    """
+    """The points, moved straight together until they stand on no node of the network."""
     if not points:
         return {}
     there = boxes_of(network.layout, network_sizes).values()

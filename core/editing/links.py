@@ -14,11 +14,7 @@ _MOST_NAMED = 8
 
 
 def refusal(network: Network, library: Library, link: Link) -> str | None:
-    """Why `link` cannot be made; None where it can.
-
-    That its input has a link is no reason: the new one takes its place. Unknown modules take and
-    give anything.
-    """
+    """Why `link` cannot be made; None where it can."""
     wrong = misfit(network, library, link)
     if wrong is not None:
         return wrong
@@ -51,12 +47,7 @@ def misfit(network: Network, library: Library, link: Link) -> str | None:
 
 
 def check_new_wires(before: Network, after: Network, library: Library) -> None:
-    """Refuse a change that brings links no network may have.
-
-    What was wrong before is left to be mended.
-
-    Raises `NetworkError`, naming the link and what is wrong with it.
-    """
+    """Refuse a change that brings links no network may have."""
     for name, node in after.nodes.items():
         former = before.nodes.get(name)
         if node.macro is not None and node is not former:

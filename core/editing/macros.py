@@ -79,10 +79,7 @@ class Inside(Operation):
 
 
 def _with_body(network: Network, node: Node, body: Network, moved: Mapping[str, str]) -> Network:
-    """The network with another inside of a macro, and without what this does not show any more.
-
-    `moved` has what nodes inside are called now that had another name.
-    """
+    """The network with another inside of a macro, and without what this does not show any more."""
     assert node.macro is not None
     face, outer, head = face_of_macro(body), face_of_macro(network), f"{node.id}{SEPARATOR}"
     params = {name: value for name, value in node.params.items() if name in face.parameters}
@@ -183,12 +180,7 @@ def parameters_of(body: Network) -> dict[str, Any]:
 
 
 def expose(network: Network, node: str, parameter: str) -> Operation:
-    """Show a parameter of an inner node, ``camera/init``, on the panel of the macro around it.
-
-    It has its own name there, or the next that is free.
-
-    Raises `NetworkError` if the node lies in no macro, or the parameter is shown already.
-    """
+    """Show a parameter of an inner node, ``camera/init``, on the panel of the macro around it."""
     *macros, inner = path_of(network, node)
     if not macros:
         raise NetworkError(f"{shown(node)} is not inside a macro that could show its parameters")
@@ -211,8 +203,6 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
 
     `value_of` gives the value of a node's parameter: it takes the place of an expression, which
     could name nothing from inside.
-
-    Raises `NetworkError` if the macro shows no such parameter, or another follows it.
     """
     path = path_of(network, macro)
     body = _body(network, path)
@@ -241,10 +231,7 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
 
 
 def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:
-    """Give a parameter that a macro shows another name, wherever it is mentioned.
-
-    The macro may lie in others.
-    """
+    """Give a parameter that a macro shows another name, wherever it is mentioned."""
     *outer, name = path_of(network, macro)
     rename = partial(_with_exposed_renamed, macro=name, old=old, new=new)
     return at_level(tuple(outer), Edit(rename, f"Rename {name}.{old} to {new}"))

@@ -1,8 +1,4 @@
-"""Changes of a network as values: what gives the network after it from the one before.
-
-An operation applied to a network it does not fit raises an error of this program and changes
-nothing.
-"""
+"""Changes of a network as values: what gives the network after it from the one before."""
 
 from __future__ import annotations
 
@@ -48,10 +44,7 @@ class Operation(ABC):
 
     @abstractmethod
     def apply(self, network: Network) -> Network:
-        """The network after the change.
-
-        Raises `NetworkError` or `ParameterError` if it does not fit the network.
-        """
+        """The network after the change."""
 
     def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
         """What nodes are called afterwards that had another name before; `network` is as before."""
@@ -117,10 +110,7 @@ def named(names: Sequence[str]) -> str:
 
 
 def check_plain(value: Any, what: str) -> None:
-    """Refuse what no network file can hold, before it is in the document and cannot be saved.
-
-    Raises `NetworkError`, naming `what` it was meant for, and the value.
-    """
+    """Refuse what no network file can hold, before it is in the document and cannot be saved."""
     rest = [value]
     while rest:
         item = rest.pop()
@@ -261,10 +251,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class Add(Operation):
-    """Put nodes in, and links; a link into an input that has one takes its place.
-
-    `extra` are fields of the network that come with them.
-    """
+    """Put nodes in, and links; a link into an input that has one takes its place."""
 
     placed: tuple[Placed, ...]
     links: tuple[Link, ...] = ()
@@ -432,10 +419,7 @@ class SetOutput(Operation):
 
 
 def output_toggled(network: Network, library: Library, name: str) -> Operation:
-    """What marks a node as the output, or takes its mark away.
-
-    Raises `NetworkError` if it is no node of the network, or makes and takes no picture.
-    """
+    """What marks a node as the output, or takes its mark away."""
     node = network.node(name)
     if name in network.output_nodes or (node.macro is not None and node.macro.marked):
         return SetOutput(())
@@ -446,10 +430,7 @@ def output_toggled(network: Network, library: Library, name: str) -> Operation:
 
 
 def picture_node(node: Node, library: Library) -> str:
-    """The node's id; of a macro that of the one inside whose picture it shows first.
-
-    Raises `NetworkError` if the macro shows no picture.
-    """
+    """The node's id; of a macro that of the one inside whose picture it shows first."""
     if node.macro is None:
         return node.id
     declared = declared_node(node, library)

@@ -33,10 +33,7 @@ def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
 
 
 def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
-    """Bend a wire through a point, which comes before those from `index` on.
-
-    Raises `NetworkError` if there is no such wire, or the point is none.
-    """
+    """Bend a wire through a point, which comes before those from `index` on."""
     points = list(_points(network, link))
     points.insert(index, at)
     return _with_points(network, link, points, f"Bend {link}")
@@ -50,10 +47,7 @@ def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 
 
 def remove_dot(network: Network, link: Link, index: int) -> Operation:
-    """Take a dot away; without any its wire finds its own way.
-
-    Raises `NetworkError` if there is no such dot.
-    """
+    """Take a dot away; without any its wire finds its own way."""
     points = list(_points(network, link))
     del points[_checked(points, link, index)]
     return _with_points(network, link, points, f"Delete the dot of {link}")

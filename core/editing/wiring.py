@@ -56,11 +56,7 @@ def side_links(
     taken: Iterable[str],
     followers: Iterable[str] = (),
 ) -> list[Link]:
-    """Links for the node's empty context and pupil inputs, where there is one candidate.
-
-    `taken` are the inputs that are not empty. What comes after the node and its `followers` is no
-    candidate.
-    """
+    """Links for the node's empty context and pupil inputs, where there is one candidate."""
     module = declared(network, library, node)
     if module is None:
         return []
@@ -82,10 +78,7 @@ def port_of(ports: Iterable[Port], kind: str) -> Port | None:
 
 
 def wire_beside(network: Network, library: Library, link: Link, kind: str) -> Link | None:
-    """The one wire of a type that runs beside a link: from the same node, or to the same.
-
-    Of several, the one that does both.
-    """
+    """The one wire of a type that runs beside a link: from the same node, or to the same."""
     candidates = [
         other
         for other in network.links
@@ -263,11 +256,7 @@ class Candidate:
 
 
 def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candidate, ...]:
-    """Modules with a port on that side for a wire of one of these types, in the library's order.
-
-    `side` is that of the ports looked for: inputs take a wire from an output, outputs give one.
-    There is a candidate for each port that fits.
-    """
+    """Modules with a port on that side for a wire of one of these types, in the library's order."""
     wanted = set(types)
     candidates = []
     for key, module in library.items():
@@ -280,10 +269,7 @@ def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candi
 def new_node(
     network: Network, library: Library, module: str, at: Point | None
 ) -> tuple[str, Operation]:
-    """The name of a new node of a module, and what adds it.
-
-    Raises `NetworkError` if the library has no such module.
-    """
+    """The name of a new node of a module, and what adds it."""
     if module not in library:
         raise NetworkError(no_module(module, library))
     name = fresh_name(local_key(module), network.nodes)
@@ -293,13 +279,7 @@ def new_node(
 def wired_to(
     network: Network, library: Library, end: End, candidate: Candidate, at: Point | None
 ) -> tuple[str, Operation]:
-    """A new node of a candidate wired to a loose end, and its other inputs where they are certain.
-
-    Where the end is an input that has a link, the new node comes between if it passes that on, else
-    its link takes the place.
-
-    Raises `NetworkError` if it does not fit.
-    """
+    """A new node of a candidate wired to a loose end; its other inputs too where certain."""
     name, adding = new_node(network, library, candidate.module, at)
     grown = adding.apply(network)
     node, port, side = end
@@ -315,10 +295,7 @@ def wired_to(
 
 
 def _wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
-    """A link to or from a node that has no wires, and those of its other inputs that are certain.
-
-    Raises `NetworkError` if it does not fit.
-    """
+    """A link of a node that has no wires, and those of its other inputs that are certain."""
     wiring = Rewire(add=(link, *_others(network, library, link, node)))
     check_new_wires(network, wiring.apply(network), library)
     return wiring
@@ -365,8 +342,6 @@ def continued(
     An output that leads to one node gives its wire: the new node comes between. Else it is a branch
     of its own. A module that takes nothing from the node, but gives what an empty input of it
     needs, feeds it.
-
-    Raises `NetworkError` if the library has no such module.
     """
     name, adding = new_node(network, library, module, at)
     wiring = wires_behind(adding.apply(network), library, node, name)
@@ -376,11 +351,7 @@ def continued(
 def wires_behind(
     network: Network, library: Library, node: str, new: str, *, branches: bool = True
 ) -> Operation | None:
-    """What wires a node without wires on to another one; None where they have none in common.
-
-    As `continued`, for a node that is there already; without `branches`, the new node also comes
-    between an output and the several nodes that it leads to.
-    """
+    """What wires a node without wires on to another one; None where they have none in common."""
     known, added = declared(network, library, node), declared(network, library, new)
     if known is None or added is None:
         return None

@@ -41,8 +41,6 @@ def value_of(expression: Expression, *, unit: str, lookup: Lookup = no_reference
     Numbers written with a unit are converted to that of the parameter, empty for a pure number;
     numbers without, and parameters, count as they are. `lookup` gives the value of a parameter, in
     its own unit.
-
-    Raises `ExpressionError` where a step has no finite value, or the units do not fit.
     """
     stack: list[_Number] = []
     for step in expression.steps:

@@ -87,11 +87,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class Step:
-    """One step over a stack of numbers.
-
-    `kind` is that of what is done; `name` an operator, function or unit; `count` how many numbers
-    are taken; `angle` whether a unit stands in the argument of a function of angles.
-    """
+    """One step over a stack of numbers."""
 
     kind: Literal["number", "reference", "unit", "sign", "operator", "function"]
     name: str = ""
@@ -122,10 +118,7 @@ def readable(parameter: str) -> bool:
 
 @lru_cache(maxsize=512)
 def parse_expression(text: str) -> Expression:
-    """Read an expression.
-
-    Raises `ExpressionError`, stating what is wrong with the text, and where.
-    """
+    """Read an expression."""
     if len(text) > LONGEST:
         raise ExpressionError(
             f"the expression has {len(text)} characters; at most {LONGEST} are allowed"
@@ -428,10 +421,7 @@ def fitting(unit: str) -> tuple[str, ...]:
 
 
 def converted(number: Fraction | float, unit: str, wanted: str) -> Fraction | float | None:
-    """The number in another unit; None where the units measure other things.
-
-    By fractions where the units allow: 600 µrad are 0.6 mrad, not the double beside it.
-    """
+    """The number in another unit; None where the units measure other things."""
     unit, wanted = canonical(unit), canonical(wanted)
     if unit == wanted:
         return number

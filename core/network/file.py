@@ -29,13 +29,7 @@ def load_network(
     keep_unknown: bool = False,
     unfinished: bool = False,
 ) -> Network:
-    """Open a network file: all of it, or an error. It runs no code and reads no other file.
-
-    `keep_unknown` and `unfinished` as for `core.network.validation.problems`.
-
-    Raises `FileError` if it cannot be read, `NetworkError` if it is no network, `NetworkProblems`
-    if its modules, values or links do not fit.
-    """
+    """Open a network file: all of it, or an error. It runs no code and reads no other file."""
     network = read_network(path, library=library)
     check_network(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
     return network
@@ -99,13 +93,7 @@ def read_text(path: str | PathLike[str]) -> str:
 
 
 def save_network(network: Network, path: str | PathLike[str], *, library: Library) -> str:
-    """Write a network to a file, which is the old one or the new one, never half of each.
-
-    A network that is unfinished, or holds unknown modules, can be saved. Returns the text written.
-
-    Raises `FileError` if it cannot be written, `NetworkError` if it holds what no network file can
-    hold.
-    """
+    """Write a network to a file, which is the old one or the new one, never half of each."""
     text = format_network(network, library=library)
     # Never put in the place of a good file what could not be opened again.
     parse_network(text, library=library, name_of_source=fspath(path))
@@ -120,8 +108,6 @@ def format_network(network: Network, *, library: Library) -> str:
     order means nothing is sorted. Parameters are those that were given, numbers in the kind their
     declaration has; points, links, expressions and lists of numbers take one line each. The version
     is the oldest that holds it all.
-
-    Raises `NetworkError` if it holds what JSON cannot.
     """
     version = least_version(network)
     document: dict[str, Any] = {"format": FORMAT, "version": version, "name": network.name}

@@ -65,10 +65,7 @@ class ResolvedNetwork:
         return self.network.nodes.get(name) or self.network.aside.get(name)
 
     def value(self, node: str, parameter: str) -> Any:
-        """The value a node has been given for a parameter; of a macro, that of the inner one.
-
-        None where it has its default; an expression without a value stays.
-        """
+        """The value a node has been given for a parameter; of a macro, that of the inner one."""
         name, behind = self.network.parameter_behind(node, parameter)
         known = self.node(name)
         return known.params.get(behind) if known is not None else None
@@ -135,12 +132,7 @@ def _same(one: Node, other: Node) -> bool:
 
 
 def with_names(node: Node, names: Mapping[str, str]) -> Node:
-    """The node with other names in its expressions, by the old names.
-
-    What lies inside of a renamed macro, ``camera/blur``, is named anew too.
-
-    Raises `NetworkError` if one would become too long.
-    """
+    """The node with other names in its expressions, by the old names."""
     return with_references(node, lambda one, parameter: (new_name(one, names), parameter))
 
 
@@ -210,10 +202,7 @@ def naming(network: Network, names: Collection[str]) -> list[tuple[str, str]]:
 
 
 def following(network: Network, node: str) -> set[str]:
-    """The nodes whose parameters follow that node's, also by way of others; not itself.
-
-    Of a network whose macros have been written out.
-    """
+    """The nodes whose parameters follow that node's, also by way of others; not itself."""
     followers: dict[str, set[str]] = {}
     for follower, _, reference in references(network):
         leader, _ = network.parameter_behind(reference.node, reference.parameter)

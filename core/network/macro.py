@@ -58,11 +58,9 @@ def opened(node: Node, *, linked: bool = True) -> Network:
 
 
 def under(macro: Node, inner: Node) -> Node:
-    """A node of a macro's inside as it is called outside, ``camera/blur``.
-
-    The same object each time, so that what is planned for it stays.
-    """
+    """A node of a macro's inside as it is called outside, ``camera/blur``."""
     auto = inner.auto if macro.auto is None else macro.auto
+    # The same object each time, so that what is planned for it stays.
     made: dict[tuple[str, bool | None], Node] = vars(inner).setdefault("_under", {})
     if (macro.id, auto) not in made:
         outer = f"{macro.id}{SEPARATOR}{inner.id}"
@@ -71,10 +69,7 @@ def under(macro: Node, inner: Node) -> Node:
 
 
 def path_of(network: Network, name: str) -> tuple[str, ...]:
-    """The macros that a node lies in, from the outside, and its own id at the end.
-
-    Raises `NetworkError` if there is no such node.
-    """
+    """The macros that a node lies in, from the outside, and its own id at the end."""
     path = []
     while (step := network.step_inside(name)) is not None:
         macro, name = step
@@ -181,10 +176,7 @@ def passing_input(node: Node, output: str, library: Library) -> str | None:
 
 
 def checked_depth(level: int, where: str) -> None:
-    """Refuse macros that lie too deep inside of others.
-
-    Raises `NetworkError`, saying how deep they may lie.
-    """
+    """Refuse macros that lie too deep inside of others."""
     if level > DEEPEST:
         raise NetworkError(f"{shown(where)}: macros are nested more than {DEEPEST} deep")
 
@@ -265,10 +257,7 @@ def end_of(entry: str) -> End:
 
 
 def interface_of(extra: Mapping[str, Any], where: str = "macro") -> Interface:
-    """The interface among a macro's fields.
-
-    Raises `NetworkError` if a field is not of the form a network file must have.
-    """
+    """The interface among a macro's fields."""
     inputs = {}
     for name, entry in _entries(extra, INPUTS, where):
         several = entry if isinstance(entry, list) else [entry]
@@ -315,10 +304,7 @@ def _end(entry: Any, where: str) -> End:
 
 
 def expanded(network: Network, library: Library) -> Network:
-    """The plain network; a network without macros is given back as it is.
-
-    What a macro's fields name that is not there is left out: `core.network.validation` finds it.
-    """
+    """The plain network; a network without macros is given back as it is."""
     if not has_macros(network):
         return network
     level = _level(network, library)
@@ -462,10 +448,7 @@ def _add_parameters(level: _Level, node: Node, inside: _Level) -> None:
 
 
 def _within(macro: Node, inner: Node) -> Node:
-    """A node of a macro's inside as `under` has it, with the names in its expressions changed too.
-
-    The same object each time.
-    """
+    """A node of a macro's inside as `under` has it, with new names in its expressions too."""
     plain = under(macro, inner)
     if not plain.linked:
         return plain

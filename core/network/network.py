@@ -84,10 +84,7 @@ class Link:
 
     @classmethod
     def between(cls, start: str, end: str) -> Link:
-        """From ``NODE.PORT`` to ``NODE.PORT``, each split at its last dot.
-
-        Raises `NetworkError` if either is not of that form.
-        """
+        """From ``NODE.PORT`` to ``NODE.PORT``, each split at its last dot."""
         ends = []
         for text in (start, end):
             node, _, port = text.rpartition(".")
@@ -117,9 +114,6 @@ class Network(_Frozen):
     been written out (`core.network.macro`), `port_names` and `parameter_names` give for the
     ``NODE.NAME`` of a macro that of the inner node it stands for; `aside` has the nodes inside of
     disabled macros, which only give parameters that others may follow.
-
-    Raises `NetworkError` or `ParameterError` if a node stands under another id, or the seed is not
-    allowed.
     """
 
     name: str = ""
@@ -168,10 +162,7 @@ class Network(_Frozen):
 
     @property
     def marked(self) -> tuple[str, ...]:
-        """The nodes that are marked as the output; one at most where the network is sound.
-
-        Those inside of macros too, as ``MACRO/NODE``.
-        """
+        """The nodes that are marked as the output; one at most where the network is sound."""
         names: dict[str, None] = {}
         for name, node in self.nodes.items():
             if node.final:
@@ -219,10 +210,7 @@ class Network(_Frozen):
         return self._inward.get(node, ())
 
     def unlinked_outputs(self, library: Library) -> tuple[tuple[str, str], ...]:
-        """Node and port of every output that no link leaves and that has a value.
-
-        A disabled node has only the outputs it passes an input on to, an unknown module none.
-        """
+        """Node and port of every output that no link leaves and that has a value."""
         linked = {(link.source, link.output) for link in self.links}
         outputs = []
         for node in self.nodes.values():
@@ -237,20 +225,14 @@ class Network(_Frozen):
         return tuple(outputs)
 
     def order(self) -> tuple[str, ...]:
-        """Ids of the nodes, each after those it is linked from; else in the document's order.
-
-        Raises `NetworkError` if the links form a cycle.
-        """
+        """Ids of the nodes, each after those it is linked from; else in the document's order."""
         ordered = topological(self.followers)
         if len(ordered) < len(self.nodes):
             raise cycle_error(cycles(self.followers)[0])
         return ordered
 
     def with_parameter(self, node: str, name: str, value: Any) -> Network:
-        """With a parameter set; `problems` checks whether its module takes it.
-
-        Raises `NetworkError` if there is no such node.
-        """
+        """With a parameter set; `problems` checks whether its module takes it."""
         old = self.node(node)
         return self.with_node(replace(old, params={**old.params, name: value}))
 
@@ -259,8 +241,6 @@ class Network(_Frozen):
 
         All else is taken over as it is: it has been checked and frozen, and a drag makes a new
         network with each move of the mouse.
-
-        Raises `NetworkError` if there is no such node.
         """
         self.node(node.id)
         return self.with_nodes({**self.nodes, node.id: node})
@@ -293,10 +273,7 @@ def passed_through(declared: Declaration) -> dict[str, str]:
 
 
 def check_seed(seed: object) -> None:
-    """Refuse what is no seed.
-
-    Raises `ParameterError`, saying what is allowed.
-    """
+    """Refuse what is no seed."""
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_INTEGER:
         raise ParameterError("seed", seed, SEEDS)
 
@@ -315,10 +292,7 @@ def way_round(loop: Iterable[str]) -> str:
 
 
 def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, Any]) -> Network:
-    """The network with these nodes marked as the output and no others, and with other fields.
-
-    Nodes inside of macros are named ``MACRO/NODE``.
-    """
+    """The network with these nodes marked as the output and no others, and with other fields."""
     nodes = {}
     for name, node in network.nodes.items():
         if node.final != (name in marked):
@@ -355,10 +329,7 @@ Followers = Mapping[str, Sequence[str]]
 
 
 def topological(followers: Followers) -> tuple[str, ...]:
-    """Nodes after all they follow; among those that are free, in the order of the mapping.
-
-    Nodes on a cycle, or behind one, are left out.
-    """
+    """Nodes after all they follow; among those that are free, in the order of the mapping."""
     names = list(followers)
     place = {name: number for number, name in enumerate(names)}
     waiting = dict.fromkeys(names, 0)

@@ -30,13 +30,7 @@ _WORDS: dict[type, str] = {
 
 
 def parse_network(text: str, *, library: Library, name_of_source: str = "network") -> Network:
-    """Read a network from the text of its file. It runs no code and reads no other file.
-
-    Whether modules, values and links fit the library is checked by `core.network.validation`:
-    modules that are not in it stay as they are. Errors call the file by `name_of_source`.
-
-    Raises `NetworkError` if it is not the text of a network.
-    """
+    """Read a network from the text of its file. It runs no code and reads no other file."""
     document = read_json(text, name_of_source)
     try:
         _expect(document, dict, "a network")
@@ -181,8 +175,6 @@ def read_json(text: str, source: str) -> Any:
 
     Other than Python's `json`: a key that comes twice, NaN, Infinity, numbers beyond double
     precision, half surrogate pairs, and hostile size and depth are refused.
-
-    Raises `NetworkError`, naming `source` and the fault.
     """
     if len(text) > LARGEST:
         raise NetworkError(f"{source}: larger than the {LARGEST >> 20} MiB a network may have")

@@ -89,10 +89,7 @@ def problems(
 
 
 def plain_network(network: Network, *, library: Library) -> Network:
-    """The network with its macros written out, for whatever computes; as it is without any.
-
-    Raises `NetworkProblems` if its macros are not sound.
-    """
+    """The network with its macros written out, for whatever computes; as it is without any."""
     if macro_problems(network, library):
         check_network(network, library=library)
     return expanded(network, library)
@@ -248,11 +245,7 @@ def _and(names: Iterable[str]) -> str:
 def macro_problems(
     network: Network, library: Library, *, unfinished: bool = False
 ) -> list[ImagechainError]:
-    """Every fault of the macros themselves; those of the nodes inside are not among them.
-
-    A module that is not in the library may have any ports and parameters. `unfinished` accepts
-    wires from a disabled macro that has nothing to pass on to them.
-    """
+    """Every fault of the macros themselves; those of the nodes inside are not among them."""
     if not has_macros(network):
         return []
     faults: list[ImagechainError] = [*_one_name_twice(network)]

@@ -16,7 +16,6 @@ from core.errors import NetworkError
 from core.network.file import format_network, parse_network
 from core.network.linked_values import expression, resolved
 from core.network.macro import path_of
-from core.network.network import Network
 from core.network.validation import problems
 
 LIMITS = settings(
