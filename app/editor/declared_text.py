@@ -13,8 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter
-from core.network.expression_arithmetic import value_of
-from core.network.expression_grammar import ExpressionError, parse_expression
+from core.network.expressions import ExpressionError, parse_expression, value_of
 from core.network.network import Node
 
 # Ends of names that are the unit, which stands beside the value.

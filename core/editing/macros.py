@@ -22,7 +22,7 @@ from core.editing.operations import (
 from core.editing.references import dropped, renamed
 from core.errors import NetworkError
 from core.names import close, shown, thaw
-from core.network.expression_grammar import readable
+from core.network.expressions import readable
 from core.network.linked_values import (
     naming,
     references,

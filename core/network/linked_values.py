@@ -14,8 +14,7 @@ from core.errors import NetworkError, ParameterError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
-from core.network.expression_arithmetic import value_of
-from core.network.expression_grammar import (
+from core.network.expressions import (
     LONGEST,
     Expression,
     ExpressionError,
@@ -23,6 +22,7 @@ from core.network.expression_grammar import (
     Reference,
     parse_expression,
     rewritten,
+    value_of,
 )
 from core.network.macro import SEPARATOR, expanded
 from core.network.network import EXPRESSION, Network, Node, cycles, reached, topological, way_round

@@ -12,7 +12,7 @@ from core.modules.declaration import Declaration, Library, Port, declaration
 from core.modules.panel_sections import complete
 from core.modules.parameters import Parameter
 from core.names import shown, thaw
-from core.network.expression_grammar import rewritten
+from core.network.expressions import rewritten
 from core.network.network import EXPRESSION, MACRO, Link, Network, Node, passed_through
 
 SEPARATOR = "/"

@@ -28,7 +28,7 @@ from core.editing.operations import (
 )
 from core.editing.wiring import continued, deleted, dissolved, fitting, inserted, new_node, wired_to
 from core.modules.declaration import Library, declaration
-from core.network.expression_grammar import quoted
+from core.network.expressions import quoted
 from core.network.file import format_network
 from core.network.linked_values import expression, resolved
 from core.network.network import Link, Network, Node

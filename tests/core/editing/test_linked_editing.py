@@ -11,7 +11,7 @@ from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.operations import Remove, Rename, keeping_values
 from core.errors import NetworkError
-from core.network.expression_grammar import quoted
+from core.network.expressions import quoted
 from core.network.file import parse_network
 from core.network.linked_values import expression, resolved, with_values
 from core.network.network import Network, Node

@@ -13,7 +13,7 @@ from core.editing.clipboard import copied_values, pasted_values
 from core.editing.operations import ABSENT, Operation, Together, named, set_parameter
 from core.errors import ImagechainError
 from core.names import thaw
-from core.network.expression_grammar import quoted
+from core.network.expressions import quoted
 from core.network.macro import unfolded
 
 
