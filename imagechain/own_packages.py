@@ -21,8 +21,6 @@ NAMES = ("core", "nodes", "app", "networks")
 def load_own_packages(root: Path) -> None:
     """Load the four packages from `root`, the folder that holds this one.
 
-    Raises `ImportError` if another package with one of these names has already been imported.
-
     Warns if a folder or file with one of these names would have come first, and is now hidden. The
     command does not warn, as it imports nothing of the user's; nor does a child process.
     """

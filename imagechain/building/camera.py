@@ -101,11 +101,6 @@ class Camera:
         number : int
             Number of the frame in a sequence, from 0. Each has its own temporal noise and the same
             fixed patterns, as in ``run(frames=…)``.
-
-        Raises
-        ------
-        ImagechainError
-            If the frame does not have the camera's size, or a sample is not finite.
         """
         if not (isinstance(number, Integral) and int(number) >= 0):
             raise ParameterError("number", number, "a whole number, 0 or more")

@@ -150,11 +150,6 @@ class Chain:
         value
             The value in the parameter's own unit; an `Expression`, or a string that begins with
             ``=``, makes the parameter follow others. File names are relative to the current folder.
-
-        Raises
-        ------
-        ImagechainError
-            If there is no such parameter, or the value is not allowed; then nothing changes.
         """
         if isinstance(parameter, str):
             if value is ABSENT:
@@ -229,11 +224,6 @@ class Chain:
             default the last added node whose output is still free.
         wired : bool
             Whether to make wires at all.
-
-        Raises
-        ------
-        ImagechainError
-            If the module fits nowhere, or the name is taken.
         """
         if not isinstance(part, Part):
             raise UsageError(
@@ -247,13 +237,7 @@ class Chain:
 
     @plain_errors
     def link(self, start: str, end: str) -> Chain:
-        """Wire an output to an input, both as ``NODE.PORT``; replaces the input's earlier wire.
-
-        Raises
-        ------
-        NetworkError
-            If the ports do not fit, or the wire would close a loop.
-        """
+        """Wire an output to an input, both as ``NODE.PORT``; replaces the input's earlier wire."""
         link = Link.between(start, end)
         wrong = refusal(self.network, self._engine.library, link)
         if wrong is not None:
@@ -393,11 +377,6 @@ class Chain:
             last array.
         threads : int
             Number of threads; 0 uses as many as there are. Results do not depend on it.
-
-        Raises
-        ------
-        ImagechainError
-            The first error, as in the command `imagechain run`.
         """
         policy, named = Policy(precision, tolerance, threads), {n for n, _ in self._state.given}
         what = (frames, outputs, region, memory, scratch)
@@ -454,11 +433,6 @@ class Chain:
             As for `run`.
         **scene
             What you know about the frames, as for `replace_scene`: ``unit="K"``.
-
-        Raises
-        ------
-        ImagechainError
-            If there is no such output or scene, or the chain has an error.
         """
         policy = Policy(precision, tolerance, threads)
         return Camera(self._state, size, outputs, policy, scene, self._engine)
@@ -483,11 +457,6 @@ class Chain:
 
         Scenes from arrays are written beside it, as ``NAME_NODE.npy``, cubes as ``.img``. From then
         on file names are relative to its folder.
-
-        Raises
-        ------
-        FileError
-            If a file cannot be written, or an array's file exists and is not this network's.
         """
         self._state = self._state.saved(whole_path(path), self._engine.library)
         return Path(fspath(path))
@@ -669,11 +638,6 @@ def open(network: str | PathLike[str]) -> Chain:
     ----------
     network : str or path
         A path, or a name from `networks()`. File names in it are relative to its own folder.
-
-    Raises
-    ------
-    ImagechainError
-        If there is no such network, or the file is not a network.
     """
     engine = Engine(standard_library())
     place = find_network(fspath(network))

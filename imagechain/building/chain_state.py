@@ -79,10 +79,7 @@ class ChainState:
         return network.node(name)
 
     def declared(self, name: str, library: Library) -> Declaration:
-        """What a node's module declares.
-
-        Raises `NetworkError` if there is no such node, or its module is not in the library.
-        """
+        """What a node's module declares."""
         node = self.node(name)
         declared = declared_node(node, library)
         if declared is None:
@@ -102,10 +99,7 @@ class ChainState:
             return given
 
     def with_values(self, values: Mapping[str, Any], library: Library) -> ChainState:
-        """With parameters set, by ``NODE.PARAMETER``; ABSENT resets one to its default.
-
-        Raises `ImagechainError` if there is no such parameter, or the value is not allowed.
-        """
+        """With parameters set, by ``NODE.PARAMETER``; ABSENT resets one to its default."""
         state = self
         for place, value in values.items():
             node, _, name = place.rpartition(".")
@@ -170,11 +164,7 @@ class ChainState:
     def _grown(
         self, node: Node, taken: Declaration, library: Library, after: str | None
     ) -> Network | None:
-        """The network with a node added and wired; None where it begins something of its own.
-
-        It continues from the node `after`; by default from the last added node that has what the
-        module takes. Raises `NetworkError` if it does not fit there.
-        """
+        """The network with a node added and wired; None where it begins something of its own."""
         if not self.network.nodes or (after is None and not taken.inputs):
             return None
         grown = Add((Placed(node),)).apply(self.network)
@@ -237,11 +227,7 @@ class ChainState:
         )
 
     def saved(self, target: Path, library: Library) -> ChainState:
-        """Written to a network file, with its arrays beside it.
-
-        Raises `FileError` if a file cannot be written, or if an array's file exists, holds
-        something else and is not this network's.
-        """
+        """Written to a network file, with its arrays beside it."""
         own, network = _arrays_of(target, library), self.network
         names = {
             node: f"{target.stem}_{_PLAIN.sub('_', node)}{'.npy' if _is_plain(held) else '.img'}"
@@ -276,8 +262,6 @@ class ChainState:
         """The network planned, its macros expanded; errors of nodes stay with the nodes.
 
         What has not changed since a `previous` plan is reused.
-
-        Raises `ImagechainError` if the network itself has errors.
         """
         if not self.network.nodes:
             raise NetworkError("the chain has no nodes: add some")
@@ -422,10 +406,7 @@ def _is_plain(held: HeldSamples) -> bool:
 
 
 def _write(file: Path, held: HeldSamples, *, named: bool) -> None:
-    """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it.
-
-    Where the network names no unit of a cube, the header does.
-    """
+    """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it."""
     if _is_plain(held):
         write_npy(file, held.samples)
         return

@@ -95,11 +95,6 @@ def study(
     -------
     StudyTable
         The rows, by column.
-
-    Raises
-    ------
-    ImagechainError
-        If the study cannot be carried out. A point that fails only gives a row with its error.
     """
     distributed = sys.modules.get("distributed")
     is_client = distributed is not None and isinstance(scheduler, distributed.Client)

@@ -54,11 +54,6 @@ class FittedChain:
         """Write parameters, errors and correlations (.json), or the page of the fit (.html).
 
         To write the network, use ``fitted.chain.save``.
-
-        Raises
-        ------
-        ImagechainError
-            If the suffix is not supported, or the file cannot be written.
         """
         file = Path(fspath(path))
         if JSON.matches(file):
@@ -125,12 +120,6 @@ def fit(
     -------
     FittedChain
         Values with standard errors, correlations, warnings, and the chain with the fitted values.
-
-    Raises
-    ------
-    ImagechainError
-        If no edge in the pictures can be used, a parameter cannot be fitted, or a file cannot be
-        read.
     """
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     engine, plan = own.planned()

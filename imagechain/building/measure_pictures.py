@@ -51,13 +51,7 @@ class MeasuredPictures:
 
     @plain_errors
     def without(self, edge: int) -> MeasuredPictures:
-        """Return the result without one edge, by its index in `edges`; this one does not change.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such edge.
-        """
+        """Return the result without one edge, by its index in `edges`; this one does not change."""
         many = len(self.edges)
         if not 0 <= edge < many:
             raise ParameterError("edge", edge, f"0 to {many - 1}" if many else "there are no edges")
@@ -70,14 +64,7 @@ class MeasuredPictures:
 
     @plain_errors
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write everything (.json), an MTF table for MTF File (.csv), or a page (.html).
-
-        Raises
-        ------
-        ImagechainError
-            If the suffix is not supported, no MTF was measured for a table, or the file cannot be
-            written.
-        """
+        """Write everything (.json), an MTF table for MTF File (.csv), or a page (.html)."""
         file = Path(fspath(path))
         write_measurement(self._measured, file)
         return file
@@ -124,11 +111,6 @@ def measure(
     -------
     MeasuredPictures
         Horizontal and vertical MTF, edges and noise, with errors.
-
-    Raises
-    ------
-    ImagechainError
-        If a file cannot be read, an array is not a picture, or the sizes differ.
     """
     if not pictures:
         raise UsageError("measure needs a picture: give a file or an array")
@@ -171,10 +153,7 @@ _FRAMES = 3  # dimensions
 
 
 def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]:
-    """The frames of each array, (rows, columns) or (frames, rows, columns), in double precision.
-
-    Raises `DataError` if an array is not a picture, or a sample is not finite.
-    """
+    """The frames of each array, (rows, columns) or (frames, rows, columns), in double precision."""
     return [_frames(np.asarray(picture), number) for number, picture in enumerate(pictures, 1)]
 
 

@@ -79,13 +79,7 @@ def module_function(key: str) -> Callable[..., Part]:
 
 @plain_errors
 def part(module: str, **values: Any) -> Part:
-    """Make a module by its key, also one from a plug-in, with values; see ``ic.modules``.
-
-    Raises
-    ------
-    ImagechainError
-        If there is no such module, or a value is not allowed.
-    """
+    """Make a module by its key, also one from a plug-in, with values; see ``ic.modules``."""
     library = standard_library()
     if module not in library:
         raise NetworkError(f"there is no module {shown(module)}{close(module, library)}")
@@ -190,11 +184,6 @@ def preset(name: str, **values: Any) -> Part:
         One of `presets()`.
     **values
         Values of the parameters that the preset offers.
-
-    Raises
-    ------
-    ImagechainError
-        If there is no such preset, or a value is not allowed.
     """
     library = standard_library()
     places = {one.path.stem: one.path for one in shipped_presets(library)}

@@ -62,10 +62,7 @@ class Part:
 
 
 def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values as in a network file, each checked against its parameter.
-
-    Raises `ParameterError` if there is no such parameter, or a value is not allowed.
-    """
+    """Values as in a network file, each checked against its parameter."""
     return {name: file_value(declared, name, value) for name, value in values.items()}
 
 
@@ -89,10 +86,7 @@ def file_value(declared: Declaration, name: str, value: Any, *, node: str | None
 def known_parameter(
     declared: Declaration, name: str, value: Any, *, node: str | None = None
 ) -> Parameter:
-    """The parameter of that name.
-
-    Raises `ParameterError` if there is none; the message names those that exist.
-    """
+    """The parameter of that name."""
     parameter = declared.parameter(name)
     if parameter is None:
         names = [candidate.name for candidate in declared.parameters]

@@ -1,7 +1,4 @@
-"""The stub of `imagechain.modules`, for editors and type checkers.
-
-``python -m imagechain.parts.module_stub`` rewrites it; a test compares it with the library.
-"""
+"""The stub of `imagechain.modules`, for editors and type checkers."""
 
 from __future__ import annotations
 

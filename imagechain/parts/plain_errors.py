@@ -18,10 +18,7 @@ T = TypeVar("T")
 
 
 def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
-    """Cut the traceback of errors at a public function: no inner frames and no causes.
-
-    The cause of a plug-in's error is kept, because its author needs the traceback.
-    """
+    """Cut the traceback of errors at a public function: no inner frames and no causes."""
 
     @wraps(function)
     def plain(*words: P.args, **named: P.kwargs) -> T:
@@ -51,10 +48,7 @@ def stays_here(value: Any) -> NoReturn:
 
 
 def needed(name: str, purpose: str) -> ModuleType:
-    """Import the optional library of that name.
-
-    Raises `UsageError` if it is not installed; the message says how to install it.
-    """
+    """Import the optional library of that name."""
     try:
         return import_module(name)
     except ImportError:
@@ -103,8 +97,5 @@ def block(*parts: str) -> str:
 
 
 def users_matplotlib() -> None:
-    """Import it with the user's settings, if it is not imported yet.
-
-    Reports would import it with their own settings, and change the user's later plots.
-    """
+    """Import it with the user's settings, if it is not imported yet."""
     import matplotlib  # noqa: F401

@@ -60,11 +60,6 @@ def scene(
         Width of every band, µm; by default each reaches half-way to its neighbours.
     scale : float
         Factor that multiplies the samples.
-
-    Raises
-    ------
-    ImagechainError
-        If the array is not a picture, or a value is not allowed.
     """
     for name in unknown:
         hint = close(name, ("fov_x_deg", "fov_y_deg", "band_um", "wavelengths_um", "widths_um"))

@@ -48,11 +48,7 @@ _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 
 
 class RunOptions:
-    """Options of a run, as for `Chain.run`, and what decides where the chain may write.
-
-    `file` is the network file, where the chain is in one; `given` are the nodes whose files were
-    named in Python. Raises `ParameterError` if an option is not allowed.
-    """
+    """Options of a run, as for `Chain.run`, and what decides where the chain may write."""
 
     def __init__(
         self,
@@ -81,10 +77,7 @@ class RunOptions:
         self.file, self.given = file, frozenset(given)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
-        """The rows and columns to compute in a picture of that shape; None for all of it.
-
-        Raises `ParameterError` if the region is empty.
-        """
+        """The rows and columns to compute in a picture of that shape; None for all of it."""
         if self.region is None:
             return None
         (top, bottom, _), (left, right, _) = (
@@ -165,11 +158,6 @@ class Result:
         ----------
         port : str, optional
             ``NODE.PORT``; by default the final picture.
-
-        Raises
-        ------
-        ImagechainError
-            If there is no such picture, or it cannot be computed.
         """
         return self._samples(self._port(port))
 
@@ -283,12 +271,6 @@ class Result:
             Further folders where a network from a file may write, over any file. Otherwise it may
             write only in its own folder, and overwrite only files that it has written itself. Files
             that were named in Python are always written.
-
-        Raises
-        ------
-        FileError
-            If a file cannot be written, or a network from a file names one outside its own folder
-            or one that it has not written itself.
         """
         evaluation, plan, origin = self._evaluation, self._plan, self._options
         targets = sink_targets(plan, plan.folder)
@@ -422,12 +404,7 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
 
 
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) -> Result:
-    """Compute what the options name, by default the final picture.
-
-    Everything else is computed on access. Pictures in blocks are the exception: their space on disk
-    exists only while they are computed. `smaller` returns the plan without what cannot be computed,
-    or raises the error.
-    """
+    """Compute what the options name, by default the final picture."""
     way = way_of_running(plan, options.policy, options.memory)
     if way.in_blocks and (options.frames or 1) > 1:
         raise ParameterError(

@@ -93,13 +93,7 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
 
     @plain_errors
     def row(self, name: str) -> ReadoutRow:
-        """The read-out ``NODE.NAME`` with its unit and meaning.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such read-out.
-        """
+        """The read-out ``NODE.NAME`` with its unit and meaning."""
         names = [f"{row.node}.{row.name}" for row in self.rows]
         if name not in names:
             raise ParameterError(
@@ -114,13 +108,7 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
 
     @plain_errors
     def to_frame(self) -> DataFrame:
-        """Return a pandas `DataFrame`: value, unit and meaning by node and read-out.
-
-        Raises
-        ------
-        UsageError
-            If pandas is not installed.
-        """
+        """Return a pandas `DataFrame`: value, unit and meaning by node and read-out."""
         pandas = needed("pandas", "tables as DataFrames")
         places = [(row.node, row.name) for row in self.rows]
         index = pandas.MultiIndex.from_tuples(places, names=["node", "readout"])
@@ -186,13 +174,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
 
     @plain_errors
     def to_frame(self) -> DataFrame:
-        """Return a pandas `DataFrame`, with a row for each stage, axis and frequency.
-
-        Raises
-        ------
-        UsageError
-            If pandas is not installed.
-        """
+        """Return a pandas `DataFrame`, with a row for each stage, axis and frequency."""
         every = [
             (stage, axis, curve)
             for stage, axes in self._values.items()
@@ -295,13 +277,7 @@ class StudyTable(_Named[list[Any]]):
 
     @plain_errors
     def to_frame(self) -> DataFrame:
-        """Return a pandas `DataFrame`, with units in the column names.
-
-        Raises
-        ------
-        UsageError
-            If pandas is not installed.
-        """
+        """Return a pandas `DataFrame`, with units in the column names."""
         return _frame({column.head: column.typed for column in self._rows.columns()})
 
     def _texts(self, most: int) -> list[list[str]]:
