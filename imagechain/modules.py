@@ -7,20 +7,34 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from imagechain.parts.module_functions import (
-    PackageModules,
-    module_function,
-    module_names,
-    package_names,
-)
+from core.modules.declaration import local_key, package_of
+from imagechain.parts.module_functions import module_function
 from imagechain.parts.module_part import Part
+from nodes.library import standard_library
+
+
+class PackageModules:
+    """The modules of an installed package, by their names."""
+
+    def __init__(self, package: str) -> None:
+        self._package = package
+
+    def __getattr__(self, name: str) -> Callable[..., Part]:
+        function = module_function(f"{self._package}.{name}")
+        vars(self)[name] = function
+        return function
+
+    def __dir__(self) -> list[str]:
+        names = (key for key in standard_library() if package_of(key) == self._package)
+        return sorted(map(local_key, names))
 
 
 def __getattr__(name: str) -> Callable[..., Part] | PackageModules:
-    named = PackageModules(name) if name in package_names() else module_function(name)
+    is_package = any(package_of(key) == name for key in standard_library())
+    named = PackageModules(name) if is_package else module_function(name)
     globals()[name] = named
     return named
 
 
 def __dir__() -> list[str]:
-    return module_names()
+    return sorted({package_of(key) or key for key in standard_library()})

@@ -17,7 +17,7 @@ from app.run.readout_tables import columns
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
 from core.editing.links import refusal
-from core.editing.operations import ABSENT, Rewire, SetOutput, set_network_field
+from core.editing.operations import ABSENT, Remove, Rename, Rewire, SetOutput, set_network_field
 from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.modules.declaration import Declaration
@@ -254,13 +254,13 @@ class Chain:
     @plain_errors
     def remove(self, name: str) -> Chain:
         """Remove a node and its wires."""
-        self._state = self._state.without(name)
+        self._state = self._state.done(Remove((name,)))
         return self
 
     @plain_errors
     def rename(self, old: str, new: str) -> Chain:
         """Rename a node, wherever it is mentioned."""
-        self._state = self._state.renamed(old, new)
+        self._state = self._state.done(Rename(old, new))
         return self
 
     @property
@@ -643,7 +643,7 @@ def open(network: str | PathLike[str]) -> Chain:
     place = find_network(fspath(network))
     document = load_network(place.path, library=engine.library, unfinished=True, keep_unknown=True)
     path = whole_path(place.path)
-    return Chain._of(ChainState(document, path.parent, path, order=tuple(document.nodes)), engine)
+    return Chain._of(ChainState(document, path.parent, path), engine)
 
 
 def networks() -> list[str]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.run.own_scene import OwnScene, with_own_scene
 from core.atomic import atomic_file, write_text
@@ -23,8 +22,6 @@ from core.editing.operations import (
     Add,
     Operation,
     Placed,
-    Remove,
-    Rename,
     Rewire,
     fresh_name,
     set_parameter,
@@ -45,7 +42,7 @@ from core.network.validation import check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
 from imagechain.results.chain_result import current_folder
-from nodes.files.arrays import npy_header, whole_npy, write_npy
+from nodes.files.arrays import write_npy
 from nodes.files.frame_writing import FrameSeries, envi_header_text, header_beside_frames
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.sample_unit import DEFAULT_UNIT
@@ -57,16 +54,14 @@ class ChainState:
     """A chain at one moment.
 
     File names are relative to `folder`; `file` is the network file it was read from or last saved
-    to. `samples` are the scenes from arrays, by node; `order` lists the nodes as they were added,
-    the last one last; `given` are nodes and parameters whose file names were given in Python;
-    `scene` says how the picture that replaced the network's scene was interpreted.
+    to. `samples` are the scenes from arrays, by node; `given` are nodes and parameters whose file
+    names were given in Python; `scene` says how the scene's picture was interpreted.
     """
 
     network: Network
     folder: Path
     file: Path | None = None
     samples: Mapping[str, HeldSamples] = field(default_factory=dict)
-    order: tuple[str, ...] = ()
     given: frozenset[tuple[str, str]] = frozenset()
     scene: tuple[str, ...] = ()
 
@@ -123,8 +118,17 @@ class ChainState:
         return replace(self.done(at_level(tuple(macros), operation)), samples=samples, given=given)
 
     def done(self, operation: Operation) -> ChainState:
-        """With an operation on the network carried out."""
-        return replace(self, network=operation.apply(self.network))
+        """With an operation on the network carried out; arrays follow their nodes."""
+        moved = operation.moved(self.network)
+        network = operation.apply(self.network)
+        samples = {moved.get(node, node): held for node, held in self.samples.items()}
+        given = ((moved.get(node, node), parameter) for node, parameter in self.given)
+        return replace(
+            self,
+            network=network,
+            samples={node: held for node, held in samples.items() if network.has(node)},
+            given=frozenset(place for place in given if network.has(place[0])),
+        )
 
     def with_part(
         self, part: Part, library: Library, *, name: str | None, after: str | None, wired: bool
@@ -156,7 +160,6 @@ class ChainState:
         return id_, replace(
             self,
             network=network,
-            order=(*self.order, id_),
             samples=samples,
             given=self.given | {(id_, path) for path in paths},
         )
@@ -171,11 +174,11 @@ class ChainState:
         if after is not None:
             wiring = wires_behind(grown, library, after, node.id, branches=False)
         else:
-            order = reversed(self.order)
+            order = reversed(tuple(self.network.nodes))  # as they were added
             every = (wires_from_open_end(grown, library, one, node.id) for one in order)
             wiring = next((found for found in every if found is not None), None)
         if wiring is not None:
-            return _completed(wiring.apply(grown), library, node.id, self.order)
+            return _completed(wiring.apply(grown), library, node.id)
         if not taken.inputs:
             return None
         kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
@@ -199,43 +202,28 @@ class ChainState:
             self,
             network=new.network,
             samples=samples if new.samples is None else {**samples, new.node: new.samples},
-            order=(*self.order, *(name for name in new.network.nodes if name not in self.order)),
             given=self.given | {(new.node, "path")},
             scene=new.lines,
         )
 
-    def without(self, name: str) -> ChainState:
-        """Without a node and its wires."""
-        return replace(
-            self.done(Remove((name,))),
-            order=tuple(one for one in self.order if one != name),
-            samples={node: held for node, held in self.samples.items() if node != name},
-            given=frozenset(one for one in self.given if one[0] != name),
-        )
-
-    def renamed(self, old: str, new: str) -> ChainState:
-        """With a node renamed, wherever it is mentioned."""
-
-        def name_of(name: str) -> str:
-            return new if name == old else name
-
-        return replace(
-            self.done(Rename(old, new)),
-            order=tuple(map(name_of, self.order)),
-            samples={name_of(node): held for node, held in self.samples.items()},
-            given=frozenset((name_of(node), parameter) for node, parameter in self.given),
-        )
-
     def saved(self, target: Path, library: Library) -> ChainState:
         """Written to a network file, with its arrays beside it."""
-        own, network = _arrays_of(target, library), self.network
+        network = self.network
+        try:
+            own = target.read_text(encoding="utf-8")
+        except (OSError, ValueError):  # there is none, or it is no network: it names no file
+            own = ""
         names = {
             node: f"{target.stem}_{_PLAIN.sub('_', node)}{'.npy' if _is_plain(held) else '.img'}"
             for node, held in self.samples.items()
         }
         for node, name in names.items():
             network = set_parameter(node, "path", ABSENT).apply(network)
-            _refuse_anothers(target.parent / name, self.samples[node], own)
+            if (file := target.parent / name).exists() and f'"{name}"' not in own:
+                raise FileError(
+                    f"{file} already exists and contains something else: save under another name, "
+                    "or remove it"
+                )
         moved = rebased(network, library, self.folder, target.parent, typed=self.given)
         if moved is not None:
             network = moved.apply(network)
@@ -314,20 +302,20 @@ def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
 _BESIDE = ("context", "pupil", "magnitude", "phase")
 
 
-def _completed(network: Network, library: Library, name: str, order: Sequence[str]) -> Network:
+def _completed(network: Network, library: Library, name: str) -> Network:
     """With links for the inputs beside the picture that are still empty, from the nearest node."""
     known = declared(network, library, name)
     assert known is not None
     linked = {link.input for link in network.links_into(name)}
     behind = reached(network.followers, {name})
-    place = {node: index for index, node in enumerate(order)}
+    place = {node: index for index, node in enumerate(network.nodes)}
     links = []
     for port in known.inputs:
         if port.name in linked or not port.required or port.types[0] not in _BESIDE:
             continue
         ends = [end for end in outputs_of(network, library, port.types[0]) if end[0] not in behind]
         if ends:
-            nearest = max(ends, key=lambda end: place.get(end[0], -1))
+            nearest = max(ends, key=lambda end: place[end[0]])
             links.append(Link(*nearest, name, port.name))
     return Rewire(add=tuple(links)).apply(network)
 
@@ -369,36 +357,6 @@ class Check:
 
 
 _PLAIN = re.compile(r"[^\w.-]+")
-
-
-def _arrays_of(target: Path, library: Library) -> set[str]:
-    """Names of the files that the network file of now names, where there is a sound one."""
-    try:
-        text = target.read_text(encoding="utf-8")
-        network = parse_network(text, library=library, name_of_source=str(target))
-    except Exception:  # there is none, or it is no network: then it names nothing
-        return set()
-    return {str(node.params.get("path")) for node in network.nodes.values()}
-
-
-def _refuse_anothers(file: Path, held: HeldSamples, own: set[str]) -> None:
-    if not file.exists() or file.name in own:
-        return
-    try:
-        same = _is_plain(held) and _holds(file, held.samples)
-    except FileError:
-        same = False
-    if not same:
-        raise FileError(
-            f"{file} already exists and contains something else: save under another name, or "
-            "remove it"
-        )
-
-
-def _holds(file: Path, samples: NDArray[Any]) -> bool:
-    header = npy_header(file)
-    same = header.dtype == samples.dtype and header.shape == samples.shape
-    return same and np.array_equal(whole_npy(file), samples)
 
 
 def _is_plain(held: HeldSamples) -> bool:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from app.run.preset_files import shipped_presets
 from core.errors import NetworkError
-from core.modules.declaration import Declaration, declaration, local_key, package_of
+from core.modules.declaration import Declaration, declaration, local_key
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
 from core.network.file import read_network
@@ -21,32 +21,6 @@ from nodes.library import standard_library
 _WIDTH = 96
 
 
-def module_names() -> list[str]:
-    """Keys of the built-in modules, and names of the packages that add others."""
-    return sorted({package_of(key) or key for key in standard_library()})
-
-
-def package_names() -> frozenset[str]:
-    """Names of the installed packages that add modules."""
-    return frozenset(filter(None, map(package_of, standard_library())))
-
-
-class PackageModules:
-    """The modules of an installed package, by their names."""
-
-    def __init__(self, package: str) -> None:
-        self._package = package
-
-    def __getattr__(self, name: str) -> Callable[..., Part]:
-        function = module_function(f"{self._package}.{name}")
-        vars(self)[name] = function
-        return function
-
-    def __dir__(self) -> list[str]:
-        names = (key for key in standard_library() if package_of(key) == self._package)
-        return sorted(map(local_key, names))
-
-
 def module_function(key: str) -> Callable[..., Part]:
     """The function that makes a module; an `AttributeError` if there is no such module."""
     library = standard_library()
@@ -54,7 +28,15 @@ def module_function(key: str) -> Callable[..., Part]:
         raise AttributeError(f"there is no module {key!r}{close(key, library)}")
     module = library[key]
     declared = declaration(module)
-    signature = _signature(declared)
+    arguments = [
+        inspect.Parameter(
+            one.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=default(one),
+            annotation=annotation(one)[0],
+        )
+        for one in declared.parameters
+    ]
 
     def made(**values: Any) -> Part:
         params = file_values(declared, values)
@@ -67,11 +49,8 @@ def module_function(key: str) -> Callable[..., Part]:
     function.__name__ = function.__qualname__ = local_key(key)
     function.__module__ = "imagechain.modules"
     function.__doc__ = documentation(declared)
-    function.__signature__ = signature
-    function.__annotations__ = {
-        **{p.name: p.annotation for p in signature.parameters.values()},
-        "return": Part,
-    }
+    function.__signature__ = inspect.Signature(arguments, return_annotation=Part)
+    function.__annotations__ = {one.name: one.annotation for one in arguments} | {"return": Part}
     del function.__wrapped__
     result: Callable[..., Part] = function
     return result
@@ -92,10 +71,11 @@ def documentation(declared: Declaration) -> str:
     if declared.parameters:
         lines += ["Parameters", "----------"]
         for parameter in declared.parameters:
-            lines.append(f"{parameter.name} : {annotation_text(parameter)}")
-            lines += textwrap.wrap(
-                description(parameter), _WIDTH, initial_indent="    ", subsequent_indent="    "
-            )
+            lines.append(f"{parameter.name} : {annotation(parameter)[1]}")
+            unit = f" [{parameter.param.unit}]" if parameter.param.unit else ""
+            usual = "empty" if parameter.default is None else repr(default(parameter))
+            text = f"{parameter.param.text}{unit}: {parameter.allowed()}; default {usual}"
+            lines += textwrap.wrap(text, _WIDTH, initial_indent="    ", subsequent_indent="    ")
         lines.append("")
     lines += ["Notes", "-----", f"{declared.title}, in the group {declared.group}."]
     inputs = [f"{port.name}{'' if port.required else ' (optional)'}" for port in declared.inputs]
@@ -109,64 +89,29 @@ def documentation(declared: Declaration) -> str:
     return "\n".join(lines).strip()
 
 
-def description(parameter: Parameter) -> str:
-    """A parameter in one line: meaning, unit, allowed values, default."""
-    text = parameter.param.text
-    unit = f" [{parameter.param.unit}]" if parameter.param.unit else ""
-    usual = "empty" if parameter.default is None else repr(default(parameter))
-    return f"{text}{unit}: {parameter.allowed()}; default {usual}"
-
-
 def default(parameter: Parameter) -> Any:
     """The default as a Python value."""
     return () if parameter.default == () else plain(parameter.default)
 
 
-def annotation(parameter: Parameter) -> Any:
-    """The type of an argument."""
-    kinds: dict[str, Any] = {
-        "number": float | Expression,
-        "integer": int | Expression,
-        "switch": bool,
-        "text": str,
-        "path": str,
-        "numbers": tuple[float, ...],
-    }
-    is_choice = parameter.kind == "choice"
-    base = Literal[parameter.choices] if is_choice else kinds[parameter.kind]
-    return base | None if parameter.empty else base
+_TYPES: dict[str, tuple[Any, str]] = {
+    "number": (float | Expression, "float | Expression"),
+    "integer": (int | Expression, "int | Expression"),
+    "switch": (bool, "bool"),
+    "text": (str, "str"),
+    "path": (str, "str | PathLike[str]"),
+    "numbers": (tuple[float, ...], "Sequence[float]"),
+}
 
 
-def annotation_text(parameter: Parameter) -> str:
-    """The type of an argument as text."""
-    kinds = {
-        "number": "float | Expression",
-        "integer": "int | Expression",
-        "switch": "bool",
-        "text": "str",
-        "path": "str | PathLike[str]",
-        "numbers": "Sequence[float]",
-    }
+def annotation(parameter: Parameter) -> tuple[Any, str]:
+    """The type of an argument, and the same as text."""
     if parameter.kind == "choice":
-        base = f"Literal[{', '.join(map(repr, parameter.choices))}]"
+        choices = ", ".join(map(repr, parameter.choices))
+        kind, text = Literal[parameter.choices], f"Literal[{choices}]"
     else:
-        base = kinds[parameter.kind]
-    return f"{base} | None" if parameter.empty else base
-
-
-def _signature(declared: Declaration) -> inspect.Signature:
-    return inspect.Signature(
-        [
-            inspect.Parameter(
-                parameter.name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=default(parameter),
-                annotation=annotation(parameter),
-            )
-            for parameter in declared.parameters
-        ],
-        return_annotation=Part,
-    )
+        kind, text = _TYPES[parameter.kind]
+    return (kind | None, f"{text} | None") if parameter.empty else (kind, text)
 
 
 def presets() -> dict[str, str]:

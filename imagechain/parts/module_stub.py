@@ -7,7 +7,7 @@ from pathlib import Path
 
 from core.atomic import write_text
 from core.modules.declaration import Declaration, Library, declaration
-from imagechain.parts.module_functions import annotation_text, default, documentation
+from imagechain.parts.module_functions import annotation, default, documentation
 from nodes.library import standard_library
 
 STUB = Path(__file__).resolve().parents[1] / "modules.pyi"
@@ -35,7 +35,7 @@ def _function(declared: Declaration) -> str:
     if declared.parameters:
         lines.append("    *,")
         lines += [
-            f"    {p.name}: {annotation_text(p)} = {default(p)!r}," for p in declared.parameters
+            f"    {p.name}: {annotation(p)[1]} = {default(p)!r}," for p in declared.parameters
         ]
     text = documentation(declared).replace("\\", "\\\\").replace('"""', "'''")
     body = [f"    {line}".rstrip() for line in text.splitlines()]
