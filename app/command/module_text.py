@@ -7,7 +7,7 @@ from textwrap import indent
 from typing import Any
 
 from app.run.readout_tables import columns
-from core.modules.declaration import Declaration, Port, package_of
+from core.modules.declaration import Declaration, package_of, ports_text
 from core.modules.parameters import Parameter, plain
 
 
@@ -61,7 +61,7 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
 def module_text(declared: Declaration, *, whole: bool = False) -> str:
     about = declared.text if whole else declared.summary
     lines = [f"{declared.key} · {declared.listed}", indent(about, "  ")]
-    ways = [_ports(declared.inputs), _ports(declared.outputs)]
+    ways = [ports_text(declared.inputs), ports_text(declared.outputs)]
     lines.append(f"  ports: {' → '.join(ways).strip()}")
     rows = [
         (
@@ -81,13 +81,6 @@ def module_text(declared: Declaration, *, whole: bool = False) -> str:
     if readouts:
         lines += ["  read-outs:", columns(readouts)]
     return "\n".join(lines)
-
-
-def _ports(ports: tuple[Port, ...]) -> str:
-    return ", ".join(
-        f"{port.name} ({' or '.join(port.types)}{'' if port.required else ', optional'})"
-        for port in ports
-    )
 
 
 def _default(parameter: Parameter) -> str:

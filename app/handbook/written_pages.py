@@ -31,7 +31,7 @@ from core.chain.engine import Engine
 from core.chain.wires import Curve, Pupil
 from core.errors import FileError, UsageError
 from core.evaluation.policy import Policy
-from core.modules.declaration import Declaration, Library, Port, declaration
+from core.modules.declaration import Declaration, Library, declaration, ports_text
 from core.modules.parameters import Parameter, plain
 from core.network.file import load_network
 
@@ -171,7 +171,7 @@ def handbook_files(
                 entry.title,
                 page=shown,
                 example=example_of(entry, engine) if drawn else Example(reason=_LATER),
-                inputs=ports(entry.inputs),
+                inputs=ports_text(entry.inputs),
                 outputs=", ".join(port.name for port in entry.outputs),
                 group_anchor=anchor_of(entry.group),
                 parameters=[(p, p.allowed(), default(p)) for p in entry.parameters],
@@ -504,13 +504,6 @@ def _outside_code(pattern: re.Pattern[str], shown: Any, piece: str) -> str:
     parts = re.split(r"(<code>.*?</code>)", piece)
     return "".join(
         part if part.startswith("<code>") else pattern.sub(shown, part) for part in parts
-    )
-
-
-def ports(declared: tuple[Port, ...]) -> str:
-    return ", ".join(
-        f"{port.name} ({' or '.join(port.types)}{'' if port.required else ', optional'})"
-        for port in declared
     )
 
 

@@ -79,6 +79,14 @@ class Port:
     required: bool = True
 
 
+def ports_text(ports: Iterable[Port]) -> str:
+    """Ports in words, each with what it takes or gives."""
+    return ", ".join(
+        f"{port.name} ({' or '.join(port.types)}{'' if port.required else ', optional'})"
+        for port in ports
+    )
+
+
 @dataclass(frozen=True)
 class Readout:
     """A figure shown on the panel; with `unit_of` in the unit of the picture at that input."""
@@ -222,10 +230,7 @@ class Module:
 
     @classmethod
     def build(cls, values: Mapping[str, object]) -> Module:
-        """Construct from plain values as a network file has them.
-
-        Raises `ParameterError` for an unknown name, or a value of the wrong kind or out of range.
-        """
+        """Construct from plain values as a network file has them."""
         return cls(**coerce_all(declaration(cls).parameters, values, cls.title))
 
     def check(self) -> None:
@@ -237,10 +242,7 @@ class Module:
 
 
 def declaration(module: type[Module]) -> Declaration:
-    """Derive the declaration of a module from its class.
-
-    Raises `TypeError` if the class is not written as the module docstring states.
-    """
+    """Derive the declaration of a module from its class."""
     untyped: Any = module  # mypy finds a class of frozen dataclasses unhashable
     return _derive(untyped)
 

@@ -38,25 +38,14 @@ class Offer:
 class Section:
     """Parameters that stand together on a panel.
 
-    Parameters
-    ----------
-    title : str
-        Stands above them; may be empty.
-    parameters : tuple of str
-        Their names, in order.
-    page : str
-        Sections of one page are shown together, and one page at a time; empty: always shown.
-    shown_when : (str, tuple), optional
-        A parameter, and those of its values for which the section is shown.
-    offer : Offer, optional
-        Limits the choices of one of the parameters.
+    Sections of one `page` are shown together, one page at a time; those without, always.
     """
 
-    title: str
-    parameters: tuple[str, ...]
+    title: str  # stands above them; may be empty
+    parameters: tuple[str, ...]  # their names, in order
     page: str = ""
-    shown_when: tuple[str, tuple[Any, ...]] | None = None
-    offer: Offer | None = None
+    shown_when: tuple[str, tuple[Any, ...]] | None = None  # a parameter, and values of it
+    offer: Offer | None = None  # limits the choices of one of the parameters
 
     def mentioned(self) -> tuple[str, ...]:
         """Every parameter that it names."""
@@ -66,10 +55,7 @@ class Section:
 
 
 def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[Section, ...]:
-    """The sections, and one more with the parameters that none of them has.
-
-    Raises `TypeError`: a section names what is no parameter, or a parameter stands in two places.
-    """
+    """The sections, and one more with the parameters that none of them has."""
     placed = Counter(name for section in sections for name in section.parameters)
     wrong = [name for section in sections for name in section.mentioned() if name not in parameters]
     wrong += [name for name, places in placed.items() if places > 1]
@@ -89,20 +75,10 @@ def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[
 
 @dataclass(frozen=True)
 class Caution:
-    """What a module warns of.
+    """What a module warns of; the engine fills in the node, and the method that found it."""
 
-    Parameters
-    ----------
-    message : str
-        What disagrees, with the values, in one line.
-    remedy : str
-        What to do about it, or when it is well.
-    node, check : str
-        The node it stands on, and the module's method that found it; the engine fills them in.
-    """
-
-    message: str
-    remedy: str
+    message: str  # what disagrees, with the values, in one line
+    remedy: str  # what to do about it, or when it is well
     node: str = ""
     check: str = ""
 

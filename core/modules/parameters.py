@@ -20,35 +20,17 @@ _WITH_UNIT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)? *[^\W\d_]{1,40}"
 
 @dataclass(frozen=True)
 class Param:
-    """A module author's description of a parameter.
+    """A module author's description of a parameter."""
 
-    Parameters
-    ----------
-    text : str
-        What it means, for panel and reference.
-    unit : str
-        Unit, empty for a pure number.
-    low, high : float, optional
-        Range, both ends allowed unless `above`/`below` is set.
-    above, below : bool
-        The range's low or high end itself is not allowed.
-    slider : (float, float), optional
-        The part of the range a slider should cover.
-    zero_is_empty : bool
-        For a number that may be empty: whether 0 means empty.
-    choices : tuple
-        For choices that are derived: all of them, where a `Literal` would list them again.
-    """
-
-    text: str
-    unit: str = ""
+    text: str  # what it means, for panel and reference
+    unit: str = ""  # empty for a pure number
     low: float | None = None
     high: float | None = None
-    above: bool = False
-    below: bool = False
-    slider: tuple[float, float] | None = None
-    zero_is_empty: bool = True
-    choices: tuple[Any, ...] = ()
+    above: bool = False  # `low` itself is not allowed
+    below: bool = False  # `high` itself is not allowed
+    slider: tuple[float, float] | None = None  # the part of the range a slider should cover
+    zero_is_empty: bool = True  # for a number that may be empty: whether 0 means empty
+    choices: tuple[Any, ...] = ()  # where a `Literal` would list derived ones again
 
 
 @dataclass(frozen=True)
@@ -90,10 +72,7 @@ class Parameter:
         return words + (" or empty" if self.empty else "")
 
     def coerce(self, value: object) -> Any:
-        """The value in its declared kind, so that 1 and 1.0 are the same network.
-
-        Raises `ParameterError`, naming the parameter, the value, its unit and what is allowed.
-        """
+        """The value in its declared kind, so that 1 and 1.0 are the same network."""
         if self.empty and (value is None or value == ""):
             return None
         convert = getattr(self, f"_as_{self.kind}")
@@ -175,11 +154,7 @@ class Parameter:
 def coerce_all(
     parameters: tuple[Parameter, ...], values: Mapping[str, object], title: str
 ) -> dict[str, Any]:
-    """Coerce what is given and fill in the defaults.
-
-    Raises `ParameterError` for a name that no parameter has, a missing one without default, or a
-    value not allowed.
-    """
+    """Coerce what is given and fill in the defaults."""
     names = [parameter.name for parameter in parameters]
     for name in values:
         if name not in names:
@@ -213,18 +188,8 @@ def plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Formula:
-    """One line of what a module computes.
+    """One line of what a module computes."""
 
-    Parameters
-    ----------
-    tex : str
-        In TeX, of the part that matplotlib typesets.
-    where : str
-        What its symbols mean, with units.
-    when : str
-        For which choice of parameters it holds; empty: always.
-    """
-
-    tex: str
-    where: str = ""
-    when: str = ""
+    tex: str  # of the part that matplotlib typesets
+    where: str = ""  # what its symbols mean, with units
+    when: str = ""  # for which choice of parameters it holds; empty: always
