@@ -360,54 +360,28 @@ def reached(followers: Mapping[str, Iterable[str]], starts: Iterable[str]) -> se
 
 
 def cycles(followers: Followers) -> list[tuple[str, ...]]:
-    """One cycle of every set of nodes that reach each other, each once round, in order."""
+    """Cycles, no two with a node in common, each once round from its first node on; none if none.
+
+    Where one leads on to another, the first may be found only when the other has gone.
+    """
     place = {name: number for number, name in enumerate(followers)}
-    loops = []
-    for members in _components(followers):
-        first = min(members, key=place.__getitem__)
-        if len(members) > 1 or first in followers[first]:
-            loops.append(_loop(followers, members, place))
-    return sorted(loops, key=lambda loop: place[loop[0]])
-
-
-def _loop(followers: Followers, members: set[str], place: Mapping[str, int]) -> tuple[str, ...]:
-    """Walk inside a strongly connected set until a node comes again."""
-    step: dict[str, int] = {}
-    name = min(members, key=place.__getitem__)
-    while name not in step:
-        step[name] = len(step)
-        name = next(target for target in followers[name] if target in members)
-    loop = list(step)[step[name] :]
-    start = loop.index(min(loop, key=place.__getitem__))
-    return tuple(loop[start:] + loop[:start])
-
-
-def _components(followers: Followers) -> list[set[str]]:
-    """Kosaraju's strongly connected sets."""
-    leaders: dict[str, list[str]] = {name: [] for name in followers}
-    for name, targets in followers.items():
-        for target in targets:
+    left = place.keys() - set(topological(followers))
+    leaders: dict[str, list[str]] = {name: [] for name in left}
+    for name in left:
+        for target in left.intersection(followers[name]):
             leaders[target].append(name)
-    finished = [name for tree in _trees(followers, followers) for name in tree]
-    return [set(tree) for tree in _trees(leaders, reversed(finished))]
-
-
-def _trees(graph: Followers, starts: Iterable[str]) -> Iterable[list[str]]:
-    """Depth-first trees from `starts`, each with its nodes in the order they were finished."""
+    left -= set(topological(leaders))  # now each of them leads to another one
+    loops = []
     seen: set[str] = set()
-    for start in starts:
-        if start in seen:
-            continue
-        seen.add(start)
-        finished = []
-        path = [(start, iter(graph[start]))]
-        while path:
-            name, targets = path[-1]
-            fresh = next((target for target in targets if target not in seen), None)
-            if fresh is None:
-                finished.append(name)
-                path.pop()
-            else:
-                seen.add(fresh)
-                path.append((fresh, iter(graph[fresh])))
-        yield finished
+    for start in followers:
+        way: dict[str, int] = {}
+        name = start
+        while name in left and name not in seen and name not in way:
+            way[name] = len(way)
+            name = next(target for target in followers[name] if target in left)
+        seen.update(way)
+        if name in way:
+            loop = list(way)[way[name] :]
+            first = loop.index(min(loop, key=place.__getitem__))
+            loops.append((*loop[first:], *loop[:first]))
+    return sorted(loops, key=lambda loop: place[loop[0]])
