@@ -14,8 +14,6 @@ Which to raise:
 All but the last two are faults of the input: the command line ends with exit code 2 for them.
 """
 
-from __future__ import annotations
-
 from typing import Any, Self, TypeVar
 
 E = TypeVar("E", bound="ImagechainError")

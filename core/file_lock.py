@@ -1,7 +1,5 @@
 """Locks on files that the system lets go of when their process ends, however it ends."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

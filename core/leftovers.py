@@ -1,7 +1,5 @@
 """Names of temporary files that carry their process, and clearing away those of dead processes."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import hashlib

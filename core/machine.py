@@ -1,7 +1,5 @@
 """The threads and the memory of this machine, as the engine uses them."""
 
-from __future__ import annotations
-
 import os
 import re
 import threading

@@ -1,7 +1,5 @@
 """Names and plain JSON data of network documents."""
 
-from __future__ import annotations
-
 import difflib
 import re
 import unicodedata

@@ -1,7 +1,5 @@
 """The command ``imagechain``, also as ``python -m imagechain``."""
 
-from __future__ import annotations
-
 import sys
 
 

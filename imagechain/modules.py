@@ -3,8 +3,6 @@
 Modules of another installed package are under its name: ``ic.modules.acme_optics.glare_mtf()``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from core.modules.declaration import local_key, package_of

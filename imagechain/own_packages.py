@@ -5,8 +5,6 @@ So they are loaded from the folder of this package, before anything else of ours
 standard library here.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import warnings

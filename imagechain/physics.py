@@ -4,8 +4,6 @@ Pure functions: keyword arguments in the units of their names, numbers and array
 arrays out. Each names its source. A value out of range raises `imagechain.ParameterError`.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Backdrops: titled grounds behind nodes that belong together; laying out keeps them there."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Nodes, and values of their parameters, as text that can be copied and pasted."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The document that is open: a network, where it is stored, and its history."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import stat

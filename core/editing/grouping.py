@@ -1,7 +1,5 @@
 """Making one node of several, a macro, and several of one again; the picture stays the same."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Where nodes stand: columns from left to right along the wires, rows, nodes in line."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Links: why one cannot be made, in one line, and which ways they lead."""
 
-from __future__ import annotations
-
 from collections import Counter, deque
 
 from core.errors import NetworkError

@@ -1,7 +1,5 @@
 """Changes of nodes inside of macros, and of the parameters that a macro shows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial

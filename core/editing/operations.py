@@ -1,7 +1,5 @@
 """Changes of a network as values: what gives the network after it from the one before."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
 """Where a network's other fields mention its nodes: output, figures, dots of wires, ports."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 

@@ -4,8 +4,6 @@ The file's field `wire_dots` lists ``{"link": ["init.magnitude", "back.magnitude
 40]]}``, from the output to the input. Nothing that computes reads it. A dot goes with its wire.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any

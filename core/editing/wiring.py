@@ -1,7 +1,5 @@
 """Wires that follow from what is done: partners, what fits, nodes put in and taken out."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -20,7 +18,6 @@ from core.editing.operations import (
 )
 from core.errors import NetworkError
 from core.modules.declaration import (
-    Declaration,
     Library,
     Port,
     declaration,
@@ -89,54 +86,6 @@ def wire_beside(network: Network, library: Library, link: Link, kind: str) -> Li
     if len(candidates) > 1:
         candidates = [other for other in candidates if (other.source, other.target) == _nodes(link)]
     return candidates[0] if len(candidates) == 1 else None
-
-
-def end_beside(network: Network, library: Library, end: Output, kind: str) -> Output | None:
-    """The output of type `kind` that travels beside the loose output `end` of its partner type.
-
-    Either the same node has one; or it is the open end of the wire that left the node further up
-    where both were last together.
-    """
-    own = PARTNER[kind]
-    name: str | None = end[0]
-    seen: set[str] = set()
-    while name is not None and name not in seen:
-        seen.add(name)
-        module = declared(network, library, name)
-        if module is None:
-            return None
-        ports = [port for port in module.outputs if kind in port.types]
-        if len(ports) == 1:
-            start = (name, ports[0].name)
-            return start if name == end[0] else _open_end(network, library, start, kind)
-        if ports:
-            return None
-        name = _source(network, module, name, own)
-    return None
-
-
-def _source(network: Network, module: Declaration, name: str, kind: str) -> str | None:
-    """The node a module's input of a type is linked from."""
-    port = port_of(module.inputs, kind)
-    links = network.links_into(name)
-    return next((link.source for link in links if port and link.input == port.name), None)
-
-
-def _open_end(network: Network, library: Library, start: Output, kind: str) -> Output | None:
-    """Follow a wire of a type through the modules that pass it on, to the last one."""
-    end: Output | None = start
-    while end is not None:
-        onward = []
-        for link in network.links:
-            if (link.source, link.output) == end:
-                module = declared(network, library, link.target)
-                port = port_of(module.outputs, kind) if module else None
-                if port is not None:
-                    onward.append((link.target, port.name))
-        if not onward:
-            return end
-        end = onward[0] if len(onward) == 1 else None
-    return None
 
 
 def _types(network: Network, library: Library, link: Link) -> tuple[str, ...]:
@@ -322,15 +271,17 @@ def _others(network: Network, library: Library, link: Link, node: str) -> list[L
 
 def _spectrum(
     network: Network, library: Library, link: Link, node: str, kind: str, *, required: bool
-) -> tuple[str, str] | None:
+) -> Output | None:
     """The output that a new node takes its magnitude or phase from."""
+    every = [end for end in outputs_of(network, library, kind) if end[0] != node]
     module = declared(network, library, link.target)
     drawn_to = module.input(link.input) if module else None
     if link.target == node and drawn_to is not None and drawn_to.types == (PARTNER[kind],):
-        return end_beside(network, library, (link.source, link.output), kind)
-    if not required:
+        # What travels beside the wire drawn: from the same node, else where it has been led to.
+        same = [end for end in every if end[0] == link.source]
+        every = same or [end for end in every if _is_open(network, library, *end)]
+    elif not required:
         return None
-    every = [end for end in outputs_of(network, library, kind) if end[0] != node]
     return every[0] if len(every) == 1 else None
 
 

@@ -1,7 +1,5 @@
 """Parameters of modules: what is allowed, and turning what a file or a user gives into it."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ A module's `preview` makes it of the planned node; the panel draws it. Colours a
 theme's list of curve colours, or names of the theme's other colours.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

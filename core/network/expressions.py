@@ -12,8 +12,6 @@ Sums, products and quotients of decimal numbers are made of fractions and rounde
 ``3 * 0.1`` is 0.3. What a function or a power gives is a double.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 import re

@@ -1,7 +1,5 @@
 """Network files: opening, writing out so that diffs read well, and saving in one step."""
 
-from __future__ import annotations
-
 import json
 import math
 import stat

@@ -4,8 +4,6 @@ In a file such a parameter is ``{"expression": "init.f_number * 2"}``. All that 
 network through `with_values` first, so that modules, keys and reports meet plain numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any

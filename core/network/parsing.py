@@ -1,7 +1,5 @@
 """From the text of a network file to the document: types and structure, not yet its meaning."""
 
-from __future__ import annotations
-
 import difflib
 import json
 import math

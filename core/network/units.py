@@ -1,7 +1,5 @@
 """Units that a number may be written in, by what they measure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Whether a network fits the library: every fault, each with what would be right."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial

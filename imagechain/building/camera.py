@@ -1,7 +1,5 @@
 """A chain that is planned once and then makes a picture of each new frame of its scene."""
 
-from __future__ import annotations
-
 import itertools
 import threading
 from collections.abc import Mapping, Sequence

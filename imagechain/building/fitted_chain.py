@@ -1,7 +1,5 @@
 """The result of `imagechain.fit`: values with their errors, and the chain with these values."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A function for every module, with its documented parameters as arguments."""
 
-from __future__ import annotations
-
 import inspect
 import textwrap
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A module with its values, not yet in a chain; and expressions instead of values."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The stub of `imagechain.modules`, for editors and type checkers."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

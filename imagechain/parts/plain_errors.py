@@ -1,7 +1,5 @@
 """Errors as the user sees them: one line, without the traceback inside the package."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps

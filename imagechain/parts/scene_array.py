@@ -1,7 +1,5 @@
 """Scenes from arrays: numpy, or xarray with its units and coordinates."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
