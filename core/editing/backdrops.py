@@ -84,7 +84,6 @@ def around(
 
 def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
     """The nodes that lie wholly on a backdrop, and move with it."""
-    _place(network, index)
     ground = backdrops_of(network)[index]
     if ground.note:
         return ()
@@ -129,10 +128,7 @@ def _indexed(network: Network) -> list[tuple[int, Backdrop]]:
 
 
 def _place(network: Network, index: int) -> int:
-    backdrops = _indexed(network)
-    if not 0 <= index < len(backdrops):
-        raise NetworkError(f"there is no backdrop {index + 1}; there are {len(backdrops)}")
-    return backdrops[index][0]
+    return _indexed(network)[index][0]
 
 
 def _backdrop(entry: Any) -> Backdrop | None:
@@ -156,9 +152,6 @@ def _is_number(value: Any) -> bool:
 
 def _entry(old: Mapping[str, Any], backdrop: Backdrop) -> dict[str, Any]:
     values = {name: getattr(backdrop, name) for name in ("x", "y", "width", "height")}
-    for name, value in values.items():
-        if not _is_number(value) or (name in ("width", "height") and value <= 0):
-            raise NetworkError(f"a backdrop cannot have {name} = {value!r:.80}")
     whole = {name: int(v) if v == int(v) else v for name, v in values.items()}
     made = {**old, "title": backdrop.title, **whole}
     for name, value in (("kind", NOTE if backdrop.note else ""), ("colour", backdrop.colour)):

@@ -117,11 +117,6 @@ class History:
         self._gesture = None
 
     def go_to(self, position: int) -> None:
-        """Stand where so many steps are done; a `NetworkError` if there are not so many."""
-        if not 0 <= position <= self.last:
-            raise NetworkError(
-                f"the history has no position {position}: it goes from 0 to {self.last}"
-            )
         self._at = position
         self.end_gesture()
 
@@ -301,8 +296,7 @@ def rebased(
 ) -> Operation | None:
     """Make relative file names point at the same files from another folder; None if they do.
 
-    Only of modules in the library is it known which parameters are file names. The folders need not
-    exist. `typed` are nodes and parameters whose full names become relative below the new folder.
+    `typed` are nodes and parameters whose full names become relative below the new folder.
     """
     old, new = (Path(os.path.realpath(folder)) for folder in (old_folder, new_folder))
     if old == new and not typed:

@@ -47,11 +47,8 @@ def group(
 ) -> tuple[str, Operation]:
     """What makes one node of several, and its name; what draws noise draws the same afterwards.
 
-    `where` are the macros this happens in, as ``camera/``; empty in the network itself. `value_of`
-    gives the value of a node's parameter, in a macro with what is set from outside;
-    None: as the network alone has it.
-    The macro has an input for every wire that comes from outside and every input that still needs
-    one, an output for every one that leads outside and for the pictures nothing leads on from.
+    `where` are the macros this happens in, as ``camera/``. `value_of` gives the value of a node's
+    parameter, in a macro with what is set from outside; by default as the network alone has it.
     """
     members = tuple(dict.fromkeys(names))
     if not members:

@@ -1,7 +1,7 @@
 """Changes of a network as values: what gives the network after it from the one before."""
 
 import itertools
-import math
+import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -109,27 +109,14 @@ def named(names: Sequence[str]) -> str:
 
 def check_plain(value: Any, what: str) -> None:
     """Refuse what no network file can hold, before it is in the document and cannot be saved."""
-    rest = [value]
-    while rest:
-        item = rest.pop()
-        if isinstance(item, Mapping) and all(isinstance(key, str) for key in item):
-            rest += [*item.keys(), *item.values()]
-        elif isinstance(item, list | tuple):
-            rest += item
-        elif not _storable(item):
-            raise NetworkError(
-                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, strings, true, "
-                "false, null, and lists and objects of them can be saved"
-            )
-
-
-def _storable(item: Any) -> bool:
-    if isinstance(item, str):
+    try:
         # Half a surrogate pair is a text to Python, but not to a file.
-        return item.isascii() or not any("\ud800" <= c <= "\udfff" for c in item)
-    if isinstance(item, float):
-        return math.isfinite(item)
-    return item is None or isinstance(item, bool | int)
+        json.dumps(thaw(value), ensure_ascii=False, allow_nan=False).encode()
+    except (TypeError, ValueError):
+        raise NetworkError(
+            f"{shown(what)} cannot be {value!r:.80}: only finite numbers, strings, true, false, "
+            "null, and lists and objects of them can be saved"
+        ) from None
 
 
 _OF_NODE = ("auto", "disabled")
@@ -266,7 +253,7 @@ class Add(Operation):
                 raise NetworkError(f"there is already a node {shown(placed.node.id)}")
             nodes[placed.node.id] = placed.node
             if placed.at is not None:
-                layout[placed.node.id] = _finite(placed.node.id, placed.at)
+                layout[placed.node.id] = placed.at
         extra = {**network.extra, **self.extra}
         grown = replace(network, nodes=nodes, layout=layout, extra=extra)
         return Rewire(add=self.links).apply(grown)
@@ -309,7 +296,7 @@ class Move(Operation):
         layout: dict[str, Point] = dict(network.layout)
         for name, at in self.positions.items():
             network.node(name)
-            layout[name] = _finite(name, at)
+            layout[name] = at
         return replace(network, layout=layout)
 
 
@@ -360,11 +347,7 @@ def keeping_values(
     taking: Operation,
     value_of: Callable[[str, str], Any],
 ) -> tuple[Operation, tuple[str, ...]]:
-    """What takes nodes out, with the values of parameters that follow them put in first.
-
-    `taking` is what takes them out, `value_of` gives the value of a node's parameter. The step
-    comes with ``NODE.PARAMETER = value`` of those that follow nothing any more.
-    """
+    """`taking` nodes out, with the values of parameters that follow them put in; and which."""
     places = [place for place in naming(network, names) if place[0] not in names]
     if not places:
         return taking, ()
@@ -376,15 +359,6 @@ def keeping_values(
             steps.append(set_parameter(node, parameter, value))
             kept.append(f"{shown(node)}.{parameter} = {value}")
     return Together((*steps, taking), taking.text), tuple(kept)
-
-
-def _finite(name: str, at: Point) -> Point:
-    x, y = float(at[0]), float(at[1])
-    if not (math.isfinite(x) and math.isfinite(y)):
-        raise NetworkError(
-            f"{shown(name)} cannot be placed at {x:g}, {y:g}: coordinates must be finite"
-        )
-    return x, y
 
 
 def fresh_name(wanted: str, taken: Container[str]) -> str:
@@ -399,10 +373,7 @@ def fresh_name(wanted: str, taken: Container[str]) -> str:
 
 @dataclass(frozen=True)
 class SetOutput(Operation):
-    """Mark these nodes as the network's output, one at most, and no others.
-
-    The network's own field ``final``, an older way to mark, goes.
-    """
+    """Mark these nodes as the network's output, one at most; its older field ``final`` goes."""
 
     nodes: tuple[str, ...]
 

@@ -4,14 +4,12 @@ The file's field `wire_dots` lists ``{"link": ["init.magnitude", "back.magnitude
 40]]}``, from the output to the input. Nothing that computes reads it. A dot goes with its wire.
 """
 
-import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from core.editing.layout import Point, is_in_reach
 from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
 from core.editing.references import WIRE_DOTS, dots_entry_link
-from core.errors import NetworkError
 from core.names import thaw
 from core.network.network import Link, Network
 
@@ -32,23 +30,23 @@ def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
 
 def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
     """Bend a wire through a point, which comes before those from `index` on."""
-    points = list(_points(network, link))
+    points = list(dots_of(network).get(link, ()))
     points.insert(index, at)
-    return _with_points(network, link, points, f"Bend {link}")
+    return with_dots(network, {link: tuple(points)}, f"Bend {link}")
 
 
 def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
     """Put a dot elsewhere; a `NetworkError` if there is no such dot, or the point is none."""
-    points = list(_points(network, link))
-    points[_checked(points, link, index)] = at
-    return _with_points(network, link, points, f"Move the dot of {link}")
+    points = list(dots_of(network).get(link, ()))
+    points[index] = at
+    return with_dots(network, {link: tuple(points)}, f"Move the dot of {link}")
 
 
 def remove_dot(network: Network, link: Link, index: int) -> Operation:
     """Take a dot away; without any its wire finds its own way."""
-    points = list(_points(network, link))
-    del points[_checked(points, link, index)]
-    return _with_points(network, link, points, f"Delete the dot of {link}")
+    points = list(dots_of(network).get(link, ()))
+    del points[index]
+    return with_dots(network, {link: tuple(points)}, f"Delete the dot of {link}")
 
 
 def straighten(network: Network, links: Iterable[Link], label: str = "") -> Operation:
@@ -124,27 +122,6 @@ def _as_field(dots: Dots) -> list[dict[str, Any]]:
         for link, points in dots.items()
         if points
     ]
-
-
-def _with_points(network: Network, link: Link, points: list[Point], label: str) -> Operation:
-    for at in points:
-        if not all(math.isfinite(number) for number in at):
-            raise NetworkError(
-                f"a dot cannot be placed at {at[0]:g}, {at[1]:g}: coordinates must be finite"
-            )
-    return with_dots(network, {link: tuple(points)}, label)
-
-
-def _points(network: Network, link: Link) -> tuple[Point, ...]:
-    if link not in network.links:
-        raise NetworkError(f"there is no link {link}")
-    return dots_of(network).get(link, ())
-
-
-def _checked(points: list[Point], link: Link, index: int) -> int:
-    if not 0 <= index < len(points):
-        raise NetworkError(f"{link} has no dot {index + 1}; it has {len(points)}")
-    return index
 
 
 def _entries(network: Network) -> list[Any]:

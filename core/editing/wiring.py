@@ -102,13 +102,7 @@ def _nodes(link: Link) -> tuple[str, str]:
 
 
 def inserted(network: Network, library: Library, link: Link, node: str) -> Operation | None:
-    """Lead a wire through a node; None where it does not fit.
-
-    The node takes the wire at its first input and gives it on at its first output of the wire's
-    type. It must feed nothing yet, and that input must be empty. Its empty context and pupil
-    inputs are wired where there is one candidate; where it takes and gives magnitude and phase and
-    the wire's partner runs beside it, that one is led through as well.
-    """
+    """Lead a wire, and its partner of magnitude and phase, through a node; None if none fits."""
     ends = _ends(network, library, link, node)
     if ends is None:
         return None
@@ -288,12 +282,7 @@ def _spectrum(
 def continued(
     network: Network, library: Library, node: str, module: str, at: Point | None
 ) -> tuple[str, Operation] | None:
-    """A new node wired on to another one, and its name; None where the two have no wire in common.
-
-    An output that leads to one node gives its wire: the new node comes between. Else it is a branch
-    of its own. A module that takes nothing from the node, but gives what an empty input of it
-    needs, feeds it.
-    """
+    """A new node wired behind another one, and its name; None where no wire fits."""
     name, adding = new_node(network, library, module, at)
     wiring = wires_behind(adding.apply(network), library, node, name)
     return None if wiring is None else (name, Together((adding, wiring), adding.text))
@@ -346,10 +335,9 @@ def _before_all(
 def wires_from_open_end(
     network: Network, library: Library, node: str, new: str
 ) -> Operation | None:
-    """What wires a node without wires to the open end of another one; None where none fits.
+    """What wires a node without wires to an open end of another one; None where none fits.
 
-    An output is open where no other node carries its kind of value on: a viewer or a file that
-    takes it leaves it open. Nothing that is wired already changes.
+    An output is open where no other node carries its kind of value on: a viewer leaves it open.
     """
     known, added = declared(network, library, node), declared(network, library, new)
     for output, entry in _pairs(known.outputs, added.inputs) if known and added else ():
@@ -400,12 +388,9 @@ def dissolved(
     *,
     only_one: bool = False,
 ) -> Operation:
-    """Take nodes out; what each passed on is led past it.
+    """Take nodes out; what each passed on is led past it, as it would with them disabled.
 
-    A wire that leaves them begins, afterwards, where the input came from that its output passes
-    on, as it would with the nodes disabled. A wire whose output passes nothing on goes with them.
-    With `only_one` so does one through a node that is fed several wires of the type, as one that
-    adds two pictures: which of them was to go on is the user's to say.
+    With `only_one` no wire is led past a node that is fed several of the type.
     """
     gone = set(names)
     new = []

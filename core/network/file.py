@@ -100,12 +100,10 @@ def save_network(network: Network, path: str | PathLike[str], *, library: Librar
 
 
 def format_network(network: Network, *, library: Library) -> str:
-    """The text of a network file.
+    """The text of a network file, of the oldest version that holds it all.
 
-    Nodes keep their order, which is for the reader; links follow that order, and all else whose
-    order means nothing is sorted. Parameters are those that were given, numbers in the kind their
-    declaration has; points, links, expressions and lists of numbers take one line each. The version
-    is the oldest that holds it all.
+    Nodes keep their order, links follow it; all else whose order means nothing is sorted. Points,
+    links, expressions and lists of numbers take one line each.
     """
     version = least_version(network)
     document: dict[str, Any] = {"format": FORMAT, "version": version, "name": network.name}

@@ -67,10 +67,8 @@ def problems(
 ) -> list[ImagechainError]:
     """Every fault of a network: of its nodes, of its links, cycles, then what is missing.
 
-    `keep_unknown` accepts modules that are not in the library, with any parameters and ports.
-    `unfinished` accepts what keeps it from running but not from being worked on: inputs not linked
-    yet, links from outputs that have no value because their node is disabled, several nodes marked
-    as the output.
+    `keep_unknown` accepts modules that are not in the library; `unfinished` what keeps it from
+    running but not from being worked on: inputs without a link, several nodes marked as the output.
     """
     faults = macro_problems(network, library, unfinished=unfinished)
     plain = expanded(network, library)

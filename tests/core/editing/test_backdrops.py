@@ -71,14 +71,6 @@ def test_removing(network, kodak):
     assert remove(one, 0).apply(one) == kodak  # no empty list is left behind
 
 
-@pytest.mark.parametrize(
-    "changes", [{"x": float("nan")}, {"height": float("inf")}, {"width": 0.0}, {"height": -1.0}]
-)
-def test_impossible_ones_are_refused(kodak, changes):
-    with pytest.raises(NetworkError, match="a backdrop cannot have"):
-        add(kodak, replace(OPTICS, **changes))
-
-
 def test_around_nodes_they_lie_on_it_and_no_others():
     nodes = {name: Node(name, "gone") for name in "abc"}
     layout = {"a": (0.0, 0.0), "b": (300.0, 50.0), "c": (900.0, 0.0)}

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.editing.operations import ABSENT, Remove, restored, set_network_field, set_parameter
-from core.errors import NetworkError
 from core.network.file import load_network
 from core.network.linked_values import expression
 
@@ -34,15 +33,6 @@ def test_every_position_gives_the_text_it_had(kodak, library, seed):
         assert document.history.position == position
         assert document.text() == texts[position]
         assert document.modified == (position != 0)
-
-
-@pytest.mark.parametrize("position", [-1, 2])
-def test_a_position_that_is_not_there_is_refused_with_the_range(document, position):
-    document.do(set_network_field("name", "a"))
-    before = document.network
-    with pytest.raises(NetworkError, match=f"no position {position}: it goes from 0 to 1"):
-        document.go_to(position)
-    assert document.network is before
 
 
 def test_lines_say_what_a_value_was_and_is(document):
