@@ -291,14 +291,17 @@ def with_current_names(network: Network, library: Library) -> Network:
     those of its parameters and ports. A name that is still in use, or whose new name is taken,
     stays.
     """
-    # To know old keys every module is loaded: only where the library lacks one of these.
-    known = all(node.macro or node.module in library for node in network.nodes.values())
-    keys = {} if known else _current_keys(library)
-    nodes = {name: _node_renamed(node, keys, library) for name, node in network.nodes.items()}
-    nodes = {name: _inside_renamed(node, library) for name, node in nodes.items()}
+    keys: dict[str, str] = {}
+    if not all(node.macro or node.module in library for node in network.nodes.values()):
+        for key, module in library.items():  # only then: to know old keys every one is loaded
+            keys |= {old: keys.get(old, key) for old in module.replaces if old not in library}
+    nodes = {name: _with_current(node, keys, library) for name, node in network.nodes.items()}
     modules = {name: library.get(node.module) for name, node in nodes.items()}
     links = tuple(
-        _link_renamed(link, modules.get(link.source), modules.get(link.target))
+        Link(
+            *_new_name(modules, (link.source, link.output), Declaration.output),
+            *_new_name(modules, (link.target, link.input), Declaration.input),
+        )
         for link in network.links
     )
     if nodes == network.nodes and links == network.links:
@@ -306,65 +309,39 @@ def with_current_names(network: Network, library: Library) -> Network:
     return replace(network, nodes=nodes, links=links)
 
 
-def _inside_renamed(node: Node, library: Library) -> Node:
-    """A macro with current names inside, and in what it shows of that."""
-    if node.macro is None:
-        return node
-    body = with_current_names(node.macro, library)
+def _with_current(node: Node, keys: Mapping[str, str], library: Library) -> Node:
+    if node.macro is not None:
+        return replace(node, macro=_body_with_current(node.macro, library))
+    if node.module in keys:
+        node = replace(node, module=keys[node.module])
+    modules = {node.id: library.get(node.module)}
+    params = {}
+    for name, value in node.params.items():
+        _, new = _new_name(modules, (node.id, name), Declaration.parameter)
+        params[name if new in node.params else new] = value
+    return replace(node, params=params) if params.keys() != node.params.keys() else node
+
+
+def _body_with_current(body: Network, library: Library) -> Network:
+    body = with_current_names(body, library)
     modules = {name: library.get(inner.module) for name, inner in body.nodes.items()}
     try:
         face = interface_of(body.extra)
     except NetworkError:  # reported where the network is checked
-        return replace(node, macro=body)
+        return body
     new = face.mapped(
-        lambda end: (_new_name(end, modules.get(end[0]), Declaration.input),),
-        lambda end: (_new_name(end, modules.get(end[0]), Declaration.output),),
-        lambda end: (_new_name(end, modules.get(end[0]), Declaration.parameter),),
+        *(
+            lambda end, known=known: (_new_name(modules, end, known),)  # type: ignore[misc]
+            for known in (Declaration.input, Declaration.output, Declaration.parameter)
+        )
     )
-    extra = body.extra if new == face else {**body.extra, **new.fields()}
-    return replace(node, macro=replace(body, extra=extra))
+    return body if new == face else replace(body, extra={**body.extra, **new.fields()})
 
 
-def _new_name(end: End, module: type[Module] | None, known: Known) -> End:
+def _new_name(modules: Mapping[str, type[Module] | None], end: End, known: Known) -> End:
     """A node and the name that its port or parameter has now."""
-    renamed = {} if module is None else _renamed(module)
-    if module is None or not renamed or known(declaration(module), end[1]):
+    module = modules.get(end[0])
+    new = getattr(module, "renamed", {}).get(end[1])
+    if module is None or new is None or known(declaration(module), end[1]):
         return end
-    new = renamed.get(end[1], end[1])
     return (end[0], new) if known(declaration(module), new) else end
-
-
-def _current_keys(library: Library) -> dict[str, str]:
-    current: dict[str, str] = {}
-    for key, module in library.items():
-        for old in module.replaces:
-            if old not in library:
-                current.setdefault(old, key)
-    return current
-
-
-def _renamed(module: type[Module]) -> Mapping[str, str]:
-    # Few modules have one, so it is no field of the declaration.
-    return getattr(module, "renamed", {})
-
-
-def _node_renamed(node: Node, keys: Mapping[str, str], library: Library) -> Node:
-    if node.module in keys:
-        node = replace(node, module=keys[node.module])
-    module = library.get(node.module)
-    renamed = {} if module is None else _renamed(module)
-    if module is None or not renamed:
-        return node
-    declared = declaration(module)
-    params = {}
-    for name, value in node.params.items():
-        new = renamed.get(name, name)
-        stays = declared.parameter(name) or not declared.parameter(new) or new in node.params
-        params[name if stays else new] = value
-    return replace(node, params=params)
-
-
-def _link_renamed(link: Link, source: type[Module] | None, target: type[Module] | None) -> Link:
-    start = _new_name((link.source, link.output), source, Declaration.output)
-    end = _new_name((link.target, link.input), target, Declaration.input)
-    return Link(*start, *end)
