@@ -1,15 +1,13 @@
 """Making one node of several, a macro, and several of one again; the picture stays the same."""
 
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from core.editing.backdrops import FIELD as BACKDROPS
 from core.editing.backdrops import backdrops_of
 from core.editing.layout import Point
-from core.editing.operations import ABSENT, Edit, Operation, fresh_name, named, with_field
+from core.editing.operations import ABSENT, Operation, fresh_name, named, restored, with_field
 from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
@@ -53,8 +51,7 @@ def group(
     members = tuple(dict.fromkeys(names))
     if not members:
         raise NetworkError("select the nodes to group first")
-    for member in members:
-        network.node(member)
+    inner = {member: network.node(member) for member in members}
     fresh = fresh_name(name, set(network.nodes) - set(members))
     around = face_of_macro(network)
     parameters: dict[str, End] = {}
@@ -63,8 +60,7 @@ def group(
             parameters[fresh_name(end[1], parameters)] = end
     # From inside of a macro nothing outside can be named: such an expression becomes one of the
     # macro's own parameter.
-    for member in members:
-        node = network.nodes[member]
+    for member, node in inner.items():
         for parameter in node.linked:
             end = member, parameter
             if _follows_others(node, parameter, members) and end not in parameters.values():
@@ -81,15 +77,10 @@ def group(
     noisy = _noisy(network, library, members, where)
     moved = {name: f"{fresh}{SEPARATOR}{name}" for name in of_nodes(members, network.nodes)}
 
-    def grouped(before: Network) -> Network:
-        inner = {name: before.node(name) for name in members}
-        body, lifted = _body(before, inner, face, moved, values)
-        noises = {name: _with_noise(node, where + name, noisy) for name, node in body.nodes.items()}
-        return _with_macro(before, inner, fresh, face, body.with_nodes(noises), lifted, moved)
-
-    operation = Edit(grouped, f"Group {named(members)}", moved)
+    body, lifted = _body(network, members, face, moved, values)
+    noises = {inner: _with_noise(node, where + inner, noisy) for inner, node in body.nodes.items()}
     try:
-        operation.apply(network)
+        after = _with_macro(network, fresh, face, body.with_nodes(noises), lifted, moved)
     except NetworkError as error:
         if "cycle" not in error.message:
             raise
@@ -97,18 +88,20 @@ def group(
             "these nodes cannot be grouped: a path of wires leaves them and returns "
             f"({error.message})"
         ) from None
-    return fresh, operation
+    return fresh, restored(after, f"Group {named(members)}", moved)
 
 
 def ungroup(
     network: Network, library: Library, name: str, where: str = ""
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts the nodes of a macro in its place, under names that are free; and the names."""
-    node = _macro(network, name)
+    node = network.node(name)
+    if node.macro is None:
+        raise NetworkError(f"{shown(name)} is not a macro, so it cannot be ungrouped")
     if node.disabled:
         raise NetworkError(f"{shown(name)} is disabled: enable it first, then ungroup it")
     taken = set(network.nodes) - {name}
-    body, fresh = node.macro or Network(), {}
+    body, fresh = node.macro, {}
     for inner in body.nodes:
         fresh[inner] = fresh_name(inner, taken)
         taken.add(fresh[inner])
@@ -118,38 +111,37 @@ def ungroup(
         for inner in body.nodes
         for old in of_nodes([inner], body.nodes)
     }
-    how = partial(_without_macro, name=name, fresh=fresh, moved=moved, noisy=noisy, where=where)
-    return tuple(fresh.values()), Edit(how, f"Ungroup {name}", moved)
+    after = _without_macro(network, node, fresh, moved, noisy, where)
+    return tuple(fresh.values()), restored(after, f"Ungroup {name}", moved)
 
 
 def _body(
     network: Network,
-    inner: Mapping[str, Node],
+    members: Collection[str],
     face: Interface,
     moved: Mapping[str, str],
     values: Mapping[str, Any],
 ) -> tuple[Network, dict[str, Any]]:
     """The inside of a new macro, and the expressions that its own parameters take over."""
-    nodes = {name: node for name, node in network.nodes.items() if name in inner}
+    nodes = {name: node for name, node in network.nodes.items() if name in members}
     lifted = {}
     for name, (own, parameter) in face.parameters.items():
-        if not _follows_others(inner[own], parameter, inner):
+        if not _follows_others(network.nodes[own], parameter, members):
             continue
-        lifted[name] = with_names(inner[own], moved).params[parameter]
+        lifted[name] = with_names(network.nodes[own], moved).params[parameter]
         params = with_field(nodes[own].params, parameter, values.get(name, ABSENT))
         nodes[own] = replace(nodes[own], params=params)
-    links = (link for link in network.links if {link.source, link.target} <= inner.keys())
+    links = (link for link in network.links if {link.source, link.target} <= nodes.keys())
     return Network(
         nodes=nodes,
         links=tuple(links),
-        layout={name: at for name, at in network.layout.items() if name in inner},
-        extra={**face.fields(), **joined_fields({}, dots_among(network, inner))},
+        layout={name: at for name, at in network.layout.items() if name in nodes},
+        extra={**face.fields(), **joined_fields({}, dots_among(network, nodes))},
     ), lifted
 
 
 def _with_macro(
     network: Network,
-    inner: Mapping[str, Node],
     name: str,
     face: Interface,
     body: Network,
@@ -157,6 +149,7 @@ def _with_macro(
     moved: Mapping[str, str],
 ) -> Network:
     """The network with a macro in the place of nodes."""
+    inner = body.nodes
     checked_depth(1 + depth(body), name)
     nodes: dict[str, Node] = {}
     for other, node in network.nodes.items():
@@ -194,16 +187,14 @@ def _with_macro(
 
 def _without_macro(
     network: Network,
-    *,
-    name: str,
+    macro: Node,
     fresh: Mapping[str, str],
     moved: Mapping[str, str],
     noisy: frozenset[str],
     where: str,
 ) -> Network:
     """The network with the nodes of a macro in its place."""
-    macro = _macro(network, name)
-    body = opened(macro, linked=False)
+    name, body = macro.id, opened(macro, linked=False)
     face, around = face_of_macro(body), face_of_macro(network)
 
     def inner(end: End) -> End:
@@ -272,13 +263,6 @@ def _plain_nodes(
     }
 
 
-def _macro(network: Network, name: str) -> Node:
-    node = network.node(name)
-    if node.macro is None:
-        raise NetworkError(f"{shown(name)} is not a macro, so it cannot be ungrouped")
-    return node
-
-
 def _follows_others(node: Node, parameter: str, members: Collection[str]) -> bool:
     """Whether a parameter has an expression that names what is no member, nor inside of one."""
     inside = dict.fromkeys(members, "")
@@ -345,8 +329,8 @@ def _inputs_of(
     for name, named_ends in around.inputs.items():
         if inner := [end for end in named_ends if end[0] in members]:
             fed["", name] = inner
-    place = _places(network, members)
-    for link in sorted(network.links, key=lambda link: (place[link.target], link)):
+    place = {name: number for number, name in enumerate(network.nodes)}
+    for link in sorted(network.links, key=lambda link: (place.get(link.target, -1), link)):
         if link.target in members and link.source not in members:
             fed.setdefault((link.source, link.output), []).append((link.target, link.input))
     inputs: dict[str, tuple[End, ...]] = {}
@@ -367,8 +351,8 @@ def _outputs_of(
 ) -> dict[str, End]:
     """Outputs of the macro: those that feed nodes outside, then the first of nodes that end it."""
     ends = {end: None for end in around.outputs.values() if end[0] in members}
-    place = _places(network, members)
-    for link in sorted(network.links, key=lambda link: (place[link.source], link)):
+    place = {name: number for number, name in enumerate(network.nodes)}
+    for link in sorted(network.links, key=lambda link: (place.get(link.source, -1), link)):
         if link.source in members and link.target not in members:
             ends[link.source, link.output] = None
     leading_on = {link.source for link in network.links}
@@ -380,10 +364,3 @@ def _outputs_of(
     for end in ends:
         outputs[fresh_name(end[1], outputs)] = end
     return outputs
-
-
-def _places(network: Network, members: Collection[str]) -> Mapping[str, int]:
-    """Places in the document's order; all others come last."""
-    last = len(members)
-    order = (name for name in network.nodes if name in members)
-    return defaultdict(lambda: last, {name: number for number, name in enumerate(order)})

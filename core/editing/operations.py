@@ -90,9 +90,9 @@ class Edit(Operation):
         return dict(self.names)
 
 
-def restored(network: Network, label: str) -> Edit:
+def restored(network: Network, label: str, names: Mapping[str, str] | None = None) -> Edit:
     """Put a whole network in the place of the present one, whatever that has become."""
-    return Edit(lambda _: network, label)
+    return Edit(lambda _: network, label, names or {})
 
 
 def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
