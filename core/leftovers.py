@@ -69,26 +69,10 @@ def _sweep_one(entry: os.DirEntry[str]) -> None:
 
 def _is_dead(pid: int, start: str, folder: Path | None) -> bool | None:
     """Whether a process of this machine has ended; None where that cannot be known."""
-    is_running = _is_running(pid, start)
     # The lock too: machines that are copies of each other may share a drive.
-    held = is_held(folder / LOCK) if folder is not None else None
-    if is_running or held:
-        return False
-    return None if is_running is None and held is None else True
-
-
-def _is_running(pid: int, start: str) -> bool | None:
-    if start != _UNKNOWN:
-        return _digest(start_token(pid)) == start
-    if os.name != "posix":  # there `os.kill` would end the process
-        return None
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return True
+    if folder is not None and (held := is_held(folder / LOCK)) is not None:
+        return not held and (start == _UNKNOWN or _digest(start_token(pid)) != start)
+    return None if start == _UNKNOWN else _digest(start_token(pid)) != start
 
 
 @functools.cache

@@ -84,17 +84,8 @@ def study(
         Memory for computed values, all processes together; by default 256 MB each.
     fresh : bool
         Whether to discard the rows of an unfinished study.
-    precision : "single" or "double"
-        Precision of the pictures.
-    tolerance : float, optional
-        Error budget, as for `Chain.run`.
-    threads : int
-        Threads of each process; 0 uses as many as there are.
-
-    Returns
-    -------
-    StudyTable
-        The rows, by column.
+    precision, tolerance, threads
+        As for `Chain.run`, in each process.
     """
     distributed = sys.modules.get("distributed")
     is_client = distributed is not None and isinstance(scheduler, distributed.Client)

@@ -107,17 +107,8 @@ def fit(
         Whether the chain's source is the scene in the picture; then the whole picture is fitted.
     band : int, optional
         Band or colour to use, if the files have several.
-    precision : "single" or "double"
-        Precision of pictures and spectra.
-    tolerance : float, optional
-        Error budget, as for `Chain.run`.
-    threads : int
-        Number of threads; 0 uses as many as there are.
-
-    Returns
-    -------
-    FittedChain
-        Values with standard errors, correlations, warnings, and the chain with the fitted values.
+    precision, tolerance, threads
+        As for `Chain.run`.
     """
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     engine, plan = own.planned()

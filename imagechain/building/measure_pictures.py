@@ -106,11 +106,6 @@ def measure(
         File of dark frames, instead of `offset_dn`.
     flats : sequence of path
         Files of flat-field frames, each at another level, for the photon transfer curve.
-
-    Returns
-    -------
-    MeasuredPictures
-        Horizontal and vertical MTF, edges and noise, with errors.
     """
     if not pictures:
         raise UsageError("measure needs a picture: give a file or an array")
