@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from app.editor.declared_text import FreeNumbers, error_text
 from app.run.write_rules import read_record, remember_chosen
 from core.editing.document import Document
-from core.editing.macros import addressed, at_level
+from core.editing.macros import at_level
 from core.editing.operations import Operation, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration, Library
@@ -90,7 +90,7 @@ class Session(QObject):
     ) -> dict[tuple[str, str], LinkError]:
         """Which of these parameters, by node and name, would have no value after an operation."""
         document = self.document.network
-        trial = resolved(addressed(document, setting).apply(document), library=self.library)
+        trial = resolved(setting.apply(document), library=self.library)
         faults = {}
         for place in places:
             behind, name = trial.network.parameter_behind(*place)
@@ -152,15 +152,14 @@ class Session(QObject):
         a `gesture` are one undo step; `end_gesture` when the mouse goes up.
         """
         try:
-            return self.document.do(addressed(self.document.network, operation), gesture)
+            return self.document.do(operation, gesture)
         except ImagechainError as error:
             self.message.emit("error", error_text(error))
             return False
 
     def check(self, operation: Operation) -> None:
         """Refuse an operation that does not fit, with an error that says why; change nothing."""
-        network = self.document.network
-        addressed(network, operation).apply(network)
+        operation.apply(self.document.network)
 
     def end_gesture(self) -> None:
         self.document.end_gesture()

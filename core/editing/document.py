@@ -79,7 +79,7 @@ class History:
         """What the step did that leads to a position, in one line; of 0 nothing."""
         state = self._states[position]
         match state.field:
-            case ("nodes", node, "params", name):
+            case ("nodes", node, "params", name) if node in state.network.nodes:
                 values = [
                     _value_text(thaw(one.network.nodes[node].params.get(name, ABSENT)))
                     for one in self._states[position - 1 : position + 1]

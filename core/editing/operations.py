@@ -14,7 +14,16 @@ from core.errors import NetworkError
 from core.modules.declaration import Declaration, Library
 from core.names import freeze, shown, thaw
 from core.network.linked_values import naming, with_names
-from core.network.macro import SEPARATOR, declared_node, face_of_macro
+from core.network.macro import (
+    SEPARATOR,
+    checked_depth,
+    declared_node,
+    depth,
+    face_of_macro,
+    path_of,
+    unfolded,
+    with_face,
+)
 from core.network.network import EXPRESSION, Link, Network, Node, with_marks
 
 
@@ -157,6 +166,8 @@ class SetField(Operation):
     def apply(self, network: Network) -> Network:
         value = self.value
         match self.path:
+            case ("nodes", node, *rest) if (step := network.step_inside(node)) is not None:
+                return self._set_inside(network, node, step, rest)
             case ("nodes", node, "params", name):
                 _check_value(value, f"{node}.{name}")
                 old = network.node(node)
@@ -170,6 +181,17 @@ class SetField(Operation):
                     raise NetworkError(f"the network's {name} must be a string, not {value!r:.80}")
                 return _with(network, name, value, _OF_NETWORK)
         raise NetworkError(f"{'.'.join(self.path)} cannot be set by itself")
+
+    def _set_inside(
+        self, network: Network, node: str, step: tuple[str, str], rest: list[str]
+    ) -> Network:
+        inner = replace(self, path=("nodes", step[1], *rest), label=self.text)
+        network = Inside(step[0], inner).apply(network)
+        while rest[0] == "params" and (name := exposed_as(network, node, rest[-1])):
+            # A macro that shows it sets it no longer: what was set last holds.
+            node, rest = SEPARATOR.join(path_of(network, node)[:-1]), ["params", name]
+            network = SetField(("nodes", node, *rest), ABSENT).apply(network)
+        return network
 
 
 def _with(target: _Fielded, name: str, value: Any, own: tuple[str, ...]) -> _Fielded:
@@ -197,6 +219,89 @@ def set_node_field(node: str, name: str, value: Any) -> SetField:
 def set_network_field(name: str, value: Any, label: str = "") -> SetField:
     """Set the network's name, description, seed or another field, such as ``backdrops``."""
     return SetField((name,), value, label)
+
+
+@dataclass(frozen=True)
+class Inside(Operation):
+    """Carry an operation out inside of a macro.
+
+    Ports and parameters that the macro shows follow the nodes they stand for; where these are gone,
+    the wires to the macro's port and its value of the parameter go too.
+    """
+
+    macro: str
+    operation: Operation
+
+    def _usual_text(self) -> str:
+        return self.operation.text
+
+    def apply(self, network: Network) -> Network:
+        node = network.node(self.macro)
+        if node.macro is None:
+            raise NetworkError(
+                f"{shown(self.macro)} is not a macro, so there are no nodes inside it"
+            )
+        after = self.operation.apply(node.macro)
+        if after is node.macro:
+            return network
+        checked_depth(1 + depth(after), self.macro)
+        return _with_body(network, node, after, self.operation.moved(node.macro))
+
+    def moved(self, network: Network) -> dict[str, str]:
+        inside = network.node(self.macro).macro
+        names = self.operation.moved(inside) if inside is not None else {}
+        head = f"{self.macro}{SEPARATOR}"
+        return {head + old: head + new for old, new in names.items()}
+
+
+def _with_body(network: Network, node: Node, body: Network, moved: Mapping[str, str]) -> Network:
+    """The network with another inside of a macro, and without what this does not show any more."""
+    assert node.macro is not None
+    face, outer, head = face_of_macro(body), face_of_macro(network), f"{node.id}{SEPARATOR}"
+    params = {name: value for name, value in node.params.items() if name in face.parameters}
+    changed = network.with_node(replace(node, params=params, macro=body))
+    names = {head + old: head + new for old, new in moved.items()}
+    if names and naming(changed, names):
+        nodes = {name: with_names(other, names) for name, other in changed.nodes.items()}
+        changed = changed.with_nodes(nodes)
+    extra: Mapping[str, Any] = renamed(network.extra, names) if names else network.extra
+    gone = set(unfolded(node.macro).nodes) - set(unfolded(body).nodes) - moved.keys()
+    if gone:
+        extra = dropped(extra, {head + name for name in gone})
+    links = tuple(
+        link
+        for link in network.links
+        if (link.source != node.id or link.output in face.outputs)
+        and (link.target != node.id or link.input in face.inputs)
+    )
+    changed = replace(changed, links=links, extra=extra)
+    shown_still = {
+        name: end
+        for name, end in outer.parameters.items()
+        if end[0] != node.id or end[1] in face.parameters
+    }
+    if len(shown_still) < len(outer.parameters):
+        changed = with_face(changed, replace(outer, parameters=shown_still))
+    return changed
+
+
+def exposed_as(network: Network, node: str, parameter: str) -> str:
+    """What the macro around an inner node calls its parameter; empty where it is not shown."""
+    *macros, inner = path_of(network, node)
+    if not macros:
+        return ""
+    parameters = face_of_macro(body_of(network, macros)).parameters
+    return next((name for name, end in parameters.items() if end == (inner, parameter)), "")
+
+
+def body_of(network: Network, macros: Sequence[str]) -> Network:
+    """The inside of the last macro of a path."""
+    for macro in macros:
+        body = network.node(macro).macro
+        if body is None:
+            raise NetworkError(f"{shown(macro)} is not a macro")
+        network = body
+    return network
 
 
 @dataclass(frozen=True)
@@ -311,6 +416,8 @@ class Rename(Operation):
         return f"Rename {self.old} to {self.new}"
 
     def apply(self, network: Network) -> Network:
+        if step := network.step_inside(self.old):
+            return Inside(step[0], Rename(step[1], self.new)).apply(network)
         network.node(self.old)
         if self.new != self.old and self.new in network.nodes:
             raise NetworkError(f"there is already a node {shown(self.new)}")
@@ -336,6 +443,8 @@ class Rename(Operation):
 
     def moved(self, network: Network) -> dict[str, str]:
         """The node's name, and those of nodes inside of it."""
+        if step := network.step_inside(self.old):
+            return Inside(step[0], Rename(step[1], self.new)).moved(network)
         names = of_nodes([self.old], network.nodes)
         return {name: self.new + name.removeprefix(self.old) for name in names}
 

@@ -331,7 +331,7 @@ def _body_with_current(body: Network, library: Library) -> Network:
         return body
     new = face.mapped(
         *(
-            lambda end, known=known: (_new_name(modules, end, known),)  # type: ignore[misc]
+            lambda end, known=known: (_new_name(modules, end, known),)
             for known in (Declaration.input, Declaration.output, Declaration.parameter)
         )
     )

@@ -1,7 +1,7 @@
 """Random operations on macros, beside all others a person with an editor would do."""
 
 from core.editing.grouping import group, ungroup
-from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
+from core.editing.macros import at_level, expose, hide, rename_exposed
 from core.editing.operations import ABSENT, Operation, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
@@ -87,9 +87,9 @@ def _set(e: Editor) -> Operation | None:
     shown, name = _shown(e), _inner(e)
     value = e.random.choice([0.5, 1, 2.0, ABSENT])
     if shown and e.random.random() < 0.6:
-        return addressed(e.network, set_parameter(*shown, value))
+        return set_parameter(*shown, value)
     parameter = e.random.choice(["sigma_mrad", "strange"])
-    return addressed(e.network, set_parameter(name, parameter, value)) if name else None
+    return set_parameter(name, parameter, value) if name else None
 
 
 def _follow(e: Editor) -> Operation | None:
@@ -98,7 +98,7 @@ def _follow(e: Editor) -> Operation | None:
     leaders = [f"'{one}'.f_number * 2" for one in (name, "camera", "strange") if one]
     if shown:
         leaders += [f"'{shown[0]}'.{shown[1]}"] * 2
-        return addressed(e.network, set_parameter(*shown, expression(e.random.choice(leaders))))
+        return set_parameter(*shown, expression(e.random.choice(leaders)))
     return None
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.grouping import group, ungroup
-from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
+from core.editing.macros import at_level, expose, hide, rename_exposed
 from core.editing.operations import Rename, keeping_values, set_node_field, set_parameter
 from core.editing.wiring import deleted
 from core.errors import NetworkError
@@ -87,7 +87,7 @@ def test_grouping_any_nodes_changes_no_value_and_comes_undone(data, linked, libr
     # From outside it still follows.
     lens = "init" if "init" in macro.nodes else "camera/init"
     other = Document(macro, library=library)
-    other.do(addressed(macro, set_parameter(lens, "f_number", 7.0)))
+    other.do(set_parameter(lens, "f_number", 7.0))
     same(values(other.network, library), truth(linked.with_parameter("init", "f_number", 7.0)))
     _, back = ungroup(macro, library, name)
     assert back.apply(macro) == linked
@@ -127,7 +127,7 @@ def camera(linked, library):
 
 def test_a_node_renamed_inside_is_followed_outside(camera, library):
     wanted = values(camera.network, library)["electronics", "bias_percent"]
-    camera.do(addressed(camera.network, Rename("camera/optics", "glass")))
+    camera.do(Rename("camera/optics", "glass"))
     text = camera.network.nodes["electronics"].params["bias_percent"]["expression"]
     assert text == "init.focal_length_mm / 100 + 'camera/glass'.size_x_cm"
     assert values(camera.network, library)["electronics", "bias_percent"] == wanted
@@ -217,9 +217,9 @@ def test_faults_name_the_node_inside_and_the_macro(camera, library):
         (fault,) = problems(wrong, library=library)
         assert fault.node == "electronics"
         assert why.split("|")[0] in fault.message or why.split("|")[-1] in fault.message
-    inside = addressed(
-        network, set_parameter("camera/aberration", "sigma_y_mrad", expression("init.f_number"))
-    ).apply(network)
+    inside = set_parameter("camera/aberration", "sigma_y_mrad", expression("init.f_number")).apply(
+        network
+    )
     (fault,) = (f for f in problems(inside, library=library) if f.node == "camera/aberration")
     assert "camera/init" in fault.message  # the lens lies outside, and cannot be named from inside
 

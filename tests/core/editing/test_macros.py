@@ -10,18 +10,17 @@ from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.grouping import group, ungroup
 from core.editing.macros import (
-    Inside,
-    addressed,
     at_level,
     expose,
-    exposed_as,
     hide,
     rename_exposed,
 )
 from core.editing.operations import (
     ABSENT,
+    Inside,
     Remove,
     Rename,
+    exposed_as,
     output_toggled,
     set_parameter,
 )
@@ -172,7 +171,7 @@ def test_a_parameter_is_exposed_set_renamed_and_hidden(camera):
 
 def test_a_value_set_inside_takes_the_place_of_that_outside(camera):
     camera.do(set_parameter("camera", "f_number", 4.0))
-    camera.do(addressed(camera.network, set_parameter("camera/init", "f_number", 5.0)))
+    camera.do(set_parameter("camera/init", "f_number", 5.0))
     assert value(camera, "camera/init.f_number") == 5.0
     assert camera.network.nodes["camera"].params == {}
     camera.do(set_parameter("camera", "f_number", 6.0))

@@ -14,8 +14,8 @@ from app.editor.gestures import without_argument
 from app.editor.session import Session
 from app.editor.widgets import filled
 from core.editing.clipboard import VALUES_FORMAT, read_values
-from core.editing.macros import expose, exposed_as, hide, rename_exposed
-from core.editing.operations import Operation
+from core.editing.macros import expose, hide, rename_exposed
+from core.editing.operations import Operation, exposed_as
 from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter
 from core.network.linked_values import expression_text
