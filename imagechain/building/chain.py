@@ -160,7 +160,7 @@ class Chain:
                 f"set({shown(repr(parameter))}): give NODE.PARAMETER as a string, "
                 "or a mapping of these to values"
             )
-        self._state = self._state.with_values(parameter, self._engine.library)
+        self._state = self._state.with_values(parameter)
         return self
 
     @plain_errors
@@ -172,7 +172,7 @@ class Chain:
     @plain_errors
     def reset(self, parameter: str) -> Chain:
         """Reset ``NODE.PARAMETER`` to its default; returns the chain itself."""
-        self._state = self._state.with_values({parameter: ABSENT}, self._engine.library)
+        self._state = self._state.with_values({parameter: ABSENT})
         return self
 
     @plain_errors
@@ -230,9 +230,7 @@ class Chain:
                 f"add({part!r:.80}): give a module, as from ic.modules.NAME(…) or ic.scene(…)"
             )
         before = after.name if isinstance(after, ChainNode) else after
-        id_, self._state = self._state.with_part(
-            part, self._engine.library, name=name, after=before, wired=wired
-        )
+        id_, self._state = self._state.with_part(part, name=name, after=before, wired=wired)
         return ChainNode(self, id_)
 
     @plain_errors
@@ -458,7 +456,7 @@ class Chain:
         Scenes from arrays are written beside it, as ``NAME_NODE.npy``, cubes as ``.img``. From then
         on file names are relative to its folder.
         """
-        self._state = self._state.saved(whole_path(path), self._engine.library)
+        self._state = self._state.saved(whole_path(path))
         return Path(fspath(path))
 
     def to_json(self) -> str:
@@ -567,7 +565,7 @@ class ChainNode:
 
     @property
     def _declared(self) -> Declaration:
-        return self._chain._state.declared(self._name, self._chain._engine.library)
+        return self._chain._state.declared(self._name)
 
     @property
     def _known(self) -> Declaration | None:
@@ -577,7 +575,7 @@ class ChainNode:
             return None
 
     def _value(self, parameter: Parameter) -> Any:
-        return self._chain._state.value(self._name, parameter, self._chain._engine.library)
+        return self._chain._state.value(self._name, parameter)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):

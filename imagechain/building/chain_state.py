@@ -16,7 +16,6 @@ from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased
 from core.editing.links import declared
-from core.editing.macros import at_level
 from core.editing.operations import (
     ABSENT,
     Add,
@@ -33,11 +32,10 @@ from core.modules.declaration import Declaration, Library, local_key, no_module
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Parameter
 from core.names import shown
-from core.network.file import format_network, save_network
+from core.network.file import save_network
 from core.network.linked_values import resolved, with_values
-from core.network.macro import declared_node, opened, path_of
+from core.network.macro import declared_node, unfolded
 from core.network.network import Link, Network, Node, reached
-from core.network.parsing import parse_network
 from core.network.validation import check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
@@ -47,6 +45,7 @@ from nodes.files.frame_writing import FrameSeries, envi_header_text, header_besi
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.input_output.source_file import HeldSamples
+from nodes.library import standard_library
 
 
 @dataclass(frozen=True)
@@ -67,23 +66,19 @@ class ChainState:
 
     def node(self, name: str) -> Node:
         """The node in the network; inside a macro, ``MACRO/NODE``."""
-        network = self.network
-        while (step := network.step_inside(name)) is not None:
-            macro, name = step
-            network = opened(network.nodes[macro])
-        return network.node(name)
+        return unfolded(self.network).node(name)
 
-    def declared(self, name: str, library: Library) -> Declaration:
+    def declared(self, name: str) -> Declaration:
         """What a node's module declares."""
-        node = self.node(name)
+        node, library = self.node(name), standard_library()
         declared = declared_node(node, library)
         if declared is None:
             raise NetworkError(no_module(node.module, library), node=name)
         return declared
 
-    def value(self, name: str, parameter: Parameter, library: Library) -> Any:
+    def value(self, name: str, parameter: Parameter) -> Any:
         """The value of a node's parameter that a run uses; None if it has none."""
-        given = resolved(self.network, library=library).value(name, parameter.name)
+        given = resolved(self.network, library=standard_library()).value(name, parameter.name)
         if given is None:
             given = self.node(name).params.get(parameter.name)
         if given is None or isinstance(given, Mapping):
@@ -93,18 +88,18 @@ class ChainState:
         except ParameterError:  # the check of the chain reports it
             return given
 
-    def with_values(self, values: Mapping[str, Any], library: Library) -> ChainState:
+    def with_values(self, values: Mapping[str, Any]) -> ChainState:
         """With parameters set, by ``NODE.PARAMETER``; ABSENT resets one to its default."""
         state = self
         for place, value in values.items():
             node, _, name = place.rpartition(".")
             if not node:
                 raise UsageError(f"{shown(place)} is not a parameter: write NODE.PARAMETER")
-            state = state._with_value(node, name, value, library)
+            state = state._with_value(node, name, value)
         return state
 
-    def _with_value(self, node: str, name: str, value: Any, library: Library) -> ChainState:
-        declared = self.declared(node, library)
+    def _with_value(self, node: str, name: str, value: Any) -> ChainState:
+        declared = self.declared(node)
         known = declared.parameter(name)
         samples, given = dict(self.samples), self.given
         if known is not None and known.kind == "path":
@@ -113,9 +108,8 @@ class ChainState:
             if name == "path":
                 samples.pop(node, None)
         raw = file_value(declared, name, None if value is ABSENT else value, node=node)
-        *macros, own = path_of(self.network, node)
-        operation = set_parameter(own, name, ABSENT if value is ABSENT else raw)
-        return replace(self.done(at_level(tuple(macros), operation)), samples=samples, given=given)
+        state = self.done(set_parameter(node, name, ABSENT if value is ABSENT else raw))
+        return replace(state, samples=samples, given=given)
 
     def done(self, operation: Operation) -> ChainState:
         """With an operation on the network carried out; arrays follow their nodes."""
@@ -131,9 +125,10 @@ class ChainState:
         )
 
     def with_part(
-        self, part: Part, library: Library, *, name: str | None, after: str | None, wired: bool
+        self, part: Part, *, name: str | None, after: str | None, wired: bool
     ) -> tuple[str, ChainState]:
         """The name of a new node, and the state with it; as for `Chain.add`."""
+        library = standard_library()
         if part.inside is None and part.module not in library:
             raise NetworkError(no_module(part.module, library))
         if after is not None:
@@ -151,7 +146,7 @@ class ChainState:
             for key, value in part.params.items()
         }
         node = Node(id_, part.module, params, macro=part.inside)
-        network = self._grown(node, declared, library, after) if wired else None
+        network = self._grown(node, declared, after) if wired else None
         if network is None:
             network = Add((Placed(node),)).apply(self.network)
         samples = dict(self.samples)
@@ -164,13 +159,11 @@ class ChainState:
             given=self.given | {(id_, path) for path in paths},
         )
 
-    def _grown(
-        self, node: Node, taken: Declaration, library: Library, after: str | None
-    ) -> Network | None:
+    def _grown(self, node: Node, taken: Declaration, after: str | None) -> Network | None:
         """The network with a node added and wired; None where it begins something of its own."""
         if not self.network.nodes or (after is None and not taken.inputs):
             return None
-        grown = Add((Placed(node),)).apply(self.network)
+        grown, library = Add((Placed(node),)).apply(self.network), standard_library()
         if after is not None:
             wiring = wires_behind(grown, library, after, node.id, branches=False)
         else:
@@ -206,8 +199,9 @@ class ChainState:
             scene=new.lines,
         )
 
-    def saved(self, target: Path, library: Library) -> ChainState:
+    def saved(self, target: Path) -> ChainState:
         """Written to a network file, with its arrays beside it."""
+        library = standard_library()
         network = self.network
         try:
             own = target.read_text(encoding="utf-8")
@@ -229,8 +223,6 @@ class ChainState:
             network = moved.apply(network)
         for node, name in names.items():
             network = set_parameter(node, "path", name).apply(network)
-        text = format_network(network, library=library)
-        parse_network(text, library=library, name_of_source=str(target))
         for node, name in names.items():
             unit = network.nodes[node].params.get("unit", DEFAULT_UNIT)
             _write(target.parent / name, self.samples[node], named=unit != DEFAULT_UNIT)
