@@ -1,14 +1,12 @@
 """Links: why one cannot be made, in one line, and which ways they lead."""
 
-from collections import Counter, deque
+from collections import Counter
 
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Library, Port
 from core.names import close, shown
 from core.network.macro import declared_node
-from core.network.network import Link, Network, cycle_error, cycles
-
-_MOST_NAMED = 8
+from core.network.network import Link, Network, cycle_error, cycles, way_round
 
 
 def refusal(network: Network, library: Library, link: Link) -> str | None:
@@ -19,8 +17,7 @@ def refusal(network: Network, library: Library, link: Link) -> str | None:
     way = way_between(network, link.target, link.source)
     if way is None:
         return None
-    names = list(way) if len(way) <= _MOST_NAMED else [*way[: _MOST_NAMED - 2], "…", way[-1]]
-    return f"this would be a cycle: {' → '.join((*names, way[0]))}"
+    return f"this would be a cycle: {way_round(way)}"
 
 
 def misfit(network: Network, library: Library, link: Link) -> str | None:
@@ -74,13 +71,10 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
 def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | None:
     """The shortest way along links from one node to another, both included."""
     came_from = {start: start}
-    border = deque([start])
-    while border and end not in came_from:
-        name = border.popleft()
-        for follower in network.followers[name]:
-            if follower not in came_from:
-                came_from[follower] = name
-                border.append(follower)
+    for name in (border := [start]):
+        fresh = [one for one in network.followers[name] if one not in came_from]
+        came_from |= dict.fromkeys(fresh, name)
+        border += fresh
     if end not in came_from:
         return None
     way = [end]

@@ -36,21 +36,13 @@ Moved = Callable[[str, str], tuple[str, str]]
 
 # How many arguments each takes (None: two or more), and whether they may have a unit: it goes on to
 # the result ("keeps"), is turned into radians ("angle"), or is refused ("none").
-FUNCTIONS: Mapping[str, tuple[Function, int | None, Literal["keeps", "angle", "none"]]] = {
-    "sqrt": (math.sqrt, 1, "none"),
-    "exp": (math.exp, 1, "none"),
-    "log": (math.log, 1, "none"),
-    "log10": (math.log10, 1, "none"),
-    "sin": (math.sin, 1, "angle"),
-    "cos": (math.cos, 1, "angle"),
-    "tan": (math.tan, 1, "angle"),
+Units = Literal["keeps", "angle", "none"]
+FUNCTIONS: Mapping[str, tuple[Function, int | None, Units]] = {
+    **{one.__name__: (one, 1, "none") for one in (math.sqrt, math.exp, math.log, math.log10)},
+    **{one.__name__: (one, 1, "angle") for one in (math.sin, math.cos, math.tan)},
     "atan": (math.atan, 1, "none"),
-    "abs": (abs, 1, "keeps"),
-    "round": (round, 1, "keeps"),
-    "floor": (math.floor, 1, "keeps"),
-    "ceil": (math.ceil, 1, "keeps"),
-    "min": (min, None, "keeps"),
-    "max": (max, None, "keeps"),
+    **{one.__name__: (one, 1, "keeps") for one in (abs, round, math.floor, math.ceil)},
+    **{one.__name__: (one, None, "keeps") for one in (min, max)},
 }
 ALLOWED = "numbers, NODE.PARAMETER, + - * / ^ ( ) and " + ", ".join([*FUNCTIONS, "pi"])
 

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import DataError, ParameterError, UsageError
+from core.errors import DataError, ParameterError
 from core.modules.declaration import declaration
-from core.names import close, shown
 from imagechain.parts.module_part import Part, file_values, simple
 from imagechain.parts.plain_errors import plain_errors
 from nodes.input_output.read_image import ReadImage
@@ -34,7 +33,6 @@ def scene(
     wavelengths_um: Sequence[float] | None = None,
     widths_um: Sequence[float] | None = None,
     scale: float = 1.0,
-    **unknown: Any,
 ) -> Part:
     """Make a scene from an array, to add to a chain; it is copied, and no file is written.
 
@@ -59,11 +57,6 @@ def scene(
     scale : float
         Factor that multiplies the samples.
     """
-    for name in unknown:
-        hint = close(name, ("fov_x_deg", "fov_y_deg", "band_um", "wavelengths_um", "widths_um"))
-        if name in ("cut_on_um", "cut_off_um"):
-            hint = "; give band_um=(cut_on_um, cut_off_um)"
-        raise UsageError(f"scene has no argument {shown(name)}{hint}")
     stated: dict[str, Any] = {}
     if hasattr(samples, "dims") and hasattr(samples, "coords"):
         samples, stated = _of_xarray(samples)

@@ -175,21 +175,14 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
     @plain_errors
     def to_frame(self) -> DataFrame:
         """Return a pandas `DataFrame`, with a row for each stage, axis and frequency."""
-        every = [
-            (stage, axis, curve)
+        rows = [
+            (stage, axis, *numbers)
             for stage, axes in self._values.items()
-            for axis, curve in axes.items()
+            for axis, one in axes.items()
+            for numbers in zip(one.frequency, one.mtf, one.ptf_rad, strict=True)
         ]
-        lengths = [len(curve.frequency) for _, _, curve in every]
-        return _frame(
-            {
-                "stage": np.repeat([stage for stage, _, _ in every], lengths),
-                "axis": np.repeat([axis for _, axis, _ in every], lengths),
-                "frequency_cyc_per_mrad": _joined([curve.frequency for _, _, curve in every]),
-                "mtf": _joined([curve.mtf for _, _, curve in every]),
-                "ptf_rad": _joined([curve.ptf_rad for _, _, curve in every]),
-            }
-        )
+        names = ["stage", "axis", "frequency_cyc_per_mrad", "mtf", "ptf_rad"]
+        return _frame({name: [row[place] for row in rows] for place, name in enumerate(names)})
 
     def to_png(self) -> bytes:
         """Plot the MTFs, as in a report."""
@@ -242,10 +235,6 @@ def _curve(frequency: Vector, response: Response) -> StageCurve:
     for array in values:
         array.flags.writeable = False
     return StageCurve(*values)
-
-
-def _joined(arrays: list[Vector]) -> Vector:
-    return np.concatenate(arrays) if arrays else np.zeros(0)
 
 
 class StudyTable(_Named[list[Any]]):
