@@ -381,22 +381,17 @@ def _pairs(outputs: tuple[Port, ...], inputs: tuple[Port, ...]) -> Iterator[tupl
 
 
 def dissolved(
-    network: Network,
-    library: Library,
-    names: Collection[str],
-    verb: str = "Delete",
-    *,
-    only_one: bool = False,
+    network: Network, library: Library, names: Collection[str], verb: str = "Delete"
 ) -> Operation:
     """Take nodes out; what each passed on is led past it, as it would with them disabled.
 
-    With `only_one` no wire is led past a node that is fed several of the type.
+    No wire is led past a node that is fed several of its type: which one is the user's to say.
     """
     gone = set(names)
     new = []
     for link in network.links:
         if link.source in gone and link.target not in gone:
-            start = _origin(network, library, gone, (link.source, link.output), only_one=only_one)
+            start = _origin(network, library, gone, (link.source, link.output))
             past = Link(*start, link.target, link.input) if start is not None else None
             if past and past.source != past.target and misfit(network, library, past) is None:
                 new.append(past)
@@ -405,19 +400,7 @@ def dissolved(
     return Together((taking, Rewire(add=tuple(new))), text) if new else taking
 
 
-def deleted(network: Network, library: Library, names: Collection[str]) -> Operation:
-    """Take nodes out; a wire is led past them where there is one way through."""
-    return dissolved(network, library, names, only_one=True)
-
-
-def _origin(
-    network: Network,
-    library: Library,
-    gone: set[str],
-    end: tuple[str, str],
-    *,
-    only_one: bool,
-) -> tuple[str, str] | None:
+def _origin(network: Network, library: Library, gone: set[str], end: Output) -> Output | None:
     """The output outside `gone` whose value reaches an output inside; None where none does."""
     seen = set()
     while end[0] in gone:
@@ -436,7 +419,7 @@ def _origin(
             for taking in module.inputs
             if taking.name in linked and set(port.types) & set(taking.types)
         ]
-        if only_one and len(alike) > 1:
+        if len(alike) > 1:
             return None
         end = linked[entry].source, linked[entry].output
     return end

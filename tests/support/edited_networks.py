@@ -26,7 +26,7 @@ from core.editing.operations import (
     set_node_field,
     set_parameter,
 )
-from core.editing.wiring import continued, deleted, dissolved, fitting, inserted, new_node, wired_to
+from core.editing.wiring import continued, dissolved, fitting, inserted, new_node, wired_to
 from core.modules.declaration import Library, declaration
 from core.network.expressions import quoted
 from core.network.file import format_network
@@ -151,8 +151,7 @@ def _remove(e: Editor) -> Operation | None:
 
 
 def _healed(e: Editor) -> Operation | None:
-    take_out = e.random.choice([deleted, dissolved])
-    return take_out(e.network, e.library, e.some()) if e.network.nodes else None
+    return dissolved(e.network, e.library, e.some()) if e.network.nodes else None
 
 
 def _continued(e: Editor) -> Operation | None:
@@ -252,7 +251,7 @@ def _remove_leaders(e: Editor) -> Operation | None:
     if not e.network.nodes:
         return None
     names = e.some()
-    taking = deleted(e.network, e.library, names)
+    taking = dissolved(e.network, e.library, names)
     value_of = resolved(e.network, library=e.library).value
     return keeping_values(network=e.network, names=names, taking=taking, value_of=value_of)[0]
 

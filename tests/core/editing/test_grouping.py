@@ -11,7 +11,7 @@ from core.editing.document import Document
 from core.editing.grouping import group, ungroup
 from core.editing.macros import at_level, expose, hide, rename_exposed
 from core.editing.operations import Rename, keeping_values, set_node_field, set_parameter
-from core.editing.wiring import deleted
+from core.editing.wiring import dissolved
 from core.errors import NetworkError
 from core.network.file import format_network, parse_network
 from core.network.linked_values import expression, resolved
@@ -178,7 +178,7 @@ def test_taking_out_what_is_followed_inside_leaves_the_value_in_force(linked, li
     step, kept = keeping_values(
         network=body,
         names=("init",),
-        taking=deleted(body, library, ("init",)),
+        taking=dissolved(body, library, ("init",)),
         value_of=lambda node, name: value(f"camera/{node}", name),
     )
     assert kept == ("optics.size_x_cm = 12.96", "aberration.sigma_x_mrad = 0.016")
