@@ -47,7 +47,8 @@ if TYPE_CHECKING:
     from core.modules.panel_sections import Caution
     from imagechain import modules, physics
     from imagechain.building.camera import Camera
-    from imagechain.building.chain import Chain, ChainNode, networks, open
+    from imagechain.building.chain import Chain, networks, open
+    from imagechain.building.chain_node import ChainNode
     from imagechain.building.chain_study import study
     from imagechain.building.fitted_chain import FittedChain, fit
     from imagechain.building.measure_pictures import MeasuredPictures, measure
@@ -109,7 +110,8 @@ _NAMES = {
     "NetworkError ParameterError UnconnectedError UsageError",
     "core.modules.panel_sections": "Caution",
     "imagechain.building.camera": "Camera",
-    "imagechain.building.chain": "Chain ChainNode networks open",
+    "imagechain.building.chain": "Chain networks open",
+    "imagechain.building.chain_node": "ChainNode",
     "imagechain.building.chain_study": "study",
     "imagechain.building.fitted_chain": "FittedChain fit",
     "imagechain.building.measure_pictures": "MeasuredPictures measure",

@@ -14,8 +14,8 @@ from core.errors import NetworkError
 from core.modules.declaration import Library
 from core.names import shown, thaw
 from core.network.linked_values import (
-    named_nodes,
     new_name,
+    references_in,
     resolved,
     with_names,
     with_references,
@@ -266,7 +266,8 @@ def _plain_nodes(
 def _follows_others(node: Node, parameter: str, members: Collection[str]) -> bool:
     """Whether a parameter has an expression that names what is no member, nor inside of one."""
     inside = dict.fromkeys(members, "")
-    leaders = named_nodes(node).get(parameter, frozenset())
+    value = node.params.get(parameter)
+    leaders = {one.node for one in references_in(value)} if parameter in node.linked else set()
     return any(leader not in members and new_name(leader, inside) == leader for leader in leaders)
 
 

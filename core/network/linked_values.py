@@ -164,14 +164,6 @@ def _heads(name: str) -> Iterator[str]:
         yield name
 
 
-def named_nodes(node: Node) -> dict[str, frozenset[str]]:
-    """The nodes that each of its expressions names, by parameter; none of one that is no text."""
-    return {
-        name: frozenset(reference.node for reference in references_in(node.params[name]))
-        for name in node.linked
-    }
-
-
 def references_in(raw: Mapping[str, Any]) -> tuple[Reference, ...]:
     """What an expression names; nothing where it cannot be read."""
     text = raw[EXPRESSION]
