@@ -266,9 +266,9 @@ def _plain_nodes(
 def _follows_others(node: Node, parameter: str, members: Collection[str]) -> bool:
     """Whether a parameter has an expression that names what is no member, nor inside of one."""
     inside = dict.fromkeys(members, "")
-    value = node.params.get(parameter)
-    leaders = {one.node for one in references_in(value)} if parameter in node.linked else set()
-    return any(leader not in members and new_name(leader, inside) == leader for leader in leaders)
+    found = references_in(node.params[parameter]) if parameter in node.linked else ()
+    leaders = {one.node for one in found} - set(members)
+    return any(new_name(leader, inside) == leader for leader in leaders)
 
 
 def _noisy(network: Network, library: Library, names: Iterable[str], where: str) -> frozenset[str]:

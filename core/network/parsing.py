@@ -185,7 +185,10 @@ def read_json(text: str, source: str) -> Any:
             parse_float=_number,
             parse_constant=_constant,
         )
-        _walk(data)
+        json.dumps(data, ensure_ascii=False).encode()
+    except UnicodeEncodeError as error:
+        half = error.object[error.start]
+        raise NetworkError(f"{source}: {half!r} is not valid Unicode text") from None
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
         raise NetworkError(f"{source}: not JSON: {error.msg} ({place})") from None
@@ -230,26 +233,6 @@ def _number(text: str) -> float:
 
 def _constant(text: str) -> float:
     raise NetworkError(f"{text} is not a number in JSON")
-
-
-def _walk(data: Any) -> None:
-    """Check texts; by a list, so that the caller's own depth does not matter."""
-    rest = [data]
-    while rest:
-        value = rest.pop()
-        if isinstance(value, dict):
-            rest += [*value, *value.values()]
-        elif isinstance(value, list):
-            rest += value
-        elif isinstance(value, str):
-            _check_text(value)
-
-
-def _check_text(text: str) -> None:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        raise NetworkError(f"{text!r:.80} is not valid Unicode text") from None
 
 
 # Bringing older network documents up to date.
