@@ -38,7 +38,6 @@ from imagechain.results.chain_picture import Picture
 from imagechain.results.tables import (
     ReadoutTable,
     StageCurves,
-    curves_along,
     curves_of,
 )
 from nodes.files.frame_writing import header_beside_frames
@@ -228,10 +227,7 @@ class Result:
         angle_deg : float, optional
             Along a line at this angle from ξ (0°) to η (90°); by default along both axes.
         """
-        evaluation = self._evaluation
-        if angle_deg is not None:
-            return curves_along(evaluation, float(angle_deg))
-        return curves_of(evaluation)
+        return curves_of(self._evaluation, None if angle_deg is None else float(angle_deg))
 
     @property
     @plain_errors

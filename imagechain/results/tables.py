@@ -197,37 +197,29 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
         return png(self.to_png(), alt="MTF of every stage") if self._values else text(repr(self))
 
 
-def curves_of(evaluation: Evaluation) -> StageCurves:
-    """Curves along both axes."""
-    known = evaluation.responses
+def curves_of(evaluation: Evaluation, angle_deg: float | None = None) -> StageCurves:
+    """Curves along both axes, or along a line; raises the error of a stage that has none there."""
+    chain = evaluation.chain
+    if angle_deg is None:
+        known = evaluation.responses
+    else:
+        known = responses_along(chain, evaluation.work, angle_deg)
+        for error in known.failed:
+            raise error
     stages = (*known.stages, *known.beside, *known.products)
-    curves = {
-        stage.name: {"x": _curve(known.xi, stage.x), "y": _curve(known.eta, stage.y)}
-        for stage in stages
-    }
+    curves: dict[str, dict[str, StageCurve]] = {}
+    for one in stages:
+        x, y = _curve(known.xi, one.x), _curve(known.eta, one.y)
+        curves[one.name] = {"x": x, "y": y} if angle_deg is None else {"line": x}
 
     def drawn() -> bytes:
-        from app.report.drawing.curves import stages_png
+        from app.report.drawing.curves import line_png, stages_png
 
-        return stages_png(known, evaluation.chain, "mtf")
-
-    return StageCurves(curves, {stage.name: stage.title for stage in stages}, drawn)
-
-
-def curves_along(evaluation: Evaluation, angle_deg: float) -> StageCurves:
-    """Curves along a line; raises the error of a stage that cannot be evaluated."""
-    known = responses_along(evaluation.chain, evaluation.work, angle_deg)
-    if known.failed:
-        raise known.failed[0]
-    stages = (*known.stages, *known.beside, *known.products)
-    curves = {stage.name: {"line": _curve(known.xi, stage.x)} for stage in stages}
-
-    def drawn() -> bytes:
-        from app.report.drawing.curves import line_png
-
+        if angle_deg is None:
+            return stages_png(known, chain, "mtf")
         return line_png(known, angle_deg)
 
-    return StageCurves(curves, {stage.name: stage.title for stage in stages}, drawn)
+    return StageCurves(curves, {one.name: one.title for one in stages}, drawn)
 
 
 def _curve(frequency: Vector, response: Response) -> StageCurve:
