@@ -19,7 +19,7 @@ from core.editing.operations import (
     set_parameter,
 )
 from core.errors import NetworkError
-from core.names import close, shown, thaw
+from core.names import shown, thaw
 from core.network.expressions import readable
 from core.network.linked_values import references, with_references
 from core.network.macro import (
@@ -80,7 +80,6 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
     path = path_of(network, macro)
     body = body_of(network, path)
     entries = parameters_of(body)
-    _known(macro, entries, name)
     inner, parameter = face_of_macro(body).parameters[name]
     del entries[name]
     taking = set_network_field(PARAMETERS, entries or ABSENT)
@@ -112,10 +111,8 @@ def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operatio
 
 def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -> Network:
     node = network.node(macro)
-    if node.macro is None:
-        raise NetworkError(f"{shown(macro)} is not a macro")
+    assert node.macro is not None
     entries = parameters_of(node.macro)
-    _known(macro, entries, old)
     if new != old and new in entries:
         raise NetworkError(f"{shown(macro)} already has a parameter {shown(new)}")
 
@@ -142,9 +139,3 @@ def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -
     face = face_of_macro(network)
     ends = {name: moved(*end) for name, end in face.parameters.items()}
     return with_face(changed, replace(face, parameters=ends))
-
-
-def _known(macro: str, entries: dict[str, str], name: str) -> None:
-    if name not in entries:
-        hint = close(name, entries) or f": it shows {', '.join(entries) or 'none'}"
-        raise NetworkError(f"{shown(macro)} shows no parameter {shown(name)}{hint}")
