@@ -317,15 +317,7 @@ def _completed(network: Network, library: Library, name: str) -> Network:
 
 @dataclass(frozen=True)
 class Check:
-    """Errors that keep a chain from running, and warnings that do not.
-
-    Parameters
-    ----------
-    errors : tuple of ImagechainError
-        One line each, with the node.
-    warnings : tuple of Caution
-        One line each, with what to do about it.
-    """
+    """Errors that keep a chain from running, and warnings that do not; one line each."""
 
     errors: tuple[ImagechainError, ...] = ()
     warnings: tuple[Caution, ...] = ()
@@ -335,17 +327,17 @@ class Check:
         """Whether the chain can run."""
         return not self.errors
 
+    def _rows(self) -> list[tuple[str, str]]:
+        rows = [("error", str(error)) for error in self.errors]
+        return rows + [("warning", str(warning)) for warning in self.warnings]
+
     def __str__(self) -> str:
-        lines = [f"error: {error}" for error in self.errors]
-        lines += [f"warning: {warning}" for warning in self.warnings]
-        return "\n".join(lines) or "no errors, no warnings"
+        return "\n".join(map(": ".join, self._rows())) or "no errors, no warnings"
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        rows = [("error", str(error)) for error in self.errors]
-        rows += [("warning", str(warning)) for warning in self.warnings]
-        return block(table(("", "what"), rows or [("", str(self))]))
+        return block(table(("", "what"), self._rows() or [("", str(self))]))
 
 
 _PLAIN = re.compile(r"[^\w.-]+")

@@ -32,18 +32,8 @@ class Expression:
 class Part:
     """A module with values for some of its parameters, to add to a chain.
 
-    Parameters
-    ----------
-    module : str
-        Key of the module.
-    params : mapping
-        Values by parameter, as in a network file; the others have their defaults.
-    samples : HeldSamples, optional
-        The scene's samples, if they come from an array.
-    name : str
-        Name of its node unless you give another; if empty, the module's key.
-    inside : Network, optional
-        The modules inside a macro.
+    The others have their defaults. The `samples` of a scene come from an array. Its node is called
+    `name` unless you give another, or after its module; `inside` has the modules of a macro.
     """
 
     module: str

@@ -26,14 +26,9 @@ _MOST_PX = 1024
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture that a chain has computed.
+    """A picture that a chain has computed, on a port ``NODE.PORT``.
 
-    Parameters
-    ----------
-    port : str
-        ``NODE.PORT``.
-    samples : ndarray
-        (rows, columns), or (frames, rows, columns); read-only.
+    Its samples are (rows, columns), or (frames, rows, columns), and read-only.
     """
 
     port: str
