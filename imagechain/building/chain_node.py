@@ -1,20 +1,16 @@
 """One node of a chain, with its parameters as attributes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from app.run.readout_tables import columns
 from core.errors import NetworkError
 from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter
 from core.network.linked_values import expression_text
+from imagechain.building.chain_state import ChainState
 from imagechain.parts.module_part import Part, known_parameter, shown_value
 from imagechain.parts.plain_errors import table
-
-if TYPE_CHECKING:
-    from imagechain.building.chain import Chain
 
 
 class ChainNode:
@@ -23,10 +19,10 @@ class ChainNode:
     ``chain["electronics"].amplifier_snr = 40`` is ``chain.set("electronics.amplifier_snr", 40)``.
     """
 
-    _chain: Chain
+    _chain: Any
     _name: str
 
-    def __init__(self, chain: Chain, name: str) -> None:
+    def __init__(self, chain: Any, name: str) -> None:
         object.__setattr__(self, "_chain", chain)
         object.__setattr__(self, "_name", name)
 
@@ -38,7 +34,7 @@ class ChainNode:
     @property
     def module(self) -> str:
         """Key of its module."""
-        return self._chain._state.node(self._name).module
+        return self._state.node(self._name).module
 
     @property
     def title(self) -> str:
@@ -64,7 +60,8 @@ class ChainNode:
     @property
     def part(self) -> Part:
         """Its module with its set values, to add to another chain."""
-        return self._chain.part(self._name)
+        part: Part = self._chain.part(self._name)
+        return part
 
     def set(self, **values: Any) -> None:
         """Set parameters by name; if one value is refused, none is set."""
@@ -75,8 +72,13 @@ class ChainNode:
         return self._declared.text
 
     @property
+    def _state(self) -> ChainState:
+        state: ChainState = self._chain._state
+        return state
+
+    @property
     def _declared(self) -> Declaration:
-        return self._chain._state.declared(self._name)
+        return self._state.declared(self._name)
 
     @property
     def _known(self) -> Declaration | None:
@@ -86,7 +88,7 @@ class ChainNode:
             return None
 
     def _value(self, parameter: Parameter) -> Any:
-        return self._chain._state.value(self._name, parameter)
+        return self._state.value(self._name, parameter)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -113,7 +115,7 @@ class ChainNode:
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """Name, value, unit and meaning of every parameter, as strings."""
-        given: Mapping[str, Any] = self._chain._state.node(self._name).params
+        given: Mapping[str, Any] = self._state.node(self._name).params
         rows: list[tuple[str, str, str, str]] = []
         known = self._known
         if known is None:
