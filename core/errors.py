@@ -1,17 +1,6 @@
 """The errors a user can meet, each one line that states what, where, the value and what is allowed.
 
-Which to raise:
-
-- `ParameterError`: a number, choice or combination of them that the physics cannot use.
-- `DataError`: samples that cannot be used (not finite, wrong shape, no samples at all).
-- `FileError`: a file that is missing, damaged, of an unknown kind, or cannot be written;
-  `ChangedFileError`, one that is no longer what it was when it was opened.
-- `NetworkError`: a network document that is not one, or whose modules and links do not fit.
-- `UsageError`: a command line that cannot be carried out.
-- `Cancelled`: the caller requested a stop.
-- `PlugInError`: nobody raises it; it stands for any other error in the code of a plug-in.
-
-All but the last two are faults of the input: the command line ends with exit code 2 for them.
+All but `Cancelled` and `PlugInError` are faults of the input: the command ends with exit code 2.
 """
 
 from typing import Any, Self, TypeVar
@@ -70,7 +59,7 @@ class InputError(ImagechainError):
 
 
 class ParameterError(InputError):
-    """A parameter whose value is not allowed: name, value, unit and range in one line."""
+    """A number, choice or combination of them that the physics cannot use."""
 
     def __init__(
         self,
@@ -101,11 +90,11 @@ def _shown(value: object) -> str:
 
 
 class DataError(InputError):
-    """Samples that cannot be used."""
+    """Samples that cannot be used: not finite, of a wrong shape, none at all."""
 
 
 class FileError(InputError):
-    """A file that cannot be read or written."""
+    """A file that is missing, damaged, of an unknown kind, or cannot be written."""
 
 
 class ChangedFileError(FileError):
@@ -113,7 +102,7 @@ class ChangedFileError(FileError):
 
 
 class NetworkError(InputError):
-    """A network document that cannot be used."""
+    """A document that is no network, or whose modules and links do not fit."""
 
 
 class UnconnectedError(NetworkError):

@@ -1,9 +1,7 @@
 """Arrays on disk for a run in blocks: files without a name, mapped, gone with the last view.
 
-A scratch file is removed as soon as it is open, so that nothing is left however the process ends.
-All of it is reserved before it is mapped: a disk that is full is an error here, and not a signal
-that ends the process while samples are written. Pages that were read or written stay in the
-system's cache and count as the process's memory only until they are let go of (`trim`).
+All of a file is reserved before it is mapped: a full disk is an error here, and not a signal that
+ends the process while samples are written.
 """
 
 from __future__ import annotations
@@ -178,10 +176,8 @@ Empty = Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]
 class StripArray:
     """A 2-D array on disk that is written by rows and transformed by columns, or the reverse.
 
-    Blocks of columns ("strips") lie together, each by rows. A block of rows is then as many pieces
-    as there are strips, and all rows of a strip are one piece: either way disks read and write long
-    runs. Rows are read and written by ``array[start:stop]``, strips are views. `flat` holds the
-    samples, (rows·columns,); a strip has `width` columns, the last perhaps fewer.
+    Blocks of columns ("strips") lie together, each by rows: either way disks read and write long
+    runs. Rows are read and written by ``array[start:stop]``, strips are views of `width` columns.
     """
 
     def __init__(self, flat: Array, shape: tuple[int, int], width: int) -> None:
