@@ -82,22 +82,11 @@ class Session(QObject):
 
     def link_fault(self, node: str, parameter: str, raw: object) -> LinkError | None:
         """Why a parameter cannot follow that; None where it can."""
-        place = node, parameter
-        return self.link_faults(set_parameter(*place, raw), (place,)).get(place)
-
-    def link_faults(
-        self, setting: Operation, places: Iterable[tuple[str, str]]
-    ) -> dict[tuple[str, str], LinkError]:
-        """Which of these parameters, by node and name, would have no value after an operation."""
-        document = self.document.network
-        trial = resolved(setting.apply(document), library=self.library)
-        faults = {}
-        for place in places:
-            behind, name = trial.network.parameter_behind(*place)
-            for fault in trial.faults.get(behind, ()):
-                if fault.parameter == name:
-                    faults[place] = fault
-        return faults
+        network = set_parameter(node, parameter, raw).apply(self.document.network)
+        trial = resolved(network, library=self.library)
+        behind, name = trial.network.parameter_behind(node, parameter)
+        faults = trial.faults.get(behind, ())
+        return next((fault for fault in faults if fault.parameter == name), None)
 
     def follows(self, name: str, parameters: Iterable[str]) -> str:
         """Which of a node's parameters follows others, so that no drag may set it; or empty."""
