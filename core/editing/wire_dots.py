@@ -4,6 +4,7 @@ The file's field `wire_dots` lists ``{"link": ["init.magnitude", "back.magnitude
 40]]}``, from the output to the input. Nothing that computes reads it. A dot goes with its wire.
 """
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
@@ -14,6 +15,7 @@ from core.names import thaw
 from core.network.network import Link, Network
 
 Dots = Mapping[Link, tuple[Point, ...]]
+_ROUNDED = 1.5
 
 
 def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
@@ -36,7 +38,7 @@ def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 
 
 def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
-    """Put a dot elsewhere; a `NetworkError` if there is no such dot, or the point is none."""
+    """Put a dot elsewhere."""
     points = list(dots_of(network).get(link, ()))
     points[index] = at
     return with_dots(network, {link: tuple(points)}, f"Move the dot of {link}")
@@ -62,10 +64,7 @@ def with_dots(network: Network, dots: Dots, label: str) -> Operation:
 
 
 def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tuple[Point, ...]]:
-    """Dots of the wires whose two nodes are moved alike to `places`: they go along.
-
-    Points are rounded to whole units when nodes are dropped; the two may differ by that.
-    """
+    """Dots of the wires whose two nodes are moved alike to `places`: they go along."""
     shifts = {
         name: (at[0] - network.layout[name][0], at[1] - network.layout[name][1])
         for name, at in places.items()
@@ -76,10 +75,8 @@ def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tupl
         for link, points in dots_of(network).items()
         if link.source in shifts
         and link.target in shifts
-        and all(
-            abs(one - other) <= 1.0
-            for one, other in zip(shifts[link.source], shifts[link.target], strict=True)
-        )
+        # Points are rounded to whole units when nodes are dropped: they may differ by that.
+        and math.dist(shifts[link.source], shifts[link.target]) <= _ROUNDED
     }
 
 
