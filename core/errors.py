@@ -58,8 +58,26 @@ class InputError(ImagechainError):
     exit_code = 2
 
 
+_UNITS = {
+    **{unit: unit for unit in ("mm", "cm", "m", "km", "nm", "mrad", "deg", "K", "mK", "Hz", "s")},
+    **{unit: unit for unit in ("dB", "px", "cyc", "A", "W", "waves", "rad", "sr")},
+    **{"um": "µm", "percent": "%", "e": "e-", "dn": "DN", "lux": "lx", "cm2": "cm²", "m2": "m²"},
+}
+
+
+def unit_of(name: str) -> str:
+    """The unit that a name ends in: ``corner_Hz``, ``velocity_m_per_s``, ``extinction_per_km``."""
+    *words, last = name.split("_")
+    if words[1:] and words[-1] == "per" and last in _UNITS:
+        return f"{_UNITS.get(words[-2], '1')}/{_UNITS[last]}"
+    return _UNITS.get(last, "") if words else ""
+
+
 class ParameterError(InputError):
-    """A number, choice or combination of them that the physics cannot use."""
+    """A parameter whose value is not allowed: name, value, unit and range in one line.
+
+    Without a unit it is the one that the name ends in.
+    """
 
     def __init__(
         self,
@@ -67,9 +85,10 @@ class ParameterError(InputError):
         value: object,
         allowed: str,
         *,
-        unit: str = "",
+        unit: str | None = None,
         node: str | None = None,
     ) -> None:
+        unit = unit_of(parameter) if unit is None else unit
         if value is None:
             text = f"{parameter} is empty: {allowed}" + (f" ({unit})" if unit else "")
         else:

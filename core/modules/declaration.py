@@ -20,7 +20,7 @@ import dataclasses
 import inspect
 import types
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -37,6 +37,7 @@ from typing import (
     get_type_hints,
 )
 
+from core.errors import unit_of
 from core.modules.panel_sections import Caution, Section, complete
 from core.modules.parameters import Formula, Kind, Param, Parameter, coerce_all
 from core.names import close, shown
@@ -285,7 +286,7 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
                 default=... if field.default is dataclasses.MISSING else field.default,
                 choices=choices,
                 empty=empty,
-                param=param,
+                param=param if param.unit else replace(param, unit=unit_of(field.name)),
             )
         )
     return tuple(parameters)

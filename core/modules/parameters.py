@@ -21,7 +21,7 @@ class Param:
     """A module author's description of a parameter."""
 
     text: str  # what it means, for panel and reference
-    unit: str = ""  # empty for a pure number
+    unit: str = ""  # where it is not the one that the parameter's name ends in
     low: float | None = None
     high: float | None = None
     above: bool = False  # `low` itself is not allowed
@@ -83,7 +83,7 @@ class Parameter:
             allowed = (
                 f"{self.allowed()} in {unit}; to convert another unit, begin with '=': '={value}'"
             )
-            return ParameterError(self.name, value, allowed)
+            return ParameterError(self.name, value, allowed, unit="")
         return ParameterError(self.name, value, self.allowed(), unit=unit)
 
     def _in_range(self, number: float) -> bool:

@@ -171,22 +171,19 @@ class CameraSettings(Module):
         Kind, Param("line scanner, pushbroom, or framing camera (exposes all lines at once)")
     ] = "line"
     altitude_m: Annotated[
-        float, Param("height above the ground", unit="m", low=0, above=True, slider=(100, 10000))
+        float, Param("height above the ground", low=0, above=True, slider=(100, 10000))
     ] = 1000.0
     ground_interval_m: Annotated[
         float | None,
         Param(
             "sampling interval of the scene on the ground; empty: its angular interval × altitude",
-            unit="m",
             low=0,
             slider=(0.1, 10),
         ),
     ] = None
     ground_interval_y_m: Annotated[
         float | None,
-        Param(
-            "the same interval down the picture; empty: equal to ground_interval_m", unit="m", low=0
-        ),
+        Param("the same interval down the picture; empty: equal to ground_interval_m", low=0),
     ] = None
     columns: Annotated[
         int | None,
@@ -200,56 +197,42 @@ class CameraSettings(Module):
         float | None,
         Param(
             "field of view across the track; empty: columns × pitch / focal length",
-            unit="deg",
             low=0,
             high=180,
             below=True,
         ),
     ] = 20.0
     pitch_x_um: Annotated[
-        float | None, Param("pixel pitch across the track", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("pixel pitch across the track", low=0, slider=(1, 1000))
     ] = None
     pitch_y_um: Annotated[
         float | None,
-        Param(
-            "pixel pitch along the track; empty: equal to pitch_x_um",
-            unit="µm",
-            low=0,
-            slider=(1, 1000),
-        ),
+        Param("pixel pitch along the track; empty: equal to pitch_x_um", low=0, slider=(1, 1000)),
     ] = None
-    focal_length_mm: Annotated[
-        float | None, Param("focal length", unit="mm", low=0, slider=(10, 1000))
-    ] = None
+    focal_length_mm: Annotated[float | None, Param("focal length", low=0, slider=(10, 1000))] = None
     velocity_m_per_s: Annotated[
         float | None,
-        Param("ground speed; empty: consecutive lines touch at nadir", unit="m/s", low=0),
+        Param("ground speed; empty: consecutive lines touch at nadir", low=0),
     ] = None
     line_rate_Hz: Annotated[
         float | None,
-        Param("lines per second; empty: consecutive lines touch at nadir", unit="Hz", low=0),
+        Param("lines per second; empty: consecutive lines touch at nadir", low=0),
     ] = None
     roll_deg: Annotated[
-        float, Param("look angle to the right", unit="deg", low=-89, high=89, slider=(-45, 45))
+        float, Param("look angle to the right", low=-89, high=89, slider=(-45, 45))
     ] = 0.0
-    pitch_deg: Annotated[
-        float, Param("look angle ahead", unit="deg", low=-89, high=89, slider=(-45, 45))
-    ] = 0.0
+    pitch_deg: Annotated[float, Param("look angle ahead", low=-89, high=89, slider=(-45, 45))] = 0.0
     yaw_deg: Annotated[
         float,
-        Param("heading, clockwise from straight down the picture", unit="deg", low=-180, high=180),
+        Param("heading, clockwise from straight down the picture", low=-180, high=180),
     ] = 0.0
     offset_x_m: Annotated[
         float,
-        Param(
-            "distance of the camera to the right of the scene's centre",
-            unit="m",
-            slider=(-500, 500),
-        ),
+        Param("distance of the camera to the right of the scene's centre", slider=(-500, 500)),
     ] = 0.0
     offset_y_m: Annotated[
         float,
-        Param("distance of the camera below the scene's centre", unit="m", slider=(-500, 500)),
+        Param("distance of the camera below the scene's centre", slider=(-500, 500)),
     ] = 0.0
 
     def camera(self, image: Image) -> Camera:
@@ -263,7 +246,7 @@ class CameraSettings(Module):
                 focal_length = self.pitch_x_um / step_x
             if focal_length is None:
                 allowed = "give it or pitch_x_um, because pitch_y_um is given"
-                raise ParameterError("focal_length_mm", None, allowed, unit="mm")
+                raise ParameterError("focal_length_mm", None, allowed)
             step_y = self.pitch_y_um / focal_length
         return Camera(
             kind=self.kind,
@@ -286,7 +269,7 @@ class CameraSettings(Module):
         if self.fov_x_deg is None:
             if of_pitch is None:
                 raise ParameterError(
-                    "fov_x_deg", None, "give it, or pitch_x_um and focal_length_mm", unit="deg"
+                    "fov_x_deg", None, "give it, or pitch_x_um and focal_length_mm"
                 )
             return of_pitch
         step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
@@ -296,7 +279,7 @@ class CameraSettings(Module):
                 f"field gives {step:.4g} mrad: leave pitch_x_um, focal_length_mm or the field "
                 "empty"
             )
-            raise ParameterError("fov_x_deg", self.fov_x_deg, allowed, unit="deg")
+            raise ParameterError("fov_x_deg", self.fov_x_deg, allowed)
         return step
 
     def _line_spacing_m(self, step_y_mrad: float) -> float:
@@ -306,9 +289,9 @@ class CameraSettings(Module):
         if velocity is None and rate is None:
             return step_y_mrad / 1000.0 * self.altitude_m
         if rate is None:
-            raise ParameterError("line_rate_Hz", None, "velocity_m_per_s needs it", unit="Hz")
+            raise ParameterError("line_rate_Hz", None, "velocity_m_per_s needs it")
         if velocity is None:
-            raise ParameterError("velocity_m_per_s", None, "line_rate_Hz needs it", unit="m/s")
+            raise ParameterError("velocity_m_per_s", None, "line_rate_Hz needs it")
         return velocity / rate
 
     def ground(self, image: Image) -> Ground:
@@ -319,14 +302,14 @@ class CameraSettings(Module):
             y = image.interval_y_mrad / 1000.0 * self.altitude_m
         if x is None or y is None:
             allowed = "the scene has no angular interval: give its sampling interval on the ground"
-            raise ParameterError("ground_interval_m", None, allowed, unit="m")
+            raise ParameterError("ground_interval_m", None, allowed)
         for name, interval, samples in (
             ("ground_interval_m", x, image.columns),
             ("ground_interval_y_m", y, image.rows),
         ):
             if not math.isfinite(interval * samples):
                 raise ParameterError(
-                    name, interval, "small enough that the view stays within the scene", unit="m"
+                    name, interval, "small enough that the view stays within the scene"
                 )
         return Ground(image.rows, image.columns, x, y)
 

@@ -136,11 +136,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     cut_off_um: CutOff = None
     background_K: Annotated[
         float | None,
-        Param(
-            "background temperature; empty: brightness temperature of the picture's mean",
-            unit="K",
-            low=0,
-        ),
+        Param("background temperature; empty: brightness temperature of the picture's mean", low=0),
     ] = None
     snr_threshold: Annotated[
         float,
@@ -151,11 +147,11 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     ] = 2.5  # fmt: skip
     frame_rate_Hz: Annotated[
         float | None,
-        Param("frames per second; empty: a single still frame", unit="Hz", low=0, slider=(0, 120)),
+        Param("frames per second; empty: a single still frame", low=0, slider=(0, 120)),
     ] = 30.0
     eye_integration_s: Annotated[
         float,
-        Param("time over which the eye averages frames", unit="s", low=0, high=10, above=True),
+        Param("time over which the eye averages frames", low=0, high=10, above=True),
     ] = 0.2
     mdtd_window: Annotated[
         Window, Param("MDTD: whether the eye averages over the target or over its blurred image")
@@ -164,21 +160,20 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         float | None,
         Param(
             "MDTD: largest angle in the scene over which the eye averages; empty: no limit",
-            unit="mrad", low=0, slider=(0, 100),
+            low=0, slider=(0, 100),
         ),
     ] = None  # fmt: skip
     target_size_m: Annotated[
         float,
         Param(
             "size of the target: the square root of its area",
-            unit="m", low=0, above=True, high=1e6, slider=(0.1, 10),
+            low=0, above=True, high=1e6, slider=(0.1, 10),
         ),
     ] = 2.3  # fmt: skip
     target_delta_K: Annotated[
         float,
         Param(
             "temperature difference between target and background",
-            unit="K",
             low=-10000,
             high=10000,
             slider=(0, 10),
@@ -188,7 +183,6 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         float,
         Param(
             "extinction of the air in the band, used if there is no Atmospheric Path",
-            unit="1/km",
             low=0,
             high=1e6,
             slider=(0, 2),
@@ -233,7 +227,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         float,
         Param(
             "TTP: temperature difference that the display shows as its mean luminance",
-            unit="K", low=0, above=True, high=1e4, slider=(0.5, 20),
+            low=0, above=True, high=1e4, slider=(0.5, 20),
         ),
     ] = 5.0  # fmt: skip
     display_cd_m2: Annotated[
@@ -247,7 +241,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         float,
         Param(
             "TTP: angle that the display fills at the eye",
-            unit="deg", low=0, above=True, high=180, slider=(1, 60),
+            low=0, above=True, high=180, slider=(1, 60),
         ),
     ] = 15.0  # fmt: skip
     magnification: Annotated[
@@ -262,7 +256,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         float | None,
         Param(
             "longest range of the curve; empty: where detection becomes unlikely",
-            unit="km", low=0, high=1e6, slider=(0, 20),
+            low=0, high=1e6, slider=(0, 20),
         ),
     ] = None  # fmt: skip
 

@@ -104,24 +104,23 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     range_m: Annotated[
         float | None,
-        Param("range to the ground along the line of sight; empty: from Init & Trans", unit="m",
-              low=0),
-    ] = None  # fmt: skip
+        Param("range to the ground along the line of sight; empty: from Init & Trans", low=0),
+    ] = None
     gsd_m: Annotated[
         float | None,
         Param("ground sample distance normal to the line of sight, if you know it; empty: from the "
-              "picture's interval and the range", unit="m", low=0, slider=(0.1, 10)),
+              "picture's interval and the range", low=0, slider=(0.1, 10)),
     ] = None  # fmt: skip
     elevation_deg: Annotated[
         float | None,
         Param("elevation of the line of sight at the target; empty: 90° less off_nadir_deg, or "
-              "from Camera's orbit if that is 0", unit="deg", low=0, high=90, slider=(5, 90)),
+              "from Camera's orbit if that is 0", low=0, high=90, slider=(5, 90)),
     ] = None  # fmt: skip
     off_nadir_deg: Annotated[
         float,
         Param(
             "look angle off nadir along the track over flat ground, if elevation_deg is empty",
-            unit="deg", low=0, high=89, slider=(0, 60),
+            low=0, high=89, slider=(0, 60),
         ),
     ] = 0.0  # fmt: skip
     snr: Annotated[
@@ -232,7 +231,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         own = self.elevation_deg or (90.0 - self.off_nadir_deg if self.off_nadir_deg else None)
         remedy = "leave elevation_deg empty and off_nadir_deg 0 to use that value"
         return apart_from_context(self, context, "range_m") or apart_caution(
-            "elevation_deg", own, context.elevation_deg, unit="deg", where="from Camera's orbit",
+            "elevation_deg", own, context.elevation_deg, where="from Camera's orbit",
             remedy=remedy,
         )  # fmt: skip
 

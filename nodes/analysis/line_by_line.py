@@ -184,7 +184,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         float,
         Param(
             "view angle from nadir at the middle of the frame",
-            unit="deg",
             low=-90,
             high=90,
             above=True,
@@ -211,11 +210,11 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     ] = "frame"
     line_spacing_m: Annotated[
         float | None,
-        Param("distance between scan lines on the ground", unit="m", low=0, slider=(0.1, 10)),
+        Param("distance between scan lines on the ground", low=0, slider=(0.1, 10)),
     ] = None
     altitude_m: Annotated[
         float | None,
-        Param("altitude; empty: from Init & Trans", unit="m", low=0, slider=(10, 10000)),
+        Param("altitude; empty: from Init & Trans", low=0, slider=(10, 10000)),
     ] = None
     method: Annotated[
         Method,
@@ -304,10 +303,10 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         """Angles from nadir along a scan line, all of which meet the ground."""
         columns, interval = chain.shape[1], chain.interval_mrad
         middle = math.radians(self.look_angle_deg)
-        name, value, unit = "look_angle_deg", self.look_angle_deg, "deg"
+        name, value = "look_angle_deg", self.look_angle_deg
         if self.nadir_column is not None:
             middle = (0.5 * (columns - 1) - self.nadir_column) * interval * 1e-3
-            name, value, unit = "nadir_column", self.nadir_column, "px"
+            name, value = "nadir_column", self.nadir_column
         try:
             angles = view_angles_rad(columns=columns, interval_mrad=interval, look_angle_rad=middle)
         except ParameterError as error:
@@ -316,7 +315,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
                 f"the scan reaches the horizon with a field of view of {field:g}°; use a narrower "
                 "field, or look closer to nadir"
             )
-            raise ParameterError(name, value, allowed, unit=unit) from error
+            raise ParameterError(name, value, allowed) from error
         return tuple(angles.tolist())
 
     def _intervals(

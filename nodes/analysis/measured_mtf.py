@@ -209,7 +209,6 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Param(
             "first sample of the edge, in the direction of the measurement; empty: found "
             "automatically",
-            unit="px",
             low=0,
             zero_is_empty=False,
         ),
@@ -219,7 +218,6 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Param(
             "last sample of the edge, in the direction of the measurement; empty: found "
             "automatically",
-            unit="px",
             low=0,
             zero_is_empty=False,
         ),

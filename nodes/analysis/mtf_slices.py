@@ -51,7 +51,7 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     ] = "horizontal"
     angle_deg: Annotated[
         float,
-        Param("angle of the slice: 0 horizontal, 90 vertical", unit="deg", low=-360, high=360),
+        Param("angle of the slice: 0 horizontal, 90 vertical", low=-360, high=360),
     ] = 45.0
     samples: Annotated[int, Param("points on each curve", low=2, high=65536, slider=(32, 1024))] = (
         257

@@ -71,7 +71,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         ),
     ] = "half_width"
     half_width_px: Annotated[
-        int, Param("samples kept on each side", unit="px", low=0, high=65536, slider=(0, 64))
+        int, Param("samples kept on each side", low=0, high=65536, slider=(0, 64))
     ] = 16
     error: Annotated[
         float,

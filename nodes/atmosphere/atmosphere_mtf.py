@@ -78,27 +78,23 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Literal["gaussian", "long_exposure", "short_exposure", "none"], Param("turbulence model")
     ] = "gaussian"
     fwhm_mrad: Annotated[
-        float, Param("full width at half maximum of the blur", unit="mrad", low=0, slider=(0, 5))
+        float, Param("full width at half maximum of the blur", low=0, slider=(0, 5))
     ] = 0.0
     fried_r0_m: Annotated[
-        float | None, Param("Fried's r0; empty: from Cn²", unit="m", low=0, slider=(0.005, 1))
+        float | None, Param("Fried's r0; empty: from Cn²", low=0, slider=(0.005, 1))
     ] = None
     wavelength_um: Annotated[
         float | None,
-        Param(
-            "wavelength; empty: the middle of the band, or of each band of a cube", unit="µm", low=0
-        ),
+        Param("wavelength; empty: the middle of the band, or of each band of a cube", low=0),
     ] = None
     r0_wavelength_um: Annotated[
         float | None,
         Param(
-            "wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur",
-            unit="µm",
-            low=0,
+            "wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur", low=0
         ),
     ] = None
     aperture_mm: Annotated[
-        float | None, Param("aperture, for a short exposure; empty: from Camera", unit="mm", low=0)
+        float | None, Param("aperture, for a short exposure; empty: from Camera", low=0)
     ] = None
     alpha: Annotated[
         float, Param("short exposure: 1 in the near field, 0.5 in the far field", low=0, high=1)
@@ -115,15 +111,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     ] = None
     turbidity_cutoff_cyc_per_mrad: Annotated[
         float,
-        Param(
-            "cutoff frequency: particle radius over wavelength", unit="cyc/mrad", low=0, above=True
-        ),
+        Param("cutoff frequency: particle radius over wavelength", low=0, above=True),
     ] = 0.001
     particle_radius_um: Annotated[
         float | None,
         Param("particle radius, from which the cutoff follows (radius over wavelength); "
-              "empty: the cutoff above",
-              unit="µm", low=0, high=1e6, slider=(0.1, 20)),
+              "empty: the cutoff above", low=0, high=1e6, slider=(0.1, 20)),
     ] = None  # fmt: skip
     view: Annotated[
         Literal["horizontal", "vertical", "up"],
@@ -137,17 +130,14 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Param(
             "has no effect here: absorption dims the scene and does not blur it; use "
             "Atmospheric Path",
-            unit="1/km",
             low=0,
         ),
     ] = 0.0
-    scattering_per_km: Annotated[
-        float, Param("scattering coefficient, for custom", unit="1/km", low=0)
-    ] = 0.0
+    scattering_per_km: Annotated[float, Param("scattering coefficient, for custom", low=0)] = 0.0
 
     scale_height_km: Annotated[
         float,
-        Param("scale height of the aerosol, for looking down or up", unit="km", low=0, above=True),
+        Param("scale height of the aerosol, for looking down or up", low=0, above=True),
     ] = 1.0
 
     panel = (
@@ -195,9 +185,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         short = self.turbulence == "short_exposure"
         aperture_mm = self.aperture_mm or context.aperture_mm
         if short and aperture_mm is None:
-            raise ParameterError(
-                "aperture_mm", None, "a short exposure needs the aperture", unit="mm"
-            )
+            raise ParameterError("aperture_mm", None, "a short exposure needs the aperture")
         wavelength = self._wavelength(context)
         how: dict[str, Any] = {
             "fried_r0_m": self.r0_m(context),
@@ -228,7 +216,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             return self.wavelength_um
         if context.band_um is None:
             raise ParameterError(
-                "wavelength_um", None, "the image has no band: give the wavelength here", unit="µm"
+                "wavelength_um", None, "the image has no band: give the wavelength here"
             )
         return sum(context.band_um) / 2
 
@@ -303,7 +291,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
                 wavelength_um=self._wavelength(context),
             )
         if self.cn2 is None:
-            raise ParameterError("fried_r0_m", None, "give fried_r0_m or cn2", unit="m")
+            raise ParameterError("fried_r0_m", None, "give fried_r0_m or cn2")
         path, wavelength = of_context("range_m", context), self._wavelength(context)
         if self.view == "horizontal":
             return fried_r0_uniform_m(cn2=self.cn2, path_m=path, wavelength_um=wavelength)

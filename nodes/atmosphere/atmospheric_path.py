@@ -102,19 +102,12 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     ] = None  # fmt: skip
     extinction_per_km: Annotated[
         float,
-        Param(
-            "extinction: the sum of absorption and scattering",
-            unit="1/km",
-            low=0,
-            high=1e6,
-            slider=(0, 2),
-        ),
+        Param("extinction: the sum of absorption and scattering", low=0, high=1e6, slider=(0, 2)),
     ] = 0.2
     visibility_km: Annotated[
         float,
-        Param("visibility (2 % contrast)", unit="km", low=0, above=True, high=1e6,
-              slider=(1, 50)),
-    ] = 23.0  # fmt: skip
+        Param("visibility (2 % contrast)", low=0, above=True, high=1e6, slider=(1, 50)),
+    ] = 23.0
     angstrom_q: Annotated[
         float,
         Param(
@@ -130,17 +123,16 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     altitude_m: Annotated[
         float | None,
         Param("height of the camera above the ground, for MODTRAN's tables; empty: from Camera's "
-              "orbit", unit="m", low=0, high=1e8, slider=(2, 20000)),
+              "orbit", low=0, high=1e8, slider=(2, 20000)),
     ] = None  # fmt: skip
     range_m: Annotated[
         float | None,
         Param("length of the path; empty: from a Camera before this node, or from Init & Trans "
-              "through its context",
-              unit="m", low=0, high=1e9, slider=(10, 20000)),
+              "through its context", low=0, high=1e9, slider=(10, 20000)),
     ] = None  # fmt: skip
     air_K: Annotated[
         float | None,
-        Param("temperature of the air; empty: the air adds no radiance", unit="K", low=0, high=1e4,
+        Param("temperature of the air; empty: the air adds no radiance", low=0, high=1e4,
               slider=(230, 320)),
     ] = None  # fmt: skip
     source_K: WeightingSource = None
@@ -324,12 +316,12 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         own = self.range_m or of_camera or of_context
         above = _orbit_altitude_m(image)
         return first(
-            apart_caution("altitude_m", self.altitude_m, above, unit="m", where="on Camera"),
-            apart_caution("range_m", self.range_m, of_camera, unit="m", where="on Camera"),
-            apart_caution("range_m", own, of_context, unit="m", where="on Init & Trans"),
+            apart_caution("altitude_m", self.altitude_m, above, where="on Camera"),
+            apart_caution("range_m", self.range_m, of_camera, where="on Camera"),
+            apart_caution("range_m", own, of_context, where="on Init & Trans"),
             *(
                 apart_caution(
-                    "range_m", own, before.range_m, unit="m",
+                    "range_m", own, before.range_m,
                     where="on the Atmospheric Path before this node",
                     remedy="two Atmospheric Paths in a row are constituents of the same air: "
                            "give both the same range",

@@ -38,13 +38,13 @@ def table_path(*, height_km: float, range_km: float, ihaze: int) -> tuple[Points
         needed = f"the package pybsm: {how_to_install('atmosphere')}"
         raise DataError(f"model = modtran_tables needs {needed}") from error
     if not height_km >= _HEIGHTS[0]:
-        raise ParameterError("altitude_m", 1e3 * height_km, "2 or more", unit="m")
+        raise ParameterError("altitude_m", 1e3 * height_km, "2 or more")
     if range_km < height_km * (1.0 - 1e-9):
         allowed = f"at least the altitude, {1e3 * height_km:g} m"
-        raise ParameterError("range_m", 1e3 * range_km, allowed, unit="m")
+        raise ParameterError("range_m", 1e3 * range_km, allowed)
     # Sine of the elevation at the target, and what of the path lies in the tables.
     sine = min((height_km * (2 * R + height_km) - range_km**2) / (2 * R * range_km), 1.0)
-    beyond = ParameterError("range_m", 1e3 * range_km, "up to the horizon and 300 km", unit="m")
+    beyond = ParameterError("range_m", 1e3 * range_km, "up to the horizon and 300 km")
     if sine < 0.0:
         raise beyond
     height = min(height_km, _HEIGHTS[-1])

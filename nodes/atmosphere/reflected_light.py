@@ -88,7 +88,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         Path | None, Param("CSV of µm and W/m²/µm, used instead of the number, or empty")
     ] = None
     sun_elevation_deg: Annotated[
-        float, Param("elevation of the sun above the horizon", unit="deg", low=0, high=90)
+        float, Param("elevation of the sun above the horizon", low=0, high=90)
     ] = 45.0
     optical_depth: Annotated[
         float,
@@ -105,7 +105,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     illuminance_lux: Annotated[
         float | None,
         Param("illuminance of the ground to which sun and sky are scaled; empty: as they are",
-              unit="lx", low=0, high=1e9, above=True, slider=(0.001, 100000),
+              low=0, high=1e9, above=True, slider=(0.001, 100000),
               zero_is_empty=False),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None

@@ -51,24 +51,23 @@ class ChargeDiffusionMTF(
     )
 
     depletion_um: Annotated[
-        float, Param("depth of the depletion region", unit="µm", low=0, high=1e4, slider=(0, 50))
+        float, Param("depth of the depletion region", low=0, high=1e4, slider=(0, 50))
     ] = 5.0
     diffusion_length_um: Annotated[
         float,
-        Param("diffusion length outside the depletion region", unit="µm", low=0, high=1e6,
+        Param("diffusion length outside the depletion region", low=0, high=1e6,
               above=True, slider=(1, 200)),
     ] = 50.0  # fmt: skip
     absorption_per_um: Annotated[
         float | None,
-        Param("absorption coefficient; empty: silicon's, over the band", unit="1/µm", low=0,
+        Param("absorption coefficient; empty: silicon's, over the band", low=0,
               high=1e6, slider=(0.005, 1)),
     ] = None  # fmt: skip
     side: Annotated[Side, Param("side that the light enters")] = "front"
     thickness_um: Annotated[
         float | None,
-        Param("thickness of a detector lit from the back", unit="µm", low=0, high=1e4,
-              slider=(5, 300)),
-    ] = None  # fmt: skip
+        Param("thickness of a detector lit from the back", low=0, high=1e4, slider=(5, 300)),
+    ] = None
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
 
@@ -108,7 +107,7 @@ class ChargeDiffusionMTF(
                     f"{_SILICON_UM[0]:g} to {_SILICON_UM[1]:g}, where silicon absorbs, or give "
                     "absorption_per_um"
                 )
-                raise ParameterError(name, end, allowed, unit="µm")
+                raise ParameterError(name, end, allowed)
         if low == high:
             return tuple(silicon_absorption_per_um(wavelength_um=[low]).tolist()), (1.0,)
         wavelength, width = band_nodes(low, high, ())

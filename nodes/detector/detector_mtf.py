@@ -28,13 +28,13 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     )
 
     detector_x_um: Annotated[
-        float | None, Param("horizontal detector pitch", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("horizontal detector pitch", low=0, slider=(1, 1000))
     ] = None
     detector_y_um: Annotated[
-        float | None, Param("vertical detector pitch", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("vertical detector pitch", low=0, slider=(1, 1000))
     ] = None
     focal_length_mm: Annotated[
-        float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
+        float | None, Param("effective focal length", low=0, slider=(10, 1000))
     ] = None
     fill_x: Annotated[float | None, Param("horizontal fill factor", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("vertical fill factor", low=0, high=1)] = None

@@ -26,9 +26,7 @@ class FocalPlanePanel(SeededModule):
 
     integration_time_s: Annotated[
         float,
-        Param(
-            "integration time of one stage", unit="s", low=0, high=1e4, above=True, slider=(0, 0.05)
-        ),
+        Param("integration time of one stage", low=0, high=1e4, above=True, slider=(0, 0.05)),
     ] = 0.001
     tdi_stages: Annotated[
         int,
@@ -46,24 +44,24 @@ class FocalPlanePanel(SeededModule):
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
     quantum_efficiency_percent: Annotated[float | None, Param(
-        "quantum efficiency in per cent, used instead of the number, or empty", unit="%", low=0,
+        "quantum efficiency in per cent, used instead of the number, or empty", low=0,
         high=100)] = None  # fmt: skip
     responsivity_A_per_W: Annotated[float | None, Param(
-        "current responsivity, used instead of the number, or empty", unit="A/W", low=0, high=1e6,
+        "current responsivity, used instead of the number, or empty", low=0, high=1e6,
         slider=(0, 10))] = None  # fmt: skip
     responsivity_um: Annotated[float | None, Param(
         "wavelength of that responsivity; its quantum efficiency holds for the whole band",
-        unit="µm", low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
+        low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
     response: Annotated[
         Path | None, Param("CSV of µm and quantum efficiency, used instead of the number, or empty")
     ] = None
     cut_on_um: Annotated[
         float | None,
-        Param("shortest wavelength of the cold filter; empty: the image's band", unit="µm", low=0),
+        Param("shortest wavelength of the cold filter; empty: the image's band", low=0),
     ] = None
     cut_off_um: Annotated[
         float | None,
-        Param("longest wavelength of the cold filter; empty: the image's band", unit="µm", low=0),
+        Param("longest wavelength of the cold filter; empty: the image's band", low=0),
     ] = None
     photon_weighting: Annotated[
         Literal["scene", "source", "middle"],
@@ -74,27 +72,14 @@ class FocalPlanePanel(SeededModule):
     ] = "scene"
     source_K: Annotated[
         float,
-        Param(
-            "temperature of the light source",
-            unit="K",
-            low=0,
-            high=1e6,
-            above=True,
-            slider=(1000, 6500),
-        ),
+        Param("temperature of the light source", low=0, high=1e6, above=True, slider=(1000, 6500)),
     ] = 5800.0
     optics_transmission: Annotated[
         float, Param("transmission of the optics", low=0, high=1, above=True)
     ] = 1.0
     optics_K: Annotated[
         float | None,
-        Param(
-            "temperature of the optics; empty: no emission",
-            unit="K",
-            low=0,
-            high=1e4,
-            slider=(200, 340),
-        ),
+        Param("temperature of the optics; empty: no emission", low=0, high=1e4, slider=(200, 340)),
     ] = None
     cold_shield_efficiency: Annotated[
         float, Param("fraction of the housing that the cold shield hides", low=0, high=1)
@@ -103,49 +88,40 @@ class FocalPlanePanel(SeededModule):
         float | None,
         Param(
             "temperature of the housing past the cold shield; empty: no emission",
-            unit="K",
             low=0,
             high=1e4,
             slider=(200, 340),
         ),
     ] = None
     dark_current_e_per_s: Annotated[
-        float, Param("dark current per pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
+        float, Param("dark current per pixel", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
     dark_current_A_per_cm2: Annotated[float, Param(
         "dark current per area of the pixel pitch, instead of the current per pixel",
-        unit="A/cm²", low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
+        low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
     dark_reference_K: Annotated[float | None, Param(
-        "temperature at which the dark current is given; empty: the detector's own", unit="K",
+        "temperature at which the dark current is given; empty: the detector's own",
         low=0, high=1e3, slider=(60, 320))] = None  # fmt: skip
     dark_doubling_K: Annotated[float | None, Param(
         "temperature rise that doubles the dark current; empty: no change with temperature",
-        unit="K", low=0, high=1e3, slider=(2, 15))] = None  # fmt: skip
+        low=0, high=1e3, slider=(2, 15))] = None  # fmt: skip
     rule_07: Annotated[
         bool, Param("take the dark current of HgCdTe from Rule 07 instead of the number")
     ] = False
     detector_K: Annotated[float | None, Param(
-        "temperature of the detector, for Rule 07 and dark_doubling_K", unit="K", low=0, high=1e3,
+        "temperature of the detector, for Rule 07 and dark_doubling_K", low=0, high=1e3,
         slider=(60, 200))] = None  # fmt: skip
     material_cutoff_um: Annotated[
         float | None,
-        Param(
-            "cutoff of the detector material, for Rule 07",
-            unit="µm",
-            low=0,
-            high=100,
-            slider=(2, 16),
-        ),
+        Param("cutoff of the detector material, for Rule 07", low=0, high=100, slider=(2, 16)),
     ] = None
     full_well_e: Annotated[
         float | None,
-        Param(
-            "electrons that a pixel can hold; empty: unlimited", unit="e-", low=0, slider=(0, 1e7)
-        ),
+        Param("electrons that a pixel can hold; empty: unlimited", low=0, slider=(0, 1e7)),
     ] = None
     register_well_e: Annotated[float | None, Param(
         "electrons that the read-out can hold, after binning and charge gain; empty: unlimited",
-        unit="e-", low=0, slider=(0, 1e7))] = None  # fmt: skip
+        low=0, slider=(0, 1e7))] = None  # fmt: skip
     charge_gain: Annotated[ChargeGain, Param(
         "gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
         "avalanche diode")] = "none"  # fmt: skip
@@ -164,32 +140,22 @@ class FocalPlanePanel(SeededModule):
         float,
         Param(
             "signal lost at the full well; the loss grows with the square of the electrons",
-            unit="%", low=0, high=25, slider=(0, 5),
+            low=0, high=25, slider=(0, 5),
         ),
     ] = 0.0  # fmt: skip
-    read_noise_e: Annotated[
-        float, Param("read noise", unit="e-", low=0, high=1e12, slider=(0, 1000))
-    ] = 0.0
+    read_noise_e: Annotated[float, Param("read noise", low=0, high=1e12, slider=(0, 1000))] = 0.0
     prnu_percent: Annotated[
         float,
-        Param(
-            "PRNU: spread of the response between pixels", unit="%", low=0, high=100, slider=(0, 5)
-        ),
+        Param("PRNU: spread of the response between pixels", low=0, high=100, slider=(0, 5)),
     ] = 0.0
     dsnu_e: Annotated[
         float,
-        Param(
-            "DSNU: spread of the dark level between pixels",
-            unit="e-",
-            low=0,
-            high=1e12,
-            slider=(0, 2000),
-        ),
+        Param("DSNU: spread of the dark level between pixels", low=0, high=1e12, slider=(0, 2000)),
     ] = 0.0
     bad_pixel_percent: Annotated[
-        float, Param("share of dead and hot pixels, some in clusters", unit="%", low=0, high=100,
-                     slider=(0, 1)),
-    ] = 0.0  # fmt: skip
+        float,
+        Param("share of dead and hot pixels, some in clusters", low=0, high=100, slider=(0, 1)),
+    ] = 0.0
     binning: Annotated[Literal["charge", "digital"], Param(
         "sum the pixels' charge before read noise, or their digital numbers afterwards",
         )] = "charge"  # fmt: skip
@@ -204,23 +170,16 @@ class FocalPlanePanel(SeededModule):
         float | None,
         Param(
             "electrons per digital number; empty: the full well gives the highest number",
-            unit="e-/DN",
             low=0,
             slider=(0, 1000),
         ),
     ] = None
     gain_dB: Annotated[float, Param(
-        "gain setting of the camera: 20 dB divide gain_e_per_dn by 10", unit="dB", low=-120,
+        "gain setting of the camera: 20 dB divide gain_e_per_dn by 10", low=-120,
         high=120, slider=(0, 48))] = 0.0  # fmt: skip
     offset_dn: Annotated[
         float,
-        Param(
-            "digital number at zero electrons",
-            unit="DN",
-            low=-(2.0**24),
-            high=2.0**24,
-            slider=(0, 1000),
-        ),
+        Param("digital number at zero electrons", low=-(2.0**24), high=2.0**24, slider=(0, 1000)),
     ] = 0.0
     reference_radiance: Annotated[
         float | None,
@@ -268,42 +227,40 @@ class FocalPlanePanel(SeededModule):
         """Refuse what lacks a value that it needs."""
         low, high = self.cut_on_um, self.cut_off_um
         if low is not None and high is not None and low >= high:
-            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
-        for needed, unit, given, why in (
-            ("full_well_e", "e-", self.nonlinearity_percent > 0,
+            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}")
+        for needed, given, why in (
+            ("full_well_e", self.nonlinearity_percent > 0,
              "nonlinearity_percent refers to the full well"),
-            ("housing_K", "K", self.cold_shield_efficiency < 1,
+            ("housing_K", self.cold_shield_efficiency < 1,
              "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
              "detector"),
-            ("detector_K", "K", self.rule_07 or self.dark_doubling_K,
+            ("detector_K", self.rule_07 or self.dark_doubling_K,
              "rule_07 and dark_doubling_K need it"),
-            ("material_cutoff_um", "µm", self.rule_07, "rule_07 needs it"),
-            ("dark_reference_K", "K", self.dark_doubling_K,
+            ("material_cutoff_um", self.rule_07, "rule_07 needs it"),
+            ("dark_reference_K", self.dark_doubling_K,
              "dark_doubling_K counts from this temperature"),
-            ("dark_doubling_K", "K", self.dark_reference_K,
+            ("dark_doubling_K", self.dark_reference_K,
              "without it the dark current is known at dark_reference_K only"),
-            ("responsivity_um", "µm", self.responsivity_A_per_W,
+            ("responsivity_um", self.responsivity_A_per_W,
              "responsivity_A_per_W refers to this wavelength"),
-            ("responsivity_A_per_W", "A/W", self.responsivity_um,
-             "responsivity_um is its wavelength"),
+            ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is its wavelength"),
         ):  # fmt: skip
             if given and getattr(self, needed) is None:
-                raise ParameterError(needed, None, f"a number: {why}", unit=unit)
+                raise ParameterError(needed, None, f"a number: {why}")
         forms = ("response", "responsivity_A_per_W", "quantum_efficiency_percent")
         typed = [name for name in forms if getattr(self, name) is not None]
         if len(typed) > 1:
-            unit = {"quantum_efficiency_percent": "%"}.get(typed[1], "A/W")
             allowed = f"empty if {typed[0]} is given"
-            raise ParameterError(typed[1], getattr(self, typed[1]), allowed, unit=unit)
+            raise ParameterError(typed[1], getattr(self, typed[1]), allowed)
         self._efficiency()
         self._excess_factor()
         if self.dark_current_e_per_s and self.dark_current_A_per_cm2:
             allowed = f"0 if dark_current_e_per_s = {self.dark_current_e_per_s:g} is given"
             current = self.dark_current_A_per_cm2
-            raise ParameterError("dark_current_A_per_cm2", current, allowed, unit="A/cm²")
+            raise ParameterError("dark_current_A_per_cm2", current, allowed)
         if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
             allowed = "a number if bits is above 0, or give full_well_e"
-            raise ParameterError("gain_e_per_dn", None, allowed, unit="e-/DN")
+            raise ParameterError("gain_e_per_dn", None, allowed)
 
     @property
     def pixels(self) -> int:

@@ -42,13 +42,12 @@ class FrameTransferSmear(
     )
 
     line_transfer_time_s: Annotated[
-        float, Param("time of one transfer", unit="s", low=0, high=1, slider=(0, 1e-5))
+        float, Param("time of one transfer", low=0, high=1, slider=(0, 1e-5))
     ] = 0.0
     integration_time_s: Annotated[
         float,
-        Param("exposure time, the same as on Focal Plane", unit="s", low=1e-9, high=1e6,
-              slider=(1e-4, 0.05)),
-    ] = 0.01  # fmt: skip
+        Param("exposure time, the same as on Focal Plane", low=1e-9, high=1e6, slider=(1e-4, 0.05)),
+    ] = 0.01
     passed: Annotated[
         Literal["both", "above", "below"], Param("rows that a packet passes in the light")
     ] = "both"

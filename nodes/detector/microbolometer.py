@@ -97,7 +97,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
 
     netd_mK: Annotated[
-        float, Param("NETD from the data sheet", unit="mK", low=0, high=1e6, slider=(0, 200))
+        float, Param("NETD from the data sheet", low=0, high=1e6, slider=(0, 200))
     ] = 50.0
     reference_f_number: Annotated[
         float,
@@ -114,7 +114,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         float,
         Param(
             "background temperature at which that NETD was measured",
-            unit="K",
             low=1,
             high=1e4,
             slider=(250, 350),
@@ -123,10 +122,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     reference_integration_time_s: Annotated[
         float | None,
         Param(
-            "integration time at which that NETD was measured; empty: the camera's",
-            unit="s",
-            low=0,
-            high=1e3,
+            "integration time at which that NETD was measured; empty: the camera's", low=0, high=1e3
         ),
     ] = None
     f_number: Annotated[
@@ -139,43 +135,38 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ] = 1.0
     integration_time_s: Annotated[
         float | None,
-        Param("integration time of the camera; empty: the data sheet's", unit="s", low=0, high=1e3),
+        Param("integration time of the camera; empty: the data sheet's", low=0, high=1e3),
     ] = None
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
     time_constant_s: Annotated[
-        float, Param("thermal time constant", unit="s", low=0, high=1e3, slider=(0, 0.03))
+        float, Param("thermal time constant", low=0, high=1e3, slider=(0, 0.03))
     ] = 0.01
-    frame_rate_Hz: Annotated[
-        float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
-    ] = 30.0
+    frame_rate_Hz: Annotated[float, Param("frame rate", low=1e-6, high=1e9, slider=(1, 120))] = 30.0
     filter_frames: Annotated[float, Param(
         "temporal filter: lowers white noise like an average of this many frames; 1: no filter",
         low=1, high=16)] = 1.0  # fmt: skip
     bits: Annotated[int, Param(
         "bits of the output; 0: no rounding", unit="bit", low=0, high=24)] = 0  # fmt: skip
     range_low_K: Annotated[float | None, Param(
-        "scene temperature of the lowest number, for bits", unit="K", low=0, high=1e4,
+        "scene temperature of the lowest number, for bits", low=0, high=1e4,
         slider=(200, 300))] = None  # fmt: skip
     range_high_K: Annotated[float | None, Param(
-        "scene temperature of the highest number, for bits", unit="K", low=0, high=1e4,
+        "scene temperature of the highest number, for bits", low=0, high=1e4,
         slider=(300, 500))] = None  # fmt: skip
     corner_Hz: Annotated[
         float,
         Param("corner frequency, where 1/f noise equals white noise; 0: no 1/f noise",
-              unit="Hz", low=0, high=1e9,
-              slider=(0, 10)),
+              low=0, high=1e9, slider=(0, 10)),
     ] = 0.0  # fmt: skip
     longest_period_s: LongestPeriod = 60.0
     response_percent: Annotated[
         float,
-        Param(
-            "PRNU: spread of the response between pixels", unit="%", low=0, high=100, slider=(0, 10)
-        ),
+        Param("PRNU: spread of the response between pixels", low=0, high=100, slider=(0, 10)),
     ] = 0.0
     offset_mK: Annotated[
         float,
-        Param("spread of the offset between pixels, at the data sheet's background", unit="mK",
+        Param("spread of the offset between pixels, at the data sheet's background",
               low=0, high=1e9, slider=(0, 5000)),
     ] = 0.0  # fmt: skip
 
@@ -205,18 +196,14 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         own, other = self.integration_time_s, self.reference_integration_time_s
         if (own is None) != (other is None):
             missing = "integration_time_s" if own is None else "reference_integration_time_s"
-            raise ParameterError(
-                missing, None, "a number if the other integration time is given", unit="s"
-            )
+            raise ParameterError(missing, None, "a number if the other integration time is given")
         low, high = self.range_low_K, self.range_high_K
-        for name, value, unit in (
-            ("bits", self.bits, "bit"), ("range_low_K", low, "K"), ("range_high_K", high, "K")
-        ):  # fmt: skip
+        for name, value in (("bits", self.bits), ("range_low_K", low), ("range_high_K", high)):
             if not value and (self.bits or low or high):
                 allowed = "above 0: bits, range_low_K and range_high_K belong together"
-                raise ParameterError(name, value, allowed, unit=unit)
+                raise ParameterError(name, value, allowed)
         if low is not None and high is not None and low >= high:
-            raise ParameterError("range_high_K", high, f"above range_low_K = {low:g}", unit="K")
+            raise ParameterError("range_high_K", high, f"above range_low_K = {low:g}")
         if self.corner_Hz:
             self._flicker_band()
 

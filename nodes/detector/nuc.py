@@ -67,12 +67,12 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     ] = "two_point"
     low_K: Annotated[
         float,
-        Param("temperature of the reference, or of the cooler one", unit="K", low=1, high=1e4,
+        Param("temperature of the reference, or of the cooler one", low=1, high=1e4,
               slider=(260, 340)),
     ] = 290.0  # fmt: skip
     high_K: Annotated[
         float,
-        Param("temperature of the warmer reference", unit="K", low=1, high=1e4, slider=(260, 340)),
+        Param("temperature of the warmer reference", low=1, high=1e4, slider=(260, 340)),
     ] = 310.0
     reference_frames: Annotated[
         int, Param("reference frames that are averaged", low=1, high=100000, slider=(1, 64))
@@ -80,7 +80,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     drift_K: Annotated[
         float,
         Param("offset drift since the correction, rms between pixels, as scene temperature",
-              unit="K", low=0, high=1e4, slider=(0, 1)),
+              low=0, high=1e4, slider=(0, 1)),
     ] = 0.0  # fmt: skip
 
     panel = (
@@ -99,7 +99,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     def check(self) -> None:
         """Refuse references in the wrong order."""
         if self.method != "none" and self.high_K <= self.low_K:
-            raise ParameterError("high_K", self.high_K, f"above low_K = {self.low_K:g}", unit="K")
+            raise ParameterError("high_K", self.high_K, f"above low_K = {self.low_K:g}")
 
     def run(self, image: Image, here: NodeContext) -> CorrectedOutputs:
         seen = seen_by_camera(image.recipe)

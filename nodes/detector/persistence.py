@@ -31,19 +31,19 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     )
 
     fast_percent: Annotated[
-        float, Param("share that decays fast", unit="%", low=0, high=100, slider=(0, 5))
+        float, Param("share that decays fast", low=0, high=100, slider=(0, 5))
     ] = 0.0
     fast_time_constant_s: Annotated[
-        float, Param("time constant of that share", unit="s", low=1e-9, high=1e9, slider=(0.1, 60))
+        float, Param("time constant of that share", low=1e-9, high=1e9, slider=(0.1, 60))
     ] = 1.0
     slow_percent: Annotated[
-        float, Param("share that decays slowly", unit="%", low=0, high=100, slider=(0, 5))
+        float, Param("share that decays slowly", low=0, high=100, slider=(0, 5))
     ] = 0.0
     slow_time_constant_s: Annotated[
-        float, Param("time constant of that share", unit="s", low=1e-9, high=1e9, slider=(1, 3600))
+        float, Param("time constant of that share", low=1e-9, high=1e9, slider=(1, 3600))
     ] = 100.0
     delay_s: Annotated[
-        float, Param("time since the earlier exposure", unit="s", low=0, high=1e9, slider=(0, 600))
+        float, Param("time since the earlier exposure", low=0, high=1e9, slider=(0, 600))
     ] = 0.0
 
     def check(self) -> None:
@@ -52,7 +52,7 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
             allowed = (
                 f"both shares may add up to 100 %, and fast_percent is {self.fast_percent:g} %"
             )
-            raise ParameterError("slow_percent", self.slow_percent, allowed, unit="%")
+            raise ParameterError("slow_percent", self.slow_percent, allowed)
 
     def run(self, image: Image, earlier: Image, here: NodeContext) -> ImageOutput:
         if image.shape != earlier.shape:

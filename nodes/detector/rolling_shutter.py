@@ -56,7 +56,7 @@ class RollingShutter(
               slider=(-5000, 5000)),
     ] = 0.0  # fmt: skip
     line_time_s: Annotated[
-        float, Param("time from one line to the next", unit="s", low=0, high=1, slider=(0, 1e-4))
+        float, Param("time from one line to the next", low=0, high=1, slider=(0, 1e-4))
     ] = 2e-5
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

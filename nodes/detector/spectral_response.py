@@ -68,15 +68,13 @@ class SpectralResponse(
     path: Annotated[Path | None, Param("CSV of µm and response, 0 to 1")] = None
     centre_um: Annotated[
         float | None,
-        Param("centre wavelength; empty: the middle of the picture's band",
-              unit="µm", low=0, high=1000,
+        Param("centre wavelength; empty: the middle of the picture's band", low=0, high=1000,
               slider=(0.4, 14)),
     ] = None  # fmt: skip
     width_um: Annotated[
         float | None,
         Param("width (for a Gaussian, the full width at half maximum); empty: the picture's "
-              "band",
-              unit="µm", low=0, high=1000, slider=(0.01, 5)),
+              "band", low=0, high=1000, slider=(0.01, 5)),
     ] = None  # fmt: skip
     peak: Annotated[float, Param("largest response", low=0, high=1)] = 1.0
     source_K: WeightingSource = None
@@ -325,7 +323,7 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     if not any(weights):
         low, high = bands.band_um
         allowed = f"a filter that passes some of the picture's bands, {low:g} to {high:g} µm"
-        raise ParameterError("cut_on_um", efficiency.cut_on_um, allowed, unit="µm")
+        raise ParameterError("cut_on_um", efficiency.cut_on_um, allowed)
     return weights
 
 

@@ -48,29 +48,28 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     ] = 4  # fmt: skip
     velocity_mismatch_percent: Annotated[
         float,
-        Param("how much faster the image moves than the charge", unit="%", low=-99, high=1000,
+        Param("how much faster the image moves than the charge", low=-99, high=1000,
               slider=(-5, 5)),
     ] = 0.0  # fmt: skip
     line_rate_Hz: Annotated[
         float | None,
         Param("lines per second that the charge moves; empty: velocity_mismatch_percent counts",
-              unit="Hz", low=0, slider=(1000, 50000)),
+              low=0, slider=(1000, 50000)),
     ] = None  # fmt: skip
     yaw_deg: Annotated[
         float,
-        Param("angle from the stages to the image motion", unit="deg", low=-89, high=89,
-              slider=(-5, 5)),
-    ] = 0.0  # fmt: skip
+        Param("angle from the stages to the image motion", low=-89, high=89, slider=(-5, 5)),
+    ] = 0.0
     direction: Annotated[
         Literal["y", "x"], Param("axis of the motion: vertical (y) or horizontal (x)")
     ] = "y"
     detector_um: Annotated[
         float | None,
-        Param("pitch of the stages; empty: the detector's pitch along the motion", unit="µm", low=0,
+        Param("pitch of the stages; empty: the detector's pitch along the motion", low=0,
               slider=(1, 100)),
     ] = None  # fmt: skip
     focal_length_mm: Annotated[
-        float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 10000))
+        float | None, Param("effective focal length", low=0, slider=(10, 10000))
     ] = None
 
     panel = (
@@ -120,7 +119,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         """The pitch or focal length differs from the one on Init & Trans."""
         pitch = getattr(context, f"detector_{self.direction}_um")
         return first(
-            apart_caution("detector_um", self.detector_um, pitch, unit="µm", where=ELECTRONICS),
+            apart_caution("detector_um", self.detector_um, pitch, where=ELECTRONICS),
             apart_from_context(self, context, "focal_length_mm", where=ELECTRONICS),
         )
 

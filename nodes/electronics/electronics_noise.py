@@ -133,18 +133,12 @@ class ElectronicsNoise(
     ] = 1.0
     scan_mirror_rate_Hz: Annotated[
         float | None,
-        Param(
-            "revolutions of the scan mirror; empty: scan velocity from Init & Trans",
-            unit="Hz",
-            low=0,
-        ),
+        Param("revolutions of the scan mirror; empty: scan velocity from Init & Trans", low=0),
     ] = None
     time_constant_s: Annotated[
-        float | None, Param("detector time constant; empty: the dwell time", unit="s", low=0)
+        float | None, Param("detector time constant; empty: the dwell time", low=0)
     ] = None
-    bandwidth_Hz: Annotated[
-        float | None, Param("noise bandwidth; empty: 1/(2τ)", unit="Hz", low=0)
-    ] = None
+    bandwidth_Hz: Annotated[float | None, Param("noise bandwidth; empty: 1/(2τ)", low=0)] = None
     amplifier_snr: Annotated[
         float | None, Param("SNR of the amplifier; empty: no amplifier noise", low=0)
     ] = None
@@ -152,16 +146,11 @@ class ElectronicsNoise(
         Literal["mean", "contrast"], Param("signal that the SNR refers to: mean, or max − min")
     ] = "mean"
     gain_percent: Annotated[
-        float, Param("spread of the gain between detectors", unit="%", low=0, slider=(0, 10))
+        float, Param("spread of the gain between detectors", low=0, slider=(0, 10))
     ] = 0.0
     bias_percent: Annotated[
         float,
-        Param(
-            "spread of the bias between detectors, relative to the mean",
-            unit="%",
-            low=0,
-            slider=(0, 10),
-        ),
+        Param("spread of the bias between detectors, relative to the mean", low=0, slider=(0, 10)),
     ] = 0.0
     gain_model: Annotated[
         Literal["per_pixel", "published", "literal"],
@@ -172,7 +161,7 @@ class ElectronicsNoise(
     ] = "per_pixel"
     noise_variability_percent: Annotated[
         float,
-        Param("spread of the noise level between detectors", unit="%", low=0, slider=(0, 100)),
+        Param("spread of the noise level between detectors", low=0, slider=(0, 100)),
     ] = 0.0
     use_mtf: Annotated[bool, Param("apply the pre-amplifier's MTF and PTF")] = False
     post_filter: Annotated[
@@ -180,7 +169,7 @@ class ElectronicsNoise(
     ] = "none"
     post_corner_Hz: Annotated[
         float | None,
-        Param("corner frequency, or boost frequency, of the post filter", unit="Hz", low=0),
+        Param("corner frequency, or boost frequency, of the post filter", low=0),
     ] = None
     post_poles: Annotated[int, Param("poles of the post filter", low=1, high=100)] = 1
     post_gain: Annotated[float, Param("gain of the boost", low=1, high=1e6)] = 2.0
@@ -197,7 +186,7 @@ class ElectronicsNoise(
     ] = None
     background_K: Annotated[
         float | None,
-        Param("background temperature; empty: brightness temperature of the mean", unit="K", low=0),
+        Param("background temperature; empty: brightness temperature of the mean", low=0),
     ] = None
 
     preview_lines = 15.5
@@ -480,7 +469,7 @@ class ElectronicsNoise(
                 "give it, or time_constant_s, or scan_mirror_rate_Hz, or the scan velocity on "
                 "Init & Trans"
             )
-            raise ParameterError("bandwidth_Hz", None, allowed, unit="Hz")
+            raise ParameterError("bandwidth_Hz", None, allowed)
         return filters.noise_bandwidth_hz(time_constant_s=tau)
 
     def _detector(self, context: Context) -> Detector:
@@ -517,7 +506,7 @@ class ElectronicsNoise(
         velocity = self.scan_velocity(context)
         if self.post_corner_Hz is None or velocity == 0:
             allowed = "a post filter needs a corner frequency, and a scan rate or scan velocity"
-            raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed, unit="Hz")
+            raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed)
         law = {
             "kind": self.post_filter,
             "corner_cyc_per_mrad": filters.corner_in_cyc_per_mrad(
@@ -570,7 +559,7 @@ def summed_within(image: Image, low_um: float | None, high_um: float | None) -> 
         weights.append(weight * min(max(part / width, 0.0), 1.0))
     if not any(weights):
         allowed = f"a band that overlaps the picture's, {first:g} to {last:g} µm"
-        raise ParameterError("cut_on_um", low, allowed, unit="µm")
+        raise ParameterError("cut_on_um", low, allowed)
     band = max(first, low), min(last, high)
     return image.with_recipe(bands.picture(tuple(weights)), band_um=band)
 

@@ -85,11 +85,10 @@ class Noise3DSource(
     corner_Hz: Annotated[
         float,
         Param("corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise",
-              unit="Hz", low=0, high=1e9,
-              slider=(0, 10)),
+              low=0, high=1e9, slider=(0, 10)),
     ] = 0.0  # fmt: skip
     frame_rate_Hz: Annotated[
-        float, Param("frame rate, for 1/f noise", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
+        float, Param("frame rate, for 1/f noise", low=1e-6, high=1e9, slider=(1, 120))
     ] = 30.0
     longest_period_s: LongestPeriod = 60.0
 

@@ -47,9 +47,7 @@ class PeriodicNoise(
     amplitude: Annotated[float, Param("amplitude, in the picture's unit", slider=(0, 10))] = 0.0
     xi: Annotated[float, Param("horizontal frequency", unit="cyc/mrad", slider=(-1, 1))] = 0.1
     eta: Annotated[float, Param("vertical frequency", unit="cyc/mrad", slider=(-1, 1))] = 0.0
-    phase_deg: Annotated[
-        float, Param("phase at the first sample", unit="deg", slider=(-180, 180))
-    ] = 0.0
+    phase_deg: Annotated[float, Param("phase at the first sample", slider=(-180, 180))] = 0.0
     modulation: Annotated[float, Param("modulation depth", low=0, high=1)] = 0.0
     modulation_xi: Annotated[
         float, Param("horizontal frequency of the modulation", unit="cyc/mrad", slider=(-1, 1))
@@ -58,7 +56,7 @@ class PeriodicNoise(
         float, Param("vertical frequency of the modulation", unit="cyc/mrad", slider=(-1, 1))
     ] = 0.0
     modulation_phase_deg: Annotated[
-        float, Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180))
+        float, Param("phase of the modulation at the first sample", slider=(-180, 180))
     ] = 0.0
 
     preview_lines = 9.5

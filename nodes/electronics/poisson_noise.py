@@ -48,10 +48,7 @@ class PoissonNoise(
     width_px: Annotated[
         float,
         Param(
-            "standard deviation of the Gaussian that weights the local mean",
-            unit="px",
-            low=0,
-            slider=(0, 50),
+            "standard deviation of the Gaussian that weights the local mean", low=0, slider=(0, 50)
         ),
     ] = 5.0
     percent: Annotated[

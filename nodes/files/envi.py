@@ -219,10 +219,10 @@ def band_weights_um(
     own that overlap have it) hold as they are.
     """
     if not (math.isfinite(cut_on_um) and cut_on_um >= 0):
-        raise ParameterError("cut_on_um", cut_on_um, "a finite number of 0 or more", unit="um")
+        raise ParameterError("cut_on_um", cut_on_um, "a finite number of 0 or more")
     if not (math.isfinite(cut_off_um) and cut_off_um > cut_on_um):
         allowed = f"a finite number above cut_on_um = {cut_on_um:g}"
-        raise ParameterError("cut_off_um", cut_off_um, allowed, unit="um")
+        raise ParameterError("cut_off_um", cut_off_um, allowed)
     low, high = band_ends_um(info)
     whole = high - low
     low, high = np.maximum(low, cut_on_um), np.minimum(high, cut_off_um)
@@ -294,7 +294,6 @@ def _check_coverage(
         (cut_on_um, cut_off_um),
         f"the bands of {info.path.name} lie between {low.min():.6g} and {high.max():.6g} um and "
         f"cover {covered:.6g} um of this interval; set an interval within the bands",
-        unit="um",
     )
 
 

@@ -102,13 +102,13 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     offset: Annotated[float, Param("number added after scaling, in the unit below")] = 0.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
-        float | None, Param("horizontal field of view", unit="deg", low=0, high=180, below=True)
+        float | None, Param("horizontal field of view", low=0, high=180, below=True)
     ] = None
     fov_y_deg: Annotated[
-        float | None, Param("vertical field of view", unit="deg", low=0, high=180, below=True)
+        float | None, Param("vertical field of view", low=0, high=180, below=True)
     ] = None
-    cut_on_um: Annotated[float | None, Param("shortest wavelength", unit="µm", low=0)] = None
-    cut_off_um: Annotated[float | None, Param("longest wavelength", unit="µm", low=0)] = None
+    cut_on_um: Annotated[float | None, Param("shortest wavelength", low=0)] = None
+    cut_off_um: Annotated[float | None, Param("longest wavelength", low=0)] = None
 
     missing: Annotated[
         Literal["refuse", "mean", "zero"],
@@ -134,11 +134,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if low is None and high is None:
             return
         if low is None:
-            raise ParameterError(
-                "cut_on_um", None, "give it, or leave cut_off_um empty too", unit="µm"
-            )
+            raise ParameterError("cut_on_um", None, "give it, or leave cut_off_um empty too")
         if high is None or low >= high:
-            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
+            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}")
 
     def run(self, here: NodeContext) -> ImageOutput:
         source = picture_source(self.path, here)

@@ -86,13 +86,13 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     width: Annotated[int, Param("samples per row", low=1, high=65536, slider=(16, 2048))] = 512
     height: Annotated[int, Param("samples per column", low=1, high=65536, slider=(16, 2048))] = 512
     fov_x_deg: Annotated[
-        float | None, Param("horizontal field of view", unit="deg", low=0, high=180, below=True)
+        float | None, Param("horizontal field of view", low=0, high=180, below=True)
     ] = 30.0
     fov_y_deg: Annotated[
-        float | None, Param("vertical field of view", unit="deg", low=0, high=180, below=True)
+        float | None, Param("vertical field of view", low=0, high=180, below=True)
     ] = 30.0
-    cut_on_um: Annotated[float, Param("shortest wavelength", unit="µm", low=0, above=True)] = 8.0
-    cut_off_um: Annotated[float, Param("longest wavelength", unit="µm", low=0, above=True)] = 12.0
+    cut_on_um: Annotated[float, Param("shortest wavelength", low=0, above=True)] = 8.0
+    cut_off_um: Annotated[float, Param("longest wavelength", low=0, above=True)] = 12.0
     bands: Annotated[
         int,
         Param("spectral bands of equal width; 0: a single band", low=0, high=4096, slider=(0, 64)),
@@ -114,16 +114,14 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ] = 0.15
     sun_elevation_deg: Annotated[
         float,
-        Param("elevation of the Sun, if there are bands; 0: no Sun", unit="deg", low=0, high=90),
+        Param("elevation of the Sun, if there are bands; 0: no Sun", low=0, high=90),
     ] = 0.0
     temperature_K: Annotated[
-        float, Param("background temperature", unit="K", low=0, above=True, slider=(200, 400))
+        float, Param("background temperature", low=0, above=True, slider=(200, 400))
     ] = 303.15
-    delta_K: Annotated[
-        float, Param("how much warmer the target is", unit="K", slider=(-50, 50))
-    ] = 10.0
+    delta_K: Annotated[float, Param("how much warmer the target is", slider=(-50, 50))] = 10.0
     angle_deg: Annotated[
-        float, Param("direction of the edge's normal or of the wave", unit="deg", slider=(-90, 90))
+        float, Param("direction of the edge's normal or of the wave", slider=(-90, 90))
     ] = 5.0
     frequency: Annotated[
         float, Param("cycles per frame width, or spokes of the star", low=0, above=True)
@@ -153,11 +151,11 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         """Refuse an empty band and temperatures below zero."""
         if self.cut_on_um >= self.cut_off_um:
             raise ParameterError(
-                "cut_off_um", self.cut_off_um, f"above cut_on_um = {self.cut_on_um:g}", unit="µm"
+                "cut_off_um", self.cut_off_um, f"above cut_on_um = {self.cut_on_um:g}"
             )
         if self.temperature_K + self.delta_K <= 0:
             raise ParameterError(
-                "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}", unit="K"
+                "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}"
             )
         if self.quantity == "reflectance" and self.kind in DRAWN and not self.bands:
             raise ParameterError("bands", 0, f"1 or more for the {self.kind} in reflectance")

@@ -26,11 +26,11 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     )
 
     velocity_m_per_s: Annotated[
-        float | None, Param("velocity of the platform; empty: from Init & Trans", unit="m/s")
+        float | None, Param("velocity of the platform; empty: from Init & Trans")
     ] = None
-    integration_time_s: Annotated[float, Param("integration time", unit="s", low=0)] = 0.0
+    integration_time_s: Annotated[float, Param("integration time", low=0)] = 0.0
     range_m: Annotated[
-        float | None, Param("altitude or distance; empty: from Init & Trans", unit="m", low=0)
+        float | None, Param("altitude or distance; empty: from Init & Trans", low=0)
     ] = None
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

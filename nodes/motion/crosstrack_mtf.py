@@ -23,9 +23,9 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
         ),
     )
 
-    dwell_time_s: Annotated[float, Param("dwell time of one sample", unit="s", low=0)] = 0.0
+    dwell_time_s: Annotated[float, Param("dwell time of one sample", low=0)] = 0.0
     scan_velocity_mrad_per_s: Annotated[
-        float | None, Param("scan velocity; empty: from Init & Trans", unit="mrad/s", low=0)
+        float | None, Param("scan velocity; empty: from Init & Trans", low=0)
     ] = None
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

@@ -24,9 +24,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
         ),
     )
 
-    sigma_mrad: Annotated[
-        float, Param("rms motion per axis", unit="mrad", low=0, slider=(0, 1))
-    ] = 0.02
+    sigma_mrad: Annotated[float, Param("rms motion per axis", low=0, slider=(0, 1))] = 0.02
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         sigma = {"sigma_mrad": self.sigma_mrad} if self.sigma_mrad else None

@@ -63,16 +63,14 @@ class LineOfSight(
         ),
     )
 
-    rms_x_mrad: Annotated[
-        float, Param("horizontal rms motion", unit="mrad", low=0, high=1e6, slider=(0, 1))
-    ] = 0.0
-    rms_y_mrad: Annotated[
-        float, Param("vertical rms motion", unit="mrad", low=0, high=1e6, slider=(0, 1))
-    ] = 0.0
+    rms_x_mrad: Annotated[float, Param("horizontal rms motion", low=0, high=1e6, slider=(0, 1))] = (
+        0.0
+    )
+    rms_y_mrad: Annotated[float, Param("vertical rms motion", low=0, high=1e6, slider=(0, 1))] = 0.0
     corner_Hz: Annotated[
         float,
         Param("frequency at which the power density has fallen to half its low-frequency "
-              "value", unit="Hz",
+              "value",
               low=1e-6, high=1e9, slider=(0.1, 100)),
     ] = 5.0  # fmt: skip
     psd_path: Annotated[
@@ -83,11 +81,9 @@ class LineOfSight(
         ),
     ] = None
     integration_time_s: Annotated[
-        float, Param("exposure time", unit="s", low=0, high=1e6, slider=(0, 0.05))
+        float, Param("exposure time", low=0, high=1e6, slider=(0, 0.05))
     ] = 0.01
-    frame_rate_Hz: Annotated[
-        float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
-    ] = 30.0
+    frame_rate_Hz: Annotated[float, Param("frame rate", low=1e-6, high=1e9, slider=(1, 120))] = 30.0
     apply: Apply = "multiply"
 
     panel = (

@@ -44,10 +44,8 @@ class RelativeMotionMTF(
     platform_velocity_y: Annotated[float, Param("velocity of the platform along y", unit="m/s")] = (
         0.0
     )
-    integration_time_s: Annotated[float, Param("integration time", unit="s", low=0)] = 0.0
-    range_m: Annotated[
-        float | None, Param("distance; empty: from Init & Trans", unit="m", low=0)
-    ] = None
+    integration_time_s: Annotated[float, Param("integration time", low=0)] = 0.0
+    range_m: Annotated[float | None, Param("distance; empty: from Init & Trans", low=0)] = None
     model: Annotated[
         Literal["published", "line"], Param("rectangle (eq. 4.31), or a straight smear")
     ] = "published"

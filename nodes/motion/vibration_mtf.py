@@ -30,16 +30,10 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
         ),
     )
 
-    amplitude_x_mrad: Annotated[
-        float, Param("horizontal amplitude", unit="mrad", low=0, slider=(0, 1))
-    ] = 0.0
-    amplitude_y_mrad: Annotated[
-        float, Param("vertical amplitude", unit="mrad", low=0, slider=(0, 1))
-    ] = 0.0
-    frequency_Hz: Annotated[float | None, Param("frequency of the vibration", unit="Hz", low=0)] = (
-        None
-    )
-    integration_time_s: Annotated[float | None, Param("integration time", unit="s", low=0)] = None
+    amplitude_x_mrad: Annotated[float, Param("horizontal amplitude", low=0, slider=(0, 1))] = 0.0
+    amplitude_y_mrad: Annotated[float, Param("vertical amplitude", low=0, slider=(0, 1))] = 0.0
+    frequency_Hz: Annotated[float | None, Param("frequency of the vibration", low=0)] = None
+    integration_time_s: Annotated[float | None, Param("integration time", low=0)] = None
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         factors = separable(

@@ -61,7 +61,7 @@ def source_temperature(
     image = magnitude.image
     if image is None:
         allowed = "a temperature, because no picture is connected whose mean could give it"
-        raise ParameterError("source_K", None, allowed, unit="K")
+        raise ParameterError("source_K", None, allowed)
     if image.unit.strip() in _KELVIN:
         return Step.of(mean_kelvin, image.recipe, node=node)
     if not is_radiance(image.unit):
@@ -69,7 +69,7 @@ def source_temperature(
             f"a temperature, because the picture, in {image.unit or 'no unit'!r:.40}, is not in "
             "W/m²/sr, or weighting uniform"
         )
-        raise ParameterError("source_K", None, allowed, unit="K")
+        raise ParameterError("source_K", None, allowed)
     # Of the picture's own band, whose radiance it holds.
     low, high = image.band_um or band
     return Step.of(mean_brightness, image.recipe, node=node, cut_on_um=low, cut_off_um=high)

@@ -85,23 +85,16 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     pixels_y: Annotated[
         int | None, Param("pixels per column", unit="pixels", low=0, high=10**6, slider=(64, 4096))
     ] = None
-    pitch_um: Annotated[
-        float | None, Param("horizontal pixel pitch", unit="µm", low=0, slider=(2, 50))
-    ] = None
+    pitch_um: Annotated[float | None, Param("horizontal pixel pitch", low=0, slider=(2, 50))] = None
     pitch_y_um: Annotated[
         float | None,
-        Param(
-            "vertical pixel pitch; empty: equal to pitch_x_um",
-            unit="µm",
-            low=0,
-            slider=(2, 50),
-        ),
+        Param("vertical pixel pitch; empty: equal to pitch_x_um", low=0, slider=(2, 50)),
     ] = None
     fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = None
     focal_length_mm: Annotated[
         float | None,
-        Param("focal length; empty: F-number times aperture", unit="mm", low=0, slider=(5, 1000)),
+        Param("focal length; empty: F-number times aperture", low=0, slider=(5, 1000)),
     ] = None
     f_number: Annotated[
         float | None,
@@ -109,7 +102,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     ] = None
     aperture_mm: Annotated[
         float | None,
-        Param("aperture diameter; empty: focal length divided by the F-number", unit="mm", low=0,
+        Param("aperture diameter; empty: focal length divided by the F-number", low=0,
               slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
@@ -127,18 +120,18 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Param("how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine "
               "condition, π/(4F²)"),
     ] = "disc"  # fmt: skip
-    range_m: Annotated[
-        float | None, Param("distance of the scene", unit="m", low=0, slider=(10, 10000))
-    ] = None
+    range_m: Annotated[float | None, Param("distance of the scene", low=0, slider=(10, 10000))] = (
+        None
+    )
     altitude_km: Annotated[
         float | None,
-        Param("altitude of a circular orbit; empty: not on a satellite", unit="km", low=0, high=1e5,
+        Param("altitude of a circular orbit; empty: not on a satellite", low=0, high=1e5,
               above=True, slider=(300, 1000), zero_is_empty=False),
     ] = None  # fmt: skip
     look_angle_deg: Annotated[
-        float, Param("angle of the line of sight off nadir", unit="deg", low=0, high=89,
-                     slider=(0, 50)),
-    ] = 0.0  # fmt: skip
+        float,
+        Param("angle of the line of sight off nadir", low=0, high=89, slider=(0, 50)),
+    ] = 0.0
     look_direction: Annotated[
         LookDirection, Param("direction of the look angle: beside the track, or ahead on it")
     ] = "across"
@@ -208,7 +201,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         if orbit is not None:
             where = "by altitude and look angle"
             return first(
-                apart_caution("range_m", self.range_m, orbit.range_m, unit="m", where=where),
+                apart_caution("range_m", self.range_m, orbit.range_m, where=where),
                 _rotation_caution(orbit),
             )
         if not self.look_angle_deg:
@@ -261,7 +254,6 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             "focal_length_mm",
             self.sheet().focal_length_mm,
             image.header.focal_length_mm,
-            unit="mm",
             where="in the picture's file",
             remedy="the value here is used; correct it, or use a picture of this camera",
         )

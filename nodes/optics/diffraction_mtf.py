@@ -93,7 +93,7 @@ class DiffractionMTF(
     aperture_mm: Annotated[
         float | None,
         Param("aperture diameter; empty: from Camera, or focal length divided by the F-number",
-              unit="mm", low=0, slider=(2, 500)),
+              low=0, slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
         float | None,
@@ -128,12 +128,12 @@ class DiffractionMTF(
         ),
     ] = 0.0
     defocus_waves: Annotated[
-        float, Param("defocus at the rim, W20", unit="waves", low=-20, high=20, slider=(-2, 2))
+        float, Param("defocus at the rim, W20", low=-20, high=20, slider=(-2, 2))
     ] = 0.0
     rms_wavefront_waves: Annotated[
-        float, Param("rms wavefront error of any shape", unit="waves", low=0, high=0.18,
-                     slider=(0, 0.1)),
-    ] = 0.0  # fmt: skip
+        float,
+        Param("rms wavefront error of any shape", low=0, high=0.18, slider=(0, 0.1)),
+    ] = 0.0
     apply: Apply = "multiply"
 
     panel = (
@@ -211,7 +211,7 @@ class DiffractionMTF(
         diameter = self.aperture_mm or _of_context(context)
         if diameter is None:
             allowed = "give it here or on Camera, or F-number and focal length on Init & Trans"
-            raise ParameterError("aperture_mm", None, allowed, unit="mm")
+            raise ParameterError("aperture_mm", None, allowed)
         inner = self.obscuration_ratio
         return Aperture(
             diameter,

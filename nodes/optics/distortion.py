@@ -73,13 +73,13 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     p1: Annotated[float, Param("tangential coefficient, mostly along y", **_K)] = 0.0
     p2: Annotated[float, Param("tangential coefficient, mostly along x", **_K)] = 0.0
     centre_x_mrad: Annotated[
-        float, Param("optical axis to the right of the picture's middle", unit="mrad", low=-1e4,
+        float, Param("optical axis to the right of the picture's middle", low=-1e4,
                      high=1e4, slider=(-20, 20)),
     ] = 0.0  # fmt: skip
     centre_y_mrad: Annotated[
-        float, Param("optical axis below the picture's middle", unit="mrad", low=-1e4, high=1e4,
-                     slider=(-20, 20)),
-    ] = 0.0  # fmt: skip
+        float,
+        Param("optical axis below the picture's middle", low=-1e4, high=1e4, slider=(-20, 20)),
+    ] = 0.0
     width: NewWidth = None
     height: NewHeight = None
 

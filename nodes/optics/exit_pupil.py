@@ -103,10 +103,10 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     map_wavelength_um: Annotated[
         float | None,
         Param("wavelength of a map in waves or rad; empty: from its header, else the middle "
-              "of the band", unit="µm", low=0, slider=(0.4, 14)),
+              "of the band", low=0, slider=(0.4, 14)),
     ] = None  # fmt: skip
     defocus_waves: Annotated[
-        float, Param("defocus W20 at the rim", unit="waves", low=-100, high=100, slider=(-2, 2))
+        float, Param("defocus W20 at the rim", low=-100, high=100, slider=(-2, 2))
     ] = 0.0
     zernike_waves: Annotated[
         tuple[float, ...],

@@ -69,12 +69,8 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    size_x_cm: Annotated[
-        float, Param("width of the whole pupil array", unit="cm", low=0, above=True)
-    ] = 25.6
-    size_y_cm: Annotated[
-        float, Param("height of the whole pupil array", unit="cm", low=0, above=True)
-    ] = 25.6
+    size_x_cm: Annotated[float, Param("width of the whole pupil array", low=0, above=True)] = 25.6
+    size_y_cm: Annotated[float, Param("height of the whole pupil array", low=0, above=True)] = 25.6
     method: Annotated[
         Literal["exact", "autocorrelation"],
         Param("the closed form if there is one, or always the sampled pupil"),
@@ -203,9 +199,8 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         if not isinstance(kelvin, Recipe):
             kelvin = Step.of(number, value=kelvin)
         weights = here.step(
-            _weights_by_light, kelvin, spectrum=spectrum, wavelengths_um=places,
-            weights=shares
-        )  # fmt: skip
+            _weights_by_light, kelvin, spectrum=spectrum, wavelengths_um=places, weights=shares
+        )
         return replace(scale, wavelengths_um=places, weights=weights)
 
     @readout("cyc/mrad")

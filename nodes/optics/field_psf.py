@@ -82,22 +82,20 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         Row, Param("positions, as shares of the half diagonal; rising", low=0, high=10)
     ] = (0.0, 0.5, 1.0)
     tangential_mrad: Annotated[
-        Row, Param("rms width along the radius, at each position", unit="mrad", low=0, high=1e6)
+        Row, Param("rms width along the radius, at each position", low=0, high=1e6)
     ] = ()
     sagittal_mrad: Annotated[
         Row,
-        Param("rms width across the radius; empty: equal to tangential_mrad", unit="mrad", low=0,
-              high=1e6),
-    ] = ()  # fmt: skip
+        Param("rms width across the radius; empty: equal to tangential_mrad", low=0, high=1e6),
+    ] = ()
     path_1: _Path = None
     path_2: _Path = None
     path_3: _Path = None
     path_4: _Path = None
     sample_pitch_um: Annotated[
         float | None,
-        Param("sampling interval of PSF files; empty: from the file", unit="µm", low=0,
-              slider=(0.1, 20)),
-    ] = None  # fmt: skip
+        Param("sampling interval of PSF files; empty: from the file", low=0, slider=(0.1, 20)),
+    ] = None
     tile: Annotated[
         int, Param("side of a tile", unit="samples", low=4, high=2048, slider=(16, 256))
     ] = 64

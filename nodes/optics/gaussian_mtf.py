@@ -23,10 +23,10 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
     )
 
     sigma_x_mrad: Annotated[
-        float, Param("horizontal standard deviation of the blur", unit="mrad", low=0, slider=(0, 5))
+        float, Param("horizontal standard deviation of the blur", low=0, slider=(0, 5))
     ] = 0.0
     sigma_y_mrad: Annotated[
-        float, Param("vertical standard deviation of the blur", unit="mrad", low=0, slider=(0, 5))
+        float, Param("vertical standard deviation of the blur", low=0, slider=(0, 5))
     ] = 0.0
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

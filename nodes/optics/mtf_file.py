@@ -93,17 +93,17 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     ] = 0
     focal_length_mm: Annotated[
         float | None,
-        Param("focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans", unit="mm", low=0,
+        Param("focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans", low=0,
               slider=(10, 10000)),
     ] = None  # fmt: skip
     detector_x_um: Annotated[
         float | None,
-        Param("horizontal pixel pitch, for cyc/pixel; empty: from Init & Trans", unit="µm", low=0,
+        Param("horizontal pixel pitch, for cyc/pixel; empty: from Init & Trans", low=0,
               slider=(1, 100)),
     ] = None  # fmt: skip
     detector_y_um: Annotated[
         float | None,
-        Param("vertical pixel pitch, for cyc/pixel; empty: from Init & Trans", unit="µm", low=0,
+        Param("vertical pixel pitch, for cyc/pixel; empty: from Init & Trans", low=0,
               slider=(1, 100)),
     ] = None  # fmt: skip
     apply: Apply = "multiply"

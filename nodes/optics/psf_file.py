@@ -71,9 +71,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = "um"
     focal_length_mm: Annotated[
         float | None,
-        Param("focal length, for µm; empty: from Init & Trans", unit="mm", low=0,
-              slider=(10, 10000)),
-    ] = None  # fmt: skip
+        Param("focal length, for µm; empty: from Init & Trans", low=0, slider=(10, 10000)),
+    ] = None
     centroid: Annotated[
         Literal["kept", "removed"],
         Param("whether the picture shifts if the centroid is away from the file's middle"),

@@ -51,25 +51,24 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     ] = "length"
 
     share_percent: Annotated[
-        float, Param("share of the light that is spread", unit="%", low=0, high=100, slider=(0, 20))
+        float, Param("share of the light that is spread", low=0, high=100, slider=(0, 20))
     ] = 0.0
     length_mrad: Annotated[
         float,
-        Param("length of the spread: half of it falls within 1.73 lengths", unit="mrad", low=0,
+        Param("length of the spread: half of it falls within 1.73 lengths", low=0,
               high=1e6, above=True, slider=(0.1, 100)),
     ] = 10.0  # fmt: skip
     b_per_sr: Annotated[
-        float, Param("BSDF of a surface at the direct ray", unit="1/sr", low=0, high=1e12,
-                     slider=(0, 10)),
-    ] = 0.0  # fmt: skip
+        float,
+        Param("BSDF of a surface at the direct ray", low=0, high=1e12, slider=(0, 10)),
+    ] = 0.0
     s: Annotated[
         float, Param("slope of the BSDF: its power of β far from the direct ray", low=-5, high=0)
     ] = -1.5
     l_mrad: Annotated[
         float,
-        Param("shoulder of the BSDF, 1000 times Harvey's l", unit="mrad", low=1e-3, high=1000,
-              slider=(0.1, 50)),
-    ] = 10.0  # fmt: skip
+        Param("shoulder of the BSDF, 1000 times Harvey's l", low=1e-3, high=1000, slider=(0.1, 50)),
+    ] = 10.0
     surfaces: Annotated[int, Param("number of such surfaces", low=1, high=1000, slider=(1, 30))] = 1
 
     panel = (

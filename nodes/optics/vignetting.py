@@ -90,9 +90,8 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     ] = ()
     focal_length_mm: Annotated[
         float | None,
-        Param("focal length, for image heights; empty: from Camera", unit="mm", low=0,
-              slider=(10, 1000)),
-    ] = None  # fmt: skip
+        Param("focal length, for image heights; empty: from Camera", low=0, slider=(10, 1000)),
+    ] = None
 
     panel = (
         Section("", ("natural", "measured")),
@@ -135,9 +134,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
             of_camera = None if image.camera is None else image.camera.focal_length_mm
             law["scale"] = self.focal_length_mm or of_camera
             if law["scale"] is None:
-                raise ParameterError(
-                    "focal_length_mm", None, "give it here or on Camera", unit="mm"
-                )
+                raise ParameterError("focal_length_mm", None, "give it here or on Camera")
         if self.measured == "polynomial":
             return (*law.items(), ("coefficients", self.coefficients))
         assert self.path is not None

@@ -9,7 +9,6 @@ from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import ifov_mrad
 
 Band = tuple[float, float]
-_UNITS = {"um": "µm", "mm": "mm", "m": "m"}
 
 
 def given(name: str, own: float | None, context: Context) -> float:
@@ -23,8 +22,7 @@ def of_context(name: str, context: Context, *, where: str = "on Init & Trans") -
     """The value of Init & Trans, for a module without a parameter of its own for it."""
     value = getattr(context, name)
     if value is None:
-        unit = _UNITS.get(name.rpartition("_")[2], "")
-        raise ParameterError(name, None, f"give it {where}", unit=unit)
+        raise ParameterError(name, None, f"give it {where}")
     return float(value)
 
 
@@ -111,13 +109,12 @@ def given_band(
     )
     for name, value in (("cut_on_um", low), ("cut_off_um", high)):
         if value is None:
-            why = "the image has no band: give it here"
-            raise ParameterError(name, None, why, unit="µm")
+            raise ParameterError(name, None, "the image has no band: give it here")
     assert low is not None
     assert high is not None
     if not (low <= high if empty else low < high):
         wanted = f"at least cut_on_um = {low:g}" if empty else f"above cut_on_um = {low:g}"
-        raise ParameterError("cut_off_um", high, wanted, unit="µm")
+        raise ParameterError("cut_off_um", high, wanted)
     return low, high
 
 

@@ -161,12 +161,8 @@ class PtfModule(Module):
 
 # Parameters that several modules have alike, by their annotations.
 
-CutOn = Annotated[
-    float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-]
-CutOff = Annotated[
-    float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-]
+CutOn = Annotated[float | None, Param("shortest wavelength; empty: the image's band", low=0)]
+CutOff = Annotated[float | None, Param("longest wavelength; empty: the image's band", low=0)]
 NewWidth = Annotated[
     int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
 ]
@@ -175,25 +171,18 @@ NewHeight = Annotated[
 ]
 LongestPeriod = Annotated[
     float,
-    Param(
-        "longest period of the 1/f noise: time since the last correction",
-        unit="s",
-        low=1e-9,
-        high=1e9,
-        slider=(1, 3600),
-    ),
-]
+    Param("longest period of the 1/f noise: time since the last correction", low=1e-9, high=1e9,
+          slider=(1, 3600)),
+]  # fmt: skip
 WeightingSource = Annotated[
     float | None,
     Param("black body whose spectrum weights a single band; empty: the scene's, or sunlight",
-          unit="K", low=0,
-          high=1e6, slider=(250, 6500)),
+          low=0, high=1e6, slider=(250, 6500)),
 ]  # fmt: skip
 LightingSource = Annotated[
     float | None,
     Param("black body whose spectrum fills the band; empty: at the temperature of the "
           "picture's mean, or sunlight",
-          unit="K",
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip
 

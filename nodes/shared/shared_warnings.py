@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import Any
 
 from core.chain.wires import Context, Phase, Transfer
-from core.errors import DataError
+from core.errors import DataError, unit_of
 from core.modules.declaration import Caution, Module, declaration
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 
@@ -105,8 +105,8 @@ def apart_caution(
     own: float | None,
     other: float | None,
     *,
-    unit: str,
     where: str,
+    unit: str = "",
     near: float = NEAR,
     remedy: str = "",
 ) -> Caution | None:
@@ -117,7 +117,7 @@ def apart_caution(
     """
     if not own or not other or alike(own, other, near=near):
         return None
-    unit = f" {unit}" if unit else ""
+    unit = f" {unit or unit_of(name)}".rstrip()
     return Caution(
         f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
         remedy or f"leave {name} empty to use that value, unless both are intended",

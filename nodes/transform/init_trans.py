@@ -60,13 +60,13 @@ class InitTrans(
     )
 
     detector_x_um: Annotated[
-        float | None, Param("horizontal detector pitch", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("horizontal detector pitch", low=0, slider=(1, 1000))
     ] = None
     detector_y_um: Annotated[
-        float | None, Param("vertical detector pitch", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("vertical detector pitch", low=0, slider=(1, 1000))
     ] = None
     focal_length_mm: Annotated[
-        float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
+        float | None, Param("effective focal length", low=0, slider=(10, 1000))
     ] = None
     f_number: Annotated[float | None, Param("F number", low=0, slider=(0.5, 32))] = None
     obscuration_ratio: Annotated[
@@ -74,16 +74,16 @@ class InitTrans(
         Param("obscuration: inner diameter of the aperture divided by the outer; empty: from "
               "Camera, or none", low=0, high=1, below=True, slider=(0, 0.6)),
     ] = None  # fmt: skip
-    range_m: Annotated[
-        float | None, Param("altitude or distance", unit="m", low=0, slider=(10, 10000))
-    ] = None
+    range_m: Annotated[float | None, Param("altitude or distance", low=0, slider=(10, 10000))] = (
+        None
+    )
     fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = 1.0
     fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = 1.0
     fov_x_deg: Annotated[
-        float | None, Param("horizontal field of view", unit="deg", low=0, high=180, below=True)
+        float | None, Param("horizontal field of view", low=0, high=180, below=True)
     ] = None
     fov_y_deg: Annotated[
-        float | None, Param("vertical field of view", unit="deg", low=0, high=180, below=True)
+        float | None, Param("vertical field of view", low=0, high=180, below=True)
     ] = None
     platform: Annotated[
         Platform,
@@ -93,12 +93,10 @@ class InitTrans(
     ] = "line"
     velocity_m_per_s: Annotated[
         float,
-        Param("velocity of the platform or object; 0: from Camera's orbit, or none", unit="m/s",
+        Param("velocity of the platform or object; 0: from Camera's orbit, or none",
               slider=(0, 300)),
     ] = 0.0  # fmt: skip
-    scan_velocity_mrad_per_s: Annotated[
-        float, Param("scan velocity", unit="mrad/s", low=0, slider=(0, 1e5))
-    ] = 0.0
+    scan_velocity_mrad_per_s: Annotated[float, Param("scan velocity", low=0, slider=(0, 1e5))] = 0.0
     edges: Annotated[
         Edges,
         Param("how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT"),
@@ -181,7 +179,7 @@ class InitTrans(
             return interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
         if of_image is None:
             allowed = f"no field of view is known: give {name} here or on Read Image"
-            raise ParameterError(name, None, allowed, unit="deg")
+            raise ParameterError(name, None, allowed)
         return of_image
 
     @warning

@@ -130,8 +130,7 @@ class Radiometry(Module):
     surroundings_K: Annotated[
         float | None,
         Param("temperature of what the surfaces reflect; empty: nothing is reflected",
-              unit="K", low=0, high=1e4,
-              slider=(200, 320)),
+              low=0, high=1e4, slider=(200, 320)),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None

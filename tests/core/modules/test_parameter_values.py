@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import pytest
 
-from core.errors import ParameterError
+from core.errors import ParameterError, unit_of
 from core.modules.declaration import Module, declaration
 from core.modules.parameters import Param
 
@@ -49,3 +49,14 @@ def test_a_refusal_names_value_unit_and_what_is_allowed(name, value, line):
     with pytest.raises(ParameterError) as caught:
         declaration(Lens).parameter(name).coerce(value)
     assert str(caught.value) == line
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("sigma_mrad", "mrad"), ("velocity_m_per_s", "m/s"), ("extinction_per_km", "1/km"),
+        ("gain_e_per_dn", "e-/DN"), ("detectors_per_line", ""), ("percent", ""), ("fill_x", ""),
+    ],
+)  # fmt: skip
+def test_a_unit_follows_from_the_name_it_ends(name, unit):
+    assert unit_of(name) == unit
