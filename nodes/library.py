@@ -91,7 +91,6 @@ def our_module(key: str) -> type[Module]:
 
 @cache
 def standard_library() -> PackagedLibrary:
-    """Every module by its key: ours, then those of installed packages."""
     plug_ins = installed_plug_ins(OURS)
     brought = {module.key: module for module in plug_ins.modules}
     return PackagedLibrary(

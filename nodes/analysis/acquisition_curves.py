@@ -107,7 +107,6 @@ def acquisition(
     task: Task,
     grid: Grid,
 ) -> Acquisition | Unseen:
-    """Johnson's and the TTP probability, and the ranges at which they are one half."""
     if isinstance(thresholds, Unseen):
         return thresholds
     assert not isinstance(noise, Unseen)
@@ -203,8 +202,6 @@ def _relative_noise(
     along: float,
     spectrum: Vector | None,
 ) -> Vector:
-    """Noise that hides a sine, over the display's mean luminance, 1/√Hz."""
-
     def share(of: Vector | None) -> Vector:
         return perceived_share(
             frequency=frequency,
@@ -246,7 +243,6 @@ def merit_table(
     unit: str,
     frames: float,
 ) -> TableData:
-    """All figures in one table; empty with their reason where nothing of the scene is seen."""
     values: dict[str, float | None] = {}
     why = seen.reason if isinstance(seen, Unseen) else ""
     if not isinstance(seen, Unseen):

@@ -86,7 +86,6 @@ class BlurShares:
 
 @ends_lineage
 def noise_shares(work: Work, noise: ImageNoise, *, kind: Kind) -> NoiseShares:
-    """Sources of the noises of a kind, one entry for each, and their shares."""
     noise.require_known()
     variances: dict[tuple[str, str], dict[bool, float]] = {}
     for term in noise.terms:
@@ -166,7 +165,6 @@ _TOGETHER = "All together"
 
 
 def source_words(name: str) -> str:
-    """A noise's name for people."""
     return _WORDS.get(name, name)
 
 
@@ -178,7 +176,6 @@ def source_title(name: str) -> str:
 
 @ends_lineage
 def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: str) -> CurveData:
-    """A bar for each source: its share of the variance, or its deviation."""
     title = "Noise" if kind == "all" else f"{kind.capitalize()} noise"
     if not noise.shares:
         return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
@@ -235,7 +232,6 @@ def _bars(
 
 
 def _distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
-    """Names for the bars, with their node where two are alike."""
     plain = [name for name, _ in names]
     return tuple(f"{name} ({node})" if plain.count(name) > 1 else name for name, node in names)
 
@@ -244,7 +240,6 @@ def _distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
 def budget_table(
     work: Work, noise: NoiseShares, blur: BlurShares, *, kind: Kind, unit: str
 ) -> TableData:
-    """Every source and every stage with its share, then all together."""
     rows = [row for share in noise.shares for row in _source_rows(share, unit)]
     if not noise.shares:
         what = "noise" if kind == "all" else f"{kind} noise"

@@ -82,7 +82,6 @@ def covered(work: Work, laid: Footprints) -> Array:
 def sampled(
     work: Work, scene: Array, laid: Footprints, coverage: Array | None = None, **how: Any
 ) -> Array:
-    """Mean of the scene over each footprint, and of the fill outside."""
     return footprint_means(
         scene=scene,
         laid=laid,
@@ -127,7 +126,6 @@ def geometry_table(
     strips: int,
     between_samples: Between,
 ) -> TableData:
-    """What the camera sees of the ground, and how precise the means over footprints are."""
     bounds = ground_bounds(camera=camera)
     middle = ground_sample(camera=camera, u=0.5 * camera.columns, v=0.5 * camera.rows)
     error = 0.0
@@ -158,8 +156,6 @@ def geometry_table(
 
 @dataclass(frozen=True)
 class Ground:
-    """A scene's size, and how far its samples are apart on the ground."""
-
     rows: int
     columns: int
     interval_x_m: float
@@ -236,7 +232,6 @@ class CameraSettings(Module):
     ] = 0.0
 
     def camera(self, image: Image) -> Camera:
-        """The camera, with what is left empty taken from the scene or worked out."""
         columns, rows = self.columns or image.columns, self.rows or image.rows
         step_x = self._step_x(columns)
         step_y = step_x
@@ -423,7 +418,6 @@ class CameraGeometry(
         )
 
     def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
-        """Ground samples across and along, from one end of the middle line to the other."""
         camera = self.camera(planned.sound().inputs["image"])
         u = np.linspace(0.5, camera.columns - 0.5, _PREVIEW_POINTS)
         samples = [

@@ -202,7 +202,6 @@ def _modulus(profile: Vector, mirrored: bool) -> Vector:
 
 
 def _power(values: Array) -> Vector:
-    """|values|² in double, which holds the square of every single-precision number."""
     real = values.real.astype(np.float64) ** 2
     return real + values.imag.astype(np.float64) ** 2 if np.iscomplexobj(values) else real
 

@@ -278,7 +278,6 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
 
     def run(self, context: Context, image: Image, here: NodeContext) -> MeritOutputs:
-        """Plan each curve as a value of its own: a new task does not repeat the MRTD."""
         image = with_interval(image, context)
         known = image.band_um or context.band_um
         passed, grid, node = transfer_of(image, of_camera=True), image.grid(), here.node
@@ -368,7 +367,6 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         )
 
     def _frames(self) -> float:
-        """Frames averaged by the eye: one of a still frame."""
         if self.frame_rate_Hz is None:
             return 1.0
         return frames_integrated(

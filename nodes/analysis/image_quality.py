@@ -274,8 +274,6 @@ _DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge
 
 @dataclass(frozen=True)
 class EdgeQuality:
-    """Relative edge response and overshoot across and along, and the responses as curves."""
-
     rer: tuple[float, float]
     overshoot: tuple[float, float]
     response: tuple[Vector, Vector]
@@ -283,7 +281,6 @@ class EdgeQuality:
 
 @ends_lineage
 def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQuality:
-    """Of the whole chain, sample by sample of the picture."""
     results = []
     for line, sample_mrad in ((HORIZONTAL, grid.interval_x_mrad), (VERTICAL, grid.interval_y_mrad)):
 

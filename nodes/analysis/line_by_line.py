@@ -38,7 +38,6 @@ def mixed(
     intervals_mrad: tuple[float, ...],
     **how: Any,
 ) -> Filtered:
-    """The frame, each column at its own interval in flight."""
     chain = ScanChain(Product(factors), grid, edges, scan)
     return filter_mixed(work, image, chain=chain, intervals_mrad=np.array(intervals_mrad), **how)
 
@@ -52,7 +51,6 @@ def picture_of(_: Work, filtered: Filtered) -> Array:
 def by_view_angle(
     _: Work, picture: Array, whole: Array, *, scan: Scan, view_angles_rad: tuple[float, ...]
 ) -> CurveData:
-    """Rms and largest difference at each view angle, percent of the whole picture's range."""
     rms, largest = _along_flight(picture, whole, scan)
     percent = _percent(_range(whole))
     angles = np.degrees(view_angles_rad)
@@ -76,7 +74,6 @@ def difference_table(
     intervals_mrad: tuple[float, ...],
     unit: str,
 ) -> TableData:
-    """How far apart the two ways are, where, and how precise the blend is."""
     rms, largest = _along_flight(picture, whole, scan)
     percent = _percent(_range(whole))
     degrees = np.degrees(view_angles_rad)
@@ -113,7 +110,6 @@ def difference_table(
 
 
 def _along_flight(picture: Array, whole: Array, scan: Scan) -> tuple[Array, Array]:
-    """Rms and largest modulus of the difference at each sample of a scan line."""
     axis = 0 if scan == "x" else 1
     gap = np.abs(np.subtract(picture, whole, dtype=np.float64))
     largest = gap.max(axis=axis)
@@ -245,7 +241,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
 
     def check(self) -> None:
-        """Refuse two ways to give where nadir is."""
         if self.nadir_column is not None and self.look_angle_deg != 0.0:
             raise ParameterError(
                 "nadir_column", self.nadir_column, "empty where look_angle_deg is given"
@@ -321,7 +316,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def _intervals(
         self, chain: ScanChain, context: Context, angles: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Sampling interval in flight at each sample of a scan line."""
         grid = chain.grid
         of_frame = grid.interval_x_mrad if chain.turned else grid.interval_y_mrad
         if context.platform != "line":

@@ -65,8 +65,6 @@ VERTICAL = Line("vertical", 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Stage:
-    """Factors of one module under one name."""
-
     label: str
     factors: tuple[Factor, ...]
 
@@ -101,7 +99,6 @@ def stage_along(work: Work, stage: Stage, part: Part, line: Line, frequency: Vec
 
 
 def all_along(work: Work, stages: tuple[Stage, ...], line: Line, frequency: Vector) -> Vector:
-    """The MTF of all stages together at points of the line, signed."""
     total = np.ones(len(frequency))
     for stage in stages:
         work.check()
@@ -190,7 +187,6 @@ class ImageTransfer:
         return tuple(factor for stage in self.stages for factor in stage.factors)
 
     def part(self, part: str) -> tuple[Stage, ...]:
-        """The stages with the factors of their MTF, or of their PTF, alone."""
         stages = (
             Stage(s.label, tuple(f for f in s.factors if f.part == part)) for s in self.stages
         )
@@ -270,11 +266,9 @@ class ImageNoise:
 
     @property
     def total(self) -> NoiseVariances:
-        """Of all noises together."""
         return sum((term.variances for term in self.terms), NoiseVariances())
 
     def require_known(self) -> None:
-        """Refuse a picture of which not all noise is known (`DataError`)."""
         if self.unknown:
             raise DataError(
                 f"the noise after {', '.join(self.unknown)} cannot be computed: connect the "
@@ -392,13 +386,11 @@ def _way_up(recipe: Recipe) -> Iterator[tuple[Recipe, Lineage | None]]:
 
 
 def _behind(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
-    """The noises behind the transform that a picture comes from, if any."""
     *_, (last, _) = _way_up(recipe)
     return (_DeliveredNoise(last, uniform),) if isinstance(last, Delivered) else ()
 
 
 def _needed(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
-    """What `_Follow.to` reads."""
     looked_at = (
         one for _, lineage in _way_up(recipe) if lineage is not None for one in lineage.looks_at
     )
@@ -445,7 +437,6 @@ class _Follow:
         return self._changed(lineage.linear, before)
 
     def _changed(self, change: Linear, noises: list[Noise]) -> list[Noise]:
-        """The noises behind a linear change; those that end there are left out."""
         carried = (
             (noise, change.carried(self._work, noise.power, temporal=noise.temporal))
             for noise in noises
@@ -516,7 +507,6 @@ def _by_samples(picture: Recipe) -> bool:
 
 
 def _is_noisy(recipe: Recipe) -> bool:
-    """Whether anything a recipe is made of is drawn at random."""
     seen, waiting = {recipe.key}, [recipe]
     while waiting:
         current = waiting.pop()

@@ -32,7 +32,6 @@ UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixe
 
 @ends_lineage
 def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) -> CurveData:
-    """MTF, the bounds of one standard error, and what is expected where that is known."""
     axis, factor = _axis(measured, axis)
     x = measured.frequency * factor
     series = [Series("measured", x, measured.mtf)]
@@ -51,7 +50,6 @@ def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) ->
 
 @ends_lineage
 def spread_of(work: Work, measured: Measured, *, unit: str) -> CurveData:
-    """Edge spread and line spread, per pixel, against the distance along the normal."""
     y_label = f"value ({unit})" if unit else "value"
     series = (
         Series("edge spread", measured.away, measured.spread),
@@ -64,7 +62,6 @@ def spread_of(work: Work, measured: Measured, *, unit: str) -> CurveData:
 def table_of(
     work: Work, measured: Measured, *expected: Expected, axis: Axis, unit: str
 ) -> TableData:
-    """Figures with their standard errors, and what is expected where that is known."""
     axis, factor = _axis(measured, axis)
 
     def scaled(value: float | None) -> float | None:
@@ -110,8 +107,6 @@ def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
 
 @ends_lineage
 def figures_of(work: Work, measured: Measured, *expected: Expected) -> TableData:
-    """The read-outs, whatever the axis of the curve is."""
-
     def per_mrad(value: float | None) -> float | None:
         return None if value is None or measured.per_mrad is None else value * measured.per_mrad
 
@@ -275,7 +270,6 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         )
 
     def _where(self, image: Image) -> Region:
-        """The region, which must lie in the picture."""
         ends = []
         for first, size, start, length, whole in (
             ("region_x", "region_width", self.region_x, self.region_width, image.columns),

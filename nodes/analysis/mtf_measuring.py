@@ -32,8 +32,6 @@ _BLOCK = 4
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure and its standard error, frequencies in cycles per pixel."""
-
     value: float | None
     error: float | None = None
 
@@ -75,7 +73,6 @@ def measured_slanted(
     window: Window,
     samples: int,
 ) -> Measured:
-    """MTF along the normal of a slanted edge or line, from 0 to 1 cycle per pixel."""
     region, scale = _region(image, where)
     across = direction if direction != "automatic" else _direction(region)
     if across == "vertical":

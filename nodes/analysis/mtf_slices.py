@@ -187,7 +187,6 @@ def own_slices(
     label: str,
     marks: tuple[CurveMark, ...],
 ) -> CurveData:
-    """Curves of a function with frequency intervals of its own."""
     series = []
     for line in lines:
         frequency, value = samples_along(sampled, part, line, samples)

@@ -79,7 +79,6 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     panel = (Section("Measurement", ("frames", "path")),)
 
     def check(self) -> None:
-        """Refuse a single frame, of which nothing temporal can be measured."""
         if self.frames == 1:
             raise ParameterError("frames", 1, "0, or at least 2")
 
@@ -207,7 +206,6 @@ class FrameNoise(Recipe):
 
 @ends_lineage
 def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> TableData:
-    """Each component predicted and measured, with the standard error of what was measured."""
     predicted, measured = _kinds(noises)
     rows = []
     expected = _expected(predicted)

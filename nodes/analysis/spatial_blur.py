@@ -146,7 +146,6 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: 
 
 @ends_lineage
 def response(_: Work, kernels: Kernels, *, grid: Grid) -> CurveData:
-    """Each pass' taps against their lag: rows and columns through lag 0."""
     series = []
     for kernel in kernels.passes:
         high, wide = kernel.taps.shape

@@ -217,7 +217,6 @@ def _to_first_zero(work: Work, stages: tuple[Stage, ...], line: Line, frequency:
 
 @ends_lineage
 def mrtd_curve(work: Work, mrtd: Thresholds | Unseen) -> CurveData:
-    """MRTD horizontal, vertical and for both directions, as far as anything is resolved."""
     if isinstance(mrtd, Unseen):
         return mrtd.curve("MRTD", "frequency (cyc/mrad)", "MRTD (K)")
     series = (
@@ -229,7 +228,6 @@ def mrtd_curve(work: Work, mrtd: Thresholds | Unseen) -> CurveData:
 
 
 def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
-    """The curve where it is finite and above zero; none where nothing is."""
     there = np.isfinite(y) & (y > 0.0)
     return (Series(label, x[there], y[there]),) if there.any() else ()
 

@@ -150,7 +150,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     )
 
     def check(self) -> None:
-        """Refuse a file's model without a file."""
         if self.model == "modtran" and self.path is None:
             raise ParameterError("path", None, "a MODTRAN tape7 or JSON, or a CSV of three columns")
 
@@ -178,7 +177,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         return PictureTable(image.with_recipe(made, air=(*image.air, air)), table)
 
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
-        """Transmission over the band, and below it the path radiance where there is any."""
         table: Any = planned.sound().outputs["table"]
         figures, how = work.value(table.recipe).as_dict(), dict(table.recipe.parameters)
         air, band = how["air"], how["band_um"]
@@ -252,7 +250,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def _scene(
         self, image: Image, air: AirPath, factor: float, here: NodeContext
     ) -> tuple[Recipe, ...]:
-        """The scene's temperature, where it weights the band."""
         band = image.band_um
         if band is None or air.is_grey or self.source_K is not None:
             return ()
@@ -368,7 +365,6 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
 def path_over_band(
     work: Work, *scene_K: float, air: AirPath, band_um: Band | None, source_K: float
 ) -> PathBand:
-    """Transmission and path radiance of the band, weighted by the scene or the source."""
     if band_um is None:  # a path that is grey and adds nothing
         return PathBand(math.exp(-float(air.depth(1.0))), 0.0)
     return air.over_band(*band_um, source_K=scene_K[0] if scene_K else source_K)
@@ -376,7 +372,6 @@ def path_over_band(
 
 @ends_lineage
 def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> PathBand:
-    """The same of a picture in bands: weighted by the light in each."""
     added = float(np.dot(weights, offset))
     if min(gain) == max(gain):
         return PathBand(gain[0], added)

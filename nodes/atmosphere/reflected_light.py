@@ -134,7 +134,6 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     def _of_picture(
         self, image: Image, band: Band, light: Sunlight, share: float, here: NodeContext
     ) -> Image:
-        """The radiance of surfaces that reflect all wavelengths alike."""
         low, high = band
         if self.bands == 1:
             white = share * light.over_band(low, high) / math.pi
@@ -152,7 +151,6 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     def _of_cube(
         self, image: Image, bands: BandStack, light: Sunlight, share: float, here: NodeContext
     ) -> Image:
-        """The radiance of a cube of reflectances, in its own bands."""
         centres, widths = bands.centres_um, bands.widths_um
         white = _white(light, centres, widths, share)
         none = (0.0,) * bands.count
@@ -257,8 +255,6 @@ _ABOVE_ONE = 1e-6  # by which a reflectance of 1 may be rounded
 
 @dataclass(frozen=True)
 class Lit(Scaled):
-    """Every sample times a white surface's radiance; `reflectance` is that of a sample of 1."""
-
     reflectance: float
 
     @property

@@ -63,7 +63,6 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
 
 @ends_lineage
 def well_caution(work: Work, seen: PictureRange, *, full_well: float, unit: str) -> Caution | None:
-    """A well that no sample comes near."""
     if full_well <= _FAR * max(seen.high, 0.0):
         return None
     return Caution(

@@ -83,7 +83,6 @@ class ChargeDiffusionMTF(
         return self.mtf_outputs(magnitude, *factors)
 
     def law(self, context: Context) -> dict[str, Any]:
-        """What the transfer function is made of."""
         absorptions, weights = self._absorptions(context)
         law: dict[str, Any] = {
             "focal_length_mm": of_context("focal_length_mm", context),

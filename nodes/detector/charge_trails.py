@@ -107,7 +107,6 @@ class Trails(LineOperator):
 
     @property
     def transfers(self) -> int:
-        """Of the last pixel."""
         return self.extra + self.pixels
 
     @property
@@ -157,7 +156,6 @@ def _trailed_part(work: Work, region: Region, picture: Recipe, *, change: Trails
 @picture_step(linear=lambda *_, change: change)
 @in_parts(_trailed_part)
 def with_trails(work: Work, picture: Array, *, change: Trails) -> Array:
-    """The picture as it is read along an axis."""
     whole = Region(0, 0, *picture.shape)
     return _trailed(work, picture, whole, whole, change)
 

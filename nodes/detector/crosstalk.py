@@ -40,7 +40,6 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
     panel = (Section("Crosstalk", ("kernel",)), Section("Output", ("apply",)))
 
     def check(self) -> None:
-        """Refuse a kernel that is none."""
         crosstalk_kernel(self.kernel)
 
     def run(
@@ -61,7 +60,6 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
         return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
     def lost(self) -> float:
-        """Share of a pixel's signal that its neighbours show."""
         kernel = crosstalk_kernel(self.kernel)
         return 1.0 - kernel[len(kernel) // 2][len(kernel) // 2]
 

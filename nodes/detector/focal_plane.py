@@ -477,7 +477,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return None
 
     def _passed(self, known: Band) -> Band:
-        """The cold filter's band; an end that is not given is the picture's."""
         low = known[0] if self.cut_on_um is None else self.cut_on_um
         return low, known[1] if self.cut_off_um is None else self.cut_off_um
 
@@ -525,7 +524,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return collection.weights.efficiency
 
     def response_over_band(self, planned: PlannedNode, _here: NodeContext) -> DrawnResponse:
-        """The quantum efficiency as it is drawn over the picture's band."""
         efficiency = self.efficiency(planned.result)
         filter_um = efficiency.cut_on_um, efficiency.cut_off_um
         band = planned.inputs["image"].band_um or filter_um

@@ -59,7 +59,6 @@ class Collection:
     vignetting: float = 1.0
 
     def of_pixels(self, count: int) -> Collection:
-        """The same for the sum of so many pixels."""
         return replace(
             self,
             scene_m2_s_sr=self.scene_m2_s_sr * count,
@@ -82,7 +81,6 @@ class Collection:
 
     @property
     def per_photon(self) -> float:
-        """Electrons of a scene's photon radiance of 1."""
         return self.scene_m2_s_sr * self.optics_transmission
 
 
@@ -138,7 +136,6 @@ class ElectronLevels:
 
     @property
     def pedestal_e(self) -> float:
-        """Electrons that are there without a scene."""
         return self.optics_e + self.housing_e + self.dark_e
 
     @property
@@ -369,7 +366,6 @@ def figures(
 
 
 def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, float]:
-    """Shot noise, read noise and rounding of that many electrons, and all with excess noise."""
     shot = shot_noise_e(electrons=total_e, frames_averaged=reading.frames)
     shot *= _bent_slope(total_e, reading)
     read = reading.read_noise_e / reading.frames**0.5
@@ -459,7 +455,6 @@ def _worth(
 
 
 def _efficiency(levels: ElectronLevels, collection: Collection) -> float:
-    """Quantum efficiency, the mean over the photons of the band."""
     weights = collection.weights
     efficiency = weights.efficiency
     if not efficiency.points:

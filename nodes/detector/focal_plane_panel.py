@@ -224,7 +224,6 @@ class FocalPlanePanel(SeededModule):
     )  # fmt: skip
 
     def check(self) -> None:
-        """Refuse what lacks a value that it needs."""
         low, high = self.cut_on_um, self.cut_off_um
         if low is not None and high is not None and low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}")
@@ -264,12 +263,10 @@ class FocalPlanePanel(SeededModule):
 
     @property
     def pixels(self) -> int:
-        """Pixels of a bin."""
         return self.binning_x * self.binning_y
 
     @property
     def sums_charge(self) -> bool:
-        """Whether several pixels are read as one."""
         return self.pixels > 1 and self.binning == "charge"
 
     def delivered(self) -> ReadOut:
@@ -337,7 +334,6 @@ class FocalPlanePanel(SeededModule):
         return min(wells, default=None)
 
     def collection(self, image: Image, context: Context, here: NodeContext) -> Collection:
-        """What makes the mean number of electrons of a radiance."""
         band = image.band_um or context.band_um
         low, high = given_band(self.cut_on_um, self.cut_off_um, band)
         points = self._points(here)
@@ -375,7 +371,6 @@ class FocalPlanePanel(SeededModule):
         )
 
     def _efficiency(self) -> float:
-        """Electrons per photon by the form in which it is given."""
         if self.responsivity_A_per_W is not None and self.responsivity_um is not None:
             return efficiency_of_responsivity(
                 responsivity_A_per_W=self.responsivity_A_per_W,

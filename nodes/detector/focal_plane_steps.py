@@ -76,7 +76,6 @@ def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], obje
 )
 @pointwise
 def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Array:
-    """Mean number of electrons, of the scene and of all that is there without it."""
     pedestal = image.dtype.type(levels.pedestal_e)
 
     def block(rows: slice, made: Array) -> None:
@@ -300,7 +299,6 @@ def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
 def digitized(
     work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float, bits: int
 ) -> Array:
-    """Whole digital numbers from 0 to 2^bits − 1."""
     kind = picture.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
 
     def block(rows: slice, made: Array) -> None:

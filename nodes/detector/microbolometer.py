@@ -192,7 +192,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )  # fmt: skip
 
     def check(self) -> None:
-        """Refuse one of two values without the other, and 1/f noise of no frames."""
         own, other = self.integration_time_s, self.reference_integration_time_s
         if (own is None) != (other is None):
             missing = "integration_time_s" if own is None else "reference_integration_time_s"
@@ -278,7 +277,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         )
 
     def _limits(self, band: tuple[float, float]) -> tuple[float, float] | None:
-        """Radiances of the lowest and the highest number."""
         if not self.bits or self.range_low_K is None or self.range_high_K is None:
             return None
         low, high = (
@@ -438,8 +436,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
 @dataclass(frozen=True)
 class FrameLag(Linear):
-    """A weighted sum over frames: noise that is new in each is averaged, all else stays."""
-
     weights: tuple[float, ...]
 
     def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
@@ -476,7 +472,6 @@ def _patterns(
 def with_pattern_of_pixels(
     work: Work, picture: Array, *deviates: Array, response: float, offset: float
 ) -> Array:
-    """Unlike responses and offsets of pixels, the same in every frame."""
     number, made = picture.dtype.type, picture.copy()
     if response:
         made *= deviates[0] * number(response) + number(1.0)

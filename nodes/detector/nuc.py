@@ -97,7 +97,6 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     )
 
     def check(self) -> None:
-        """Refuse references in the wrong order."""
         if self.method != "none" and self.high_K <= self.low_K:
             raise ParameterError("high_K", self.high_K, f"above low_K = {self.low_K:g}")
 
@@ -209,7 +208,6 @@ def drifted(
 
 @ends_lineage
 def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) -> TableData:
-    """What the references show of the camera before its correction."""
     rise = float(np.mean(high) - np.mean(low))
     weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
     rows = (

@@ -47,7 +47,6 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     ] = 0.0
 
     def check(self) -> None:
-        """Refuse a lag of more than the earlier exposure."""
         if self.fast_percent + self.slow_percent > 100.0 + 1e-9:  # rounding
             allowed = (
                 f"both shares may add up to 100 %, and fast_percent is {self.fast_percent:g} %"

@@ -90,7 +90,6 @@ class RollingShutter(
         return self.image_velocity_x * self.line_time_s * self._lines(image)
 
     def _lines(self, image: Image) -> float:
-        """Lines of pixels after the first."""
         return float((image.rows - 0.5) // max(1.0, pitch_in_samples("y", image) or 1.0))
 
 
@@ -135,7 +134,6 @@ def _rows(
 
 
 def _taps(places: Array) -> tuple[Array, Array]:
-    """The samples before places, and the weights of those around."""
     base = np.floor(places)
     return base.astype(np.int64), sinc_weights(fraction=places - base)
 
@@ -152,7 +150,6 @@ def _weighted(lines: Array, weights: Array) -> Array:
 @picture_step()
 @in_parts(_skewed_part, lambda region, shape: region.rows / shape[0])
 def skewed(work: Work, picture: Array, *, shape: tuple[int, int], **how: Any) -> Array:
-    """Each row where it was exposed."""
     return _rows(
         work, lambda wanted: picture[wanted.slices], Region(0, 0, *shape), shape=shape, **how
     )

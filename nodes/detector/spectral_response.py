@@ -91,7 +91,6 @@ class SpectralResponse(
     )
 
     def check(self) -> None:
-        """Refuse a file's response without a file."""
         if self.shape == "file" and self.path is None:
             raise ParameterError("path", None, "a CSV of µm and response")
 
@@ -142,7 +141,6 @@ class SpectralResponse(
         return ResponseCurve("file", points=points)
 
     def response_over_band(self, planned: PlannedNode, here: NodeContext) -> DrawnResponse | None:
-        """The response as it is drawn over the picture's band."""
         band = planned.inputs["image"].band_um
         if band is None:
             return None
@@ -151,7 +149,6 @@ class SpectralResponse(
         return drawn_response("response", band, band, knots, curve)
 
     def preview(self, planned: PlannedNode, work: Work, here: NodeContext) -> Preview | None:
-        """The response over the mean spectrum of the picture, where it has bands."""
         response = self.response_over_band(planned.sound(), here)
         if response is None:
             return None
@@ -192,7 +189,6 @@ class SpectralResponse(
 def mean_response(
     work: Work, samples: Array, *, response: ResponseCurve, band_um: Band, source_K: float | None
 ) -> float:
-    """Mean response over a band, by the light of the scene's mean or of a source."""
     low, high = band_um
     if source_K is None:
         mean = float(np.mean(samples, dtype=np.float64))
@@ -271,7 +267,6 @@ def drawn_response(
 
 
 def response_preview(response: DrawnResponse, image: Image, work: Work) -> Preview:
-    """The response from 0 to 1, over the spectrum on a scale of its own."""
     curves = [Curve(response.wavelength_um, response.values, name="response", width=2.0)]
     marks: tuple[Mark, ...] = ()
     lit = response.wavelength_um[response.values > 0.0]
@@ -343,7 +338,6 @@ def lit_windows(bands: BandStack) -> tuple[tuple[float, float], ...]:
 
 
 def counted_photons(image: Image, efficiency: QuantumEfficiency) -> Recipe:
-    """Recipe of the photons of a picture in bands that the detector counts."""
     assert image.bands is not None
     return image.bands.picture(counted_weights(image.bands, efficiency))
 

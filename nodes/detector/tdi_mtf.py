@@ -106,7 +106,6 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         }
 
     def _motion(self, pitch_mrad: float, context: Context) -> tuple[float, float]:
-        """Motion of the image against the charge, along and across, in pitches per stage."""
         mismatch = self.velocity_mismatch_percent / 100.0
         if self.line_rate_Hz:
             speed = positive("velocity_m_per_s", abs(context.velocity_m_per_s), unit="m/s")

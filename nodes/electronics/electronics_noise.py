@@ -236,7 +236,6 @@ class ElectronicsNoise(
     counts_bands = True
 
     def check(self) -> None:
-        """Refuse an empty range of quantization; two zeros mean automatic."""
         low, high = self._range()
         if low is not None and high is not None and low >= high:
             raise ParameterError("range_high", high, f"above range_low = {low:g}", unit="W/m²/sr")
@@ -334,7 +333,6 @@ class ElectronicsNoise(
     def _detectivity(
         self, figures: Mapping[str, Any], context: Context | None
     ) -> tuple[Plot, list[str]]:
-        """The chart of D*, and its essential numbers in words."""
         band = self._known_band(context)
         seen = {"background_K": 300.0, "half_angle_deg": STANDARD_HALF_ANGLE_DEG}
         through = f"a cone of {2 * STANDARD_HALF_ANGLE_DEG:.0f}°"
@@ -377,7 +375,6 @@ class ElectronicsNoise(
         return Plot(across, along, tuple(curves), tuple(marks), band=band), words
 
     def _known_band(self, context: Context | None) -> tuple[float, float] | None:
-        """Cut-on and cut-off, where they are known and make a band."""
         try:
             if context is not None:
                 return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
@@ -395,7 +392,6 @@ class ElectronicsNoise(
         return here.step(steps.in_double, drawn)
 
     def _quantized(self, picture: Recipe, here: NodeContext) -> Recipe:
-        """The picture in 2^bits levels over the range, by default its own."""
         low, high = self._range()
         if low is not None and high is not None:
             return here.step(quantized, picture, bits=self.bits, limits=(low, high))

@@ -100,7 +100,6 @@ class Noise3DSource(
     )
 
     def check(self) -> None:
-        """Refuse a corner without a white noise to be equal to, and a period of no frames."""
         if not self.corner_Hz:
             return
         if not self.sigma_tvh:

@@ -48,8 +48,6 @@ class Detector:
 
 @dataclass(frozen=True)
 class DetectorFigures:
-    """What does not depend on the amplifier."""
-
     background_K: float
     g_number: float
     d_star: float
@@ -287,7 +285,6 @@ def read_out(
     variability_percent: float,
     **errors: Any,
 ) -> Array:
-    """The picture with each detector's errors of gain and bias, and its noise."""
     how = {**errors, "mean_radiance": seen.mean}
     read = apply_gain_bias(picture, gain_pattern=gain_pattern, bias_pattern=bias_pattern, **how)
     read += detector_noise(work, figures, *deviates, variability_percent=variability_percent)

@@ -77,14 +77,12 @@ class PeriodicNoise(
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
 
     def _pattern(self) -> dict[str, float]:
-        """The parameters, with phases in radians."""
         values = self.values()
         for name in ("phase", "modulation_phase"):
             values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
         return values
 
     def preview(self, _planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
-        """The first periods across and along, from the first sample on."""
         if self.amplitude == 0:
             return Preview(_NO_NOISE, (_NO_NOISE,))
         end = self._end_mrad()
@@ -121,7 +119,6 @@ class PeriodicNoise(
 
 
 def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:
-    """A region of the pattern, computed in double by blocks of rows."""
     pattern = np.empty(region.shape, work.policy.dtype)
     rows, columns = region.slices
     x_mrad = np.arange(columns.start, columns.stop) * grid.interval_x_mrad

@@ -90,7 +90,6 @@ def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
 
 
 def write_npy_header(file: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
-    """Begin a ``.npy`` file whose samples, of this type and in C order, follow."""
     descr = np.lib.format.dtype_to_descr(dtype)
     fields = {"descr": descr, "fortran_order": False, "shape": shape}
     np.lib.format.write_array_header_1_0(file, fields)
@@ -155,7 +154,6 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
 
 
 def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read a text matrix, which is one band, whole."""
     matrix = read_matrix(path)
     checked_band(band, 1, path)
     return matrix
@@ -264,7 +262,6 @@ def fill_plane(
 
 
 def whole_npy(path: Path) -> NDArray[Any]:
-    """The array of a ``.npy`` file, of any number of axes."""
     header = npy_header(path)
     shape = header.shape[::-1] if header.fortran_order else header.shape
     array = np.empty(shape, header.dtype)

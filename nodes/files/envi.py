@@ -92,7 +92,6 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
 
 
 def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> Samples:
-    """One band of a checked header, as `read_band` gives it."""
     samples = empty((layout.rows, layout.columns), delivered_dtype(layout.dtype))
     for rows in row_blocks(layout, 1):
         block = sample_block(layout, rows, np.array([band]), samples.dtype)
@@ -101,7 +100,6 @@ def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> Sample
 
 
 def _not_applied(layout: EnviLayout) -> tuple[str, ...]:
-    """Names of the fields by which the header would scale the samples."""
     texts = layout.fields.get(_NOT_APPLIED, ())
     texts = [texts] if isinstance(texts, str) else texts
     scales = any(text and not _is_number(text, 1.0) for text in texts)
@@ -118,7 +116,6 @@ def _is_number(text: str, number: float) -> bool:
 def _wavelengths(
     layout: EnviLayout,
 ) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
-    """Centres and widths in µm; None where absent or in a unit that is no length."""
     centres = _numbers(layout, "wavelength")
     widths = _numbers(layout, "fwhm")
     unit = _wavelength_unit(layout)
@@ -320,8 +317,6 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class CubeInMemory:
-    """Samples (bands, rows, columns) that are read as those of a file are."""
-
     samples: Array
     interleave: str = "bsq"
     missing: np.generic | None = None
@@ -413,7 +408,6 @@ def _multiply(stored: Array, bands: slice, factors: Array, sums: Array, order: s
 def band_totals(
     layout: Layout, *, for_each: ForEach = in_turn
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Sum of every band's finite samples, and their number."""
     blocks = list(row_blocks(layout, layout.bands))
     totals = np.zeros((len(blocks), layout.bands))
     counts = np.zeros((len(blocks), layout.bands), np.int64)

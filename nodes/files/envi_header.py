@@ -261,7 +261,6 @@ def _missing(fields: Fields, header: Path, dtype: np.dtype[np.generic]) -> np.ge
 
 
 def _scaling(fields: Fields, header: Path, bands: int) -> NDArray[np.float64] | None:
-    """Gain and offset of every band; None where they change nothing."""
     rows = []
     for key, neutral in (("data gain values", 1.0), ("data offset values", 0.0)):
         row = number_list(fields, key, header, bands)

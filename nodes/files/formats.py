@@ -46,7 +46,6 @@ class PictureFormat(Format):
         return "float" in self.dtypes
 
     def claims(self, path: Path) -> bool:
-        """Whether the file is of this format by its suffix, its content or what lies beside it."""
         return self.matches(path) or (self.recognizes is not None and self.recognizes(path))
 
 
@@ -106,7 +105,6 @@ def format_of(path: Path) -> PictureFormat:
 
 
 def written_format(path: Path) -> PictureFormat | None:
-    """The format in which a picture of this name is written; None for another suffix."""
     return next(
         (picture_format for picture_format in WRITTEN if picture_format.matches(path)), None
     )

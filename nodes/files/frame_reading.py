@@ -69,7 +69,6 @@ class FrameFile:
 
 
 def open_frames(path: Path) -> FrameFile:
-    """Describe a file of frames; every page of a TIFF is looked at."""
     file = readable_file(path)
     if NPY.matches(file) or is_npy(file):
         found = _npy(file)

@@ -116,7 +116,6 @@ def _tiff(series: FrameSeries, big: bool | None, blocks: int, block_bytes: int) 
 
 
 def tiff_head(series: FrameSeries, *, big: bool | None = None) -> bytes:
-    """What stands before the first page: header and description."""
     return _tiff(series, big, series.frames, series.frame_bytes).head
 
 
@@ -156,7 +155,6 @@ def tiled_head(series: FrameSeries, side: int, *, big: bool | None = None) -> by
 
 
 def envi_header_text(series: FrameSeries) -> str:
-    """The header of an ENVI file of frames or bands, one after the other (BSQ)."""
     code = next(code for code, name in REAL_TYPES.items() if name == series.dtype.str[1:])
     beside = ", a band each" if series.what == "frames" else ""
     lines = [
@@ -194,8 +192,6 @@ def _npy_head(series: FrameSeries) -> bytes:
 
 @dataclass(frozen=True)
 class FrameFormat(Format):
-    """A format of files of frames."""
-
     head: Callable[[FrameSeries], bytes] = _nothing  # bytes before the first frame
     page: Callable[[FrameSeries, int], bytes] = _nothing  # before each, as many for all of them
     whole_numbers: bool = True  # whether a converter's numbers are stored as integers
@@ -229,7 +225,6 @@ STORE = FrameFormat(**vars(ZARR), whole_numbers=False)
 
 
 def frame_format(path: Path) -> FrameFormat | None:
-    """The format of a file of frames of that name; None where there is none."""
     return next((kind for kind in FRAME_FORMATS if kind.matches(path)), None)
 
 

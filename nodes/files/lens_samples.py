@@ -104,12 +104,10 @@ class Listing:
 
     @property
     def wavelength_um(self) -> float | None:
-        """Wavelength that the header names, as in ``0.5500 µm at 0.00 (deg)``."""
         return self._length(_WAVELENGTH)
 
     @property
     def spacing_um(self) -> float | None:
-        """Distance of the samples that the header names, as in ``Data spacing is 0.422 µm``."""
         return self._length(_SPACING)
 
     def _length(self, pattern: re.Pattern[str]) -> float | None:

@@ -88,7 +88,6 @@ _STDERR = 2
 
 
 def read_info(path: Path) -> PictureInfo:
-    """Read size, sample type and header of a picture, not its samples."""
     refuse_unsupported(path)
     with _opened(path) as picture:
         return _info(path, picture)
@@ -148,7 +147,6 @@ def write_by_oiio(path: Path, stored: NDArray[Any], metadata: Mapping[str, Metad
 
 
 def _values(path: Path, picture: Any, info: PictureInfo) -> Callable[[Array], Array]:
-    """What turns samples as the library gives them into those that the file means."""
     if info.kind == "fits":
         return read_fits_header(path).values
     return partial(_at_own_depth, bits=_stored_bits(path, picture.spec(), info.kind))
@@ -375,7 +373,6 @@ def _spec(stored: NDArray[Any], metadata: Mapping[str, MetadataValue], format_na
 
 
 def _complaint(messages: str) -> str:
-    """First line of the library's messages that reports a fault."""
     lines = (line.strip() for line in messages.splitlines())
     return next((line for line in lines if line and line != _FALSE_ALARM), "")
 

@@ -222,7 +222,6 @@ def _is_tape7(lines: list[str]) -> bool:
 
 
 def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
-    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising."""
     start = next(number for number, line in enumerate(lines) if _is_heading(line))
     names = [(_plain(m.group()), m.end()) for m in _HEADING.finditer(lines[start])]
     known = [name for name, _ in names]

@@ -21,7 +21,6 @@ _METADATA = (*_MARKS, ".zattrs", ".zmetadata")
 
 
 def is_store(path: Path) -> bool:
-    """Whether a folder holds an array of Zarr, or a group of them."""
     try:
         return any((path / mark).is_file() for mark in _MARKS)
     except OSError:  # a name that the system does not take
@@ -29,7 +28,6 @@ def is_store(path: Path) -> bool:
 
 
 def readable_picture(path: str | os.PathLike[str]) -> Path:
-    """A regular, readable file that is not empty, or a Zarr store."""
     folder = Path(path)
     if not is_store(folder):
         return readable_file(path)

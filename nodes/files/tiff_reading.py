@@ -85,7 +85,6 @@ class TiffLayout:
 
     @property
     def is_plain(self) -> bool:
-        """Whether the samples are the numbers they stand for, packed in a way that is read here."""
         if self.compression not in (_NONE, *_DEFLATES) or self.numpy_kind is None:
             return False
         return self.predictor in ((1, 2, 3) if self.numpy_kind.startswith("f") else (1, 2))
@@ -120,7 +119,6 @@ def channel_of(
     *,
     empty: Empty = np.empty,
 ) -> Samples:
-    """One channel of a plain picture, in the precision of `delivered_dtype`."""
     kind = np.dtype(layout.numpy_kind)
     stored_kind = np.dtype(f"{layout.order}{layout.numpy_kind}")
     channel = empty((layout.rows, layout.columns), delivered_dtype(kind))
@@ -175,7 +173,6 @@ def refuse_predictor(path: Path) -> None:
 
 
 def tiff_layouts(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
-    """How each page is cut into strips or tiles."""
     for place in directories(content, path):
         yield read_tiff_layout(content, path, place)
 
@@ -192,7 +189,6 @@ def read_tiff_layout(content: StoredBytes, path: Path, directory: int | None = N
 
 
 def directories(content: StoredBytes, path: Path) -> Iterator[int]:
-    """Where the directories lie, in the order of the pictures."""
     try:
         order = _byte_order(content)
         word, counter, width, entry_size = _widths(content, order)
@@ -243,7 +239,6 @@ def _read_tags(content: StoredBytes, directory: int | None = None) -> Tags:
 
 
 def _packing(content: StoredBytes, path: Path) -> tuple[int, int]:
-    """Numbers of the compression and of the predictor."""
     try:
         tags = _read_tags(content)
         return tags.get(_COMPRESSION, (_NONE,))[0], next(iter(tags.get(_PREDICTOR, ())), 1)

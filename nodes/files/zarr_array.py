@@ -106,7 +106,6 @@ class _Opened:
             yield self.array.metadata.encode_chunk_key(place), (down, across)
 
     def part(self, rows: slice, columns: slice, band: int) -> Array:
-        """Samples of a band as they are stored, rows first."""
         place: list[Any] = [band] * len(self.axes)
         place[self.axes[0]], place[self.axes[1]] = rows, columns
         samples = np.asarray(self.array[tuple(place)])
@@ -114,7 +113,6 @@ class _Opened:
 
 
 def read_info(path: Path) -> PictureInfo:
-    """Describe an array without reading its samples."""
     return _info(path, _opened(path))
 
 

@@ -79,7 +79,6 @@ class ExamineImage(
     )
 
     def check(self) -> None:
-        """Refuse half a probe."""
         if (self.probe_x is None) != (self.probe_y is None):
             name = "probe_x" if self.probe_x is None else "probe_y"
             raise ParameterError(name, None, "give both coordinates, or neither")
@@ -107,7 +106,6 @@ class ExamineImage(
     def files(
         self, inputs: Mapping[str, Any], here: NodeContext, work: Work
     ) -> list[tuple[Path, Callable[[Path], None]]]:
-        """Nothing to write: examined in every run."""
         return []
 
     @warning
@@ -150,7 +148,6 @@ def figures(
     probe_x: int | None,
     probe_y: int | None,
 ) -> TableData:
-    """Statistics and probe as a table, with apparent temperatures where `band_um` is known."""
     measured = statistics(samples, for_each=work.for_each)
     values = {"minimum": measured.minimum, "maximum": measured.maximum, "mean": measured.mean}
     meanings = {"minimum": "smallest sample", "maximum": "largest sample", "mean": "mean"}
@@ -194,7 +191,6 @@ def apparent_temperature(radiance: float, band_um: Band) -> float | None:
 def displayed_histogram(
     work: Work, samples: Array, *, display: Display, bins: int, label: str, is_image: bool
 ) -> CurveData:
-    """Histogram of the samples as they are displayed."""
     logarithmic = display == "log" or (display == "centred_spectrum" and is_image)
     shown = displayed(work, samples, display=display, is_image=is_image)
     centres, counts = histogram(shown, bins=bins, check=work.check)

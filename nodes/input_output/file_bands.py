@@ -185,7 +185,6 @@ def _centre(info: PictureInfo, place: int) -> float:
 
 
 def _middle(info: PictureInfo, place: int, ends: Interval, interval: Interval) -> float:
-    """Wavelength of a band, or of what is left of one that the interval cuts."""
     left = max(ends[0], interval[0]), min(ends[1], interval[1])
     return _centre(info, place) if left == ends else float(sum(left)) / 2.0
 

@@ -127,7 +127,6 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     )
 
     def check(self) -> None:
-        """Refuse half a band and an empty one, and an offset of a cube's bands."""
         if self.bands == "all" and self.offset:
             raise ParameterError("offset", self.offset, "0 if bands = all")
         low, high = self.cut_on_um, self.cut_off_um
@@ -372,7 +371,6 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
 
 
 def header_band(info: PictureInfo, band: int | tuple[int, ...]) -> tuple[float, float] | None:
-    """The two ends of the band, where the header gives its width."""
     if info.wavelengths_um is None or info.fwhm_um is None or isinstance(band, tuple):
         return None
     centre, half = info.wavelengths_um[band], info.fwhm_um[band] / 2

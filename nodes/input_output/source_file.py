@@ -121,7 +121,6 @@ def count_missing(
     interval_um: tuple[float, float] | None,
     **_: Any,
 ) -> int:
-    """How many samples are not finite; takes the parameters of `read_scaled`."""
     samples = _stored(work, file, stamps, band, interval_um)
     finite = (np.count_nonzero(np.isfinite(samples[rows])) for rows in work.row_slabs(samples))
     return int(samples.size - sum(finite))
@@ -147,7 +146,6 @@ def _stored(
 
 
 def luminance(file: Path, bands: tuple[int, ...], *, empty: Empty = np.empty) -> NDArray[Any]:
-    """Luminance of a picture of red, green and blue, in the bands of these numbers."""
     samples: NDArray[Any] | None = None
     for weight, band in zip(LUMINANCE, bands, strict=True):
         channel = read_pixels(file, band, empty=empty)
@@ -164,7 +162,6 @@ def check_unchanged(file: Path, stamps: tuple[Stamp, ...]) -> None:
 
 
 def stamps_of(*files: Path | None) -> tuple[Stamp, ...]:
-    """The state of files, those that are None left out."""
     return tuple(_stamp(one) for one in files if one is not None)
 
 
@@ -205,7 +202,6 @@ def scaled_samples(
 
 @lru_cache(maxsize=256)
 def _described(file: Path, stamps: tuple[Stamp, ...]) -> PictureInfo:
-    """Description of the file in the state of these stamps, so that planning again costs less."""
     return read_info(file)
 
 
@@ -297,7 +293,6 @@ class HeldSamples:
 @in_blocks()
 @source_step(area_means=False)  # as a scene in a file, it may be blurred by anything
 def scaled_array(work: Work, *, held: HeldSamples, scale: float, offset: float) -> Samples:
-    """Samples in the evaluation's precision; errors as `scaled_samples`."""
     if scale == 1.0 and offset == 0.0 and held.samples.dtype == work.policy.dtype:
         return held.samples
     return scaled_samples(work, held.samples, scale, held.name, offset)

@@ -148,7 +148,6 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     )
 
     def check(self) -> None:
-        """Refuse an empty band and temperatures below zero."""
         if self.cut_on_um >= self.cut_off_um:
             raise ParameterError(
                 "cut_off_um", self.cut_off_um, f"above cut_on_um = {self.cut_on_um:g}"
@@ -178,7 +177,6 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         )
 
     def _recipe(self, here: NodeContext) -> Step:
-        """How it is drawn: what does not depend on temperatures is a step of its own."""
         sources = self._named(*SOURCES) | self._reflectances()
         if (shares := self._shares(here)) is not None:
             return here.step(shown, shares, kind=self.kind, **sources)
@@ -310,7 +308,6 @@ class SceneBands(BandStack):
         return stacked(tuple(self.picture(row) for row in weights))
 
     def means(self) -> Recipe:
-        """Means of the bands, by the mean share of each surface."""
         if self.shares is not None:
             return Step.of(means_shown, self.shares, self.spectra, node=self.node)
         return Step.of(means_drawn, self.spectra, node=self.node, **dict(self.drawing))
@@ -326,7 +323,6 @@ def spectra_made(_: Work, **values: Any) -> Spectra:
 def sum_shown(
     work: Work, shares: Shares, spectra: Spectra, *, weights: Row
 ) -> NDArray[np.floating]:
-    """A weighted sum of the bands from the shares of the scene's surfaces."""
     return show_radiances(shares, weighted(spectra, weights), work.for_each)
 
 
@@ -335,7 +331,6 @@ def sum_shown(
 def sum_drawn(
     work: Work, spectra: Spectra, *, weights: Row, width: int, height: int, **drawing: Any
 ) -> NDArray[np.floating]:
-    """A weighted sum of the bands, drawn at once."""
     canvas = _canvas(work, width, height, empty=work.empty)
     return draw_radiances(weighted(spectra, weights), canvas, **drawing)
 

@@ -94,7 +94,6 @@ class WriteImage(
     )
 
     def check(self) -> None:
-        """Refuse an empty range."""
         low, high = self.range_low, self.range_high
         if low is not None and high is not None and low >= high:
             raise ParameterError("range_high", high, f"above range_low = {low:g}")
@@ -153,7 +152,6 @@ class WriteImage(
         return [(target, writer)]
 
     def _cube_files(self, image: Image, target: Path, work: Work) -> Files:
-        """The data file, made band by band as it is written, and its header."""
         dtype = _FLOATS.get(self.dtype, np.dtype(work.policy.dtype))
         cube = Cube(image, dtype, _metadata(image))
         kind = frame_format(target)
@@ -251,7 +249,6 @@ class Cube:
         return FrameSeries(bands.count, *shape, self.dtype.newbyteorder("<"), header, "bands")
 
     def write(self, path: Path, work: Work, *, name: str) -> None:
-        """Write the data file: what is in memory at a time is a few bands."""
         dtype = self.series.dtype
         with atomic_file(path) as temporary, temporary.open("wb") as file:
             for several in work.one_by_one(self._recipes(), forgetting=True):
@@ -262,7 +259,6 @@ class Cube:
                     file.write(np.ascontiguousarray(cut, dtype).data)
 
     def write_header(self, path: Path) -> None:
-        """Write the header that belongs beside it."""
         write_text(path, envi_header_text(self.series))
 
     def _recipes(self) -> Iterator[Recipe]:

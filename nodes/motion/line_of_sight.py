@@ -222,12 +222,10 @@ def shift_of_frame_mrad(
     number: FrameNumber,
     frame_s: float,
 ) -> float:
-    """Shift of a frame, by its number alone."""
     non_negative("integration_time_s", exposure_s, unit="s")
     seconds = number.frame * positive("time of a frame", frame_s, unit="s")
     return _waves(spectrum, exposure_s, stream).centroid_mrad(time_s=seconds)
 
 
 def frame_shift(*, frequency: NDArray[Any], **how: Any) -> NDArray[np.float64]:
-    """Phase of a frame's shift, −2π·frequency·shift, in rad."""
     return np.asarray(-2.0 * np.pi * shift_of_frame_mrad(**how) * np.asarray(frequency))

@@ -414,7 +414,6 @@ def camera_figures(
     interval_y_mrad: float | None,
     band_um: Band | None,
 ) -> TableData:
-    """The sheet and its figures as a table; what lacks a value is empty."""
     x, y = sheet.pitch_x_mrad, sheet.pitch_y_mrad
     middle = None if band_um is None else sum(band_um) / 2
     blur = _times(middle, sheet.f_number)

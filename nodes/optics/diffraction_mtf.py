@@ -312,7 +312,6 @@ def _of_context(context: Context) -> float | None:
 
 
 def _needed(outputs: OtfOutputs, wanted: str) -> Step:
-    """What the law delivered takes for its tolerance."""
     factor = outputs.mtf.factors[0]
     assert isinstance(factor, Planar)
     bound = dict(factor.law.parameters)

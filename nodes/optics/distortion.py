@@ -108,7 +108,6 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         return ImageOutput(stepped(image, step, rows=rows, columns=columns, edges=None))
 
     def rays(self, image: Image) -> Rays:
-        """Where the samples' rays come from."""
         k = (self.k1, self.k2, self.k3, *((self.k4,) if self.model == "fisheye" else ()))
         lens = Lens(self.model, k, (self.p1, self.p2))
         centre = 1e-3 * self.centre_x_mrad, 1e-3 * self.centre_y_mrad
@@ -166,8 +165,6 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
 
 @dataclass(frozen=True)
 class Rays:
-    """Where in the picture before it each sample of a distorted picture comes from."""
-
     lens: Lens
     centre: tuple[float, float]
     grid: Grid
@@ -175,12 +172,10 @@ class Rays:
 
     @property
     def straight(self) -> bool:
-        """Whether every sample comes from its own place."""
         bent = self.lens.model == "fisheye" or any(self.lens.k) or any(self.lens.p)
         return not bent and self.new == self.grid.shape
 
     def tangents(self, row: Array, column: Array) -> tuple[Array, Array]:
-        """x, y of the lens at samples of the new picture."""
         rows, columns = self.new
         x = 1e-3 * self.grid.interval_x_mrad * (column - 0.5 * (columns - 1)) - self.centre[0]
         y = 1e-3 * self.grid.interval_y_mrad * (row - 0.5 * (rows - 1)) - self.centre[1]
@@ -210,7 +205,6 @@ class Survey(NamedTuple):
 
 @lru_cache(maxsize=64)
 def survey(rays: Rays) -> Survey:
-    """Of at most 129 × 129 rays."""
     row, column = (np.linspace(0, n - 1, min(n, _SURVEYED)) for n in rays.new)
     row = row[:, np.newaxis]
     place = np.array(rays.of(row, column))
@@ -255,7 +249,6 @@ class Displaced(Linear):
 
 
 def _middle_of(old: int, new: int) -> Operator:
-    """The middle of a line of samples; its ends continue."""
     index = np.clip(np.arange(new) + (old - new) // 2, 0, old - 1)
     return lambda waves: waves[index]
 

@@ -304,7 +304,6 @@ def loaded_phase(work: Work, *, file: Path, **reading: Any) -> Array:
 
 @ends_lineage
 def loaded_map(work: Work, *, factor: float, file: Path, **reading: Any) -> Array:
-    """Wavefront map times `factor`, NaN where it is not known."""
     try:
         return factor * known_wavefront(stored_samples(file=file, **reading))
     except DataError as error:
@@ -325,7 +324,6 @@ def known_opening(
 
 @ends_lineage
 def known_waves(work: Work, wavefront: Array) -> Array:
-    """A wavefront map with 0 where it is not known."""
     return np.nan_to_num(wavefront, nan=0.0)
 
 
@@ -359,7 +357,6 @@ class _Wavefront:
 
 
 def _wavefront_of(pupil: Pupil) -> _Wavefront | None:
-    """The pupil's wavefront error; None if there is none."""
     if not pupil.aberrated:
         return None
     terms = sum(value != 0 for value in pupil.zernike_waves)

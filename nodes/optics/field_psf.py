@@ -113,7 +113,6 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     )
 
     def check(self) -> None:
-        """Refuse positions that do not rise, and numbers that are not one for each."""
         rising = all(low < high for low, high in pairwise(self.positions))
         if not (self.positions and rising):
             raise ParameterError("positions", self.positions, "numbers that rise, at least one")
@@ -222,7 +221,6 @@ class FieldSpread:
         return tuple(Step.of(_otf_table, factors=knot, node=self.node) for knot in tabled)
 
     def shares(self, position: float) -> list[tuple[int, float]]:
-        """Numbers of the positions around one, and what they count."""
         known = np.square(self.positions)  # aberrations are even functions of the field
         place = float(np.interp(position**2, known, np.arange(len(known))))
         number = min(int(place), max(len(self.positions) - 2, 0))
@@ -310,7 +308,6 @@ def _extents(grid: Grid) -> tuple[float, float]:
 
 
 def _on_axis(image: Recipe, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int) -> Filtering:
-    """As on the axis."""
     factors = spread.widened([(0, 1.0)]) if spread.sigmas else spread.knots[0]
     return Filtering(factors, grid, edges, label=spread.label)
 
@@ -320,7 +317,6 @@ def _on_axis(image: Recipe, *, spread: FieldSpread, grid: Grid, edges: Any, tile
 def blurred(
     work: Work, image: Array, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int
 ) -> Array:
-    """By tiles, each from itself and what surrounds it."""
     made: Array = work.empty(grid.shape, image.dtype)
     tile, reach, side = _sides(work, spread, grid, tile)
     for recipe in spread.recipes:

@@ -326,7 +326,6 @@ class LensSource:
 
 
 def lens_source(path: Path, here: NodeContext, *, band: int = 0) -> LensSource:
-    """Find and describe a file, relative to the network's folder."""
     file = readable_file((here.folder / path).absolute())
     stamps = stamps_of(file, header_beside(file))
     return LensSource(file, stamps, band, _described(file, stamps, band))

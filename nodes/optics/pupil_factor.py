@@ -99,7 +99,6 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
 
 
 def opening(shape: PupilShape) -> tuple[float, float]:
-    """Width across and height along of what is open, samples."""
     diameter = 2 * shape.radius
     return (shape.radius if shape.shape == "half_moon" else diameter), diameter
 
@@ -192,7 +191,6 @@ def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
 
 
 def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recipe:
-    """Recipe of the raw autocorrelation at the pupil's own frequency intervals."""
     return Step.of(
         _raw,
         correlations(pupil, scale, node),

@@ -102,7 +102,6 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     )
 
     def check(self) -> None:
-        """Refuse a measured curve without its numbers."""
         if self.measured == "file" and self.path is None:
             raise ParameterError("path", None, "a CSV of height and relative illumination")
         if self.measured == "polynomial" and not self.coefficients:
@@ -123,7 +122,6 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         return ImageOutput(darkened(image, law, here))
 
     def law(self, image: Image, here: NodeContext) -> Law:
-        """`relative_illumination` and its arguments."""
         law: dict[str, Any] = {"function": relative_illumination, "natural": self.natural}
         law["scale"] = None
         if self.measured == "none":
@@ -169,7 +167,6 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
 
 
 def _planned(outputs: ImageOutput) -> tuple[Grid, Law]:
-    """Sampling and law, as the step has them."""
     assert isinstance(outputs.image.recipe, Step)
     how = dict(outputs.image.recipe.parameters)
     return how["grid"], how["law"]
@@ -186,7 +183,6 @@ def _half_sides(grid: Grid) -> tuple[float, float]:
 
 
 def _profile(grid: Grid, law: Law) -> Array:
-    """Illumination from the middle to the corner."""
     return _light(np.linspace(0.0, corner(grid), _POINTS), law)
 
 

@@ -49,7 +49,6 @@ ROADS = (
 
 
 def airfield() -> Drawing:
-    """Compose the scene of the surfaces in `materials`."""
     drawing = Drawing("lawn")
     _fields(drawing)
     drawing.paint_ellipse("shade", 0.885, 0.215, 0.063, 0.046)
@@ -94,7 +93,6 @@ def _between(line: tuple[Place, Place], share: float) -> Place:
 
 
 def _runway(drawing: Drawing) -> None:
-    """Runway with its marks, taxiway and what joins them."""
     _strip(drawing, "asphalt", *TAXIWAY, 0.010)
     for share in (0.03, 0.35, 0.65, 0.97):
         _strip(drawing, "asphalt", _between(RUNWAY, share), _between(TAXIWAY, share), 0.009)
@@ -118,7 +116,6 @@ def _runway(drawing: Drawing) -> None:
 
 
 def _hangars(drawing: Drawing) -> None:
-    """Apron with hangars and parked aircraft."""
     drawing.paint_box("paving", 0.60, 0.37, 0.80, 0.50)
     for number, left in enumerate((0.615, 0.670, 0.725)):
         drawing.paint_box("shade", left + 0.008, 0.46, left + 0.050, 0.506)

@@ -18,7 +18,6 @@ class Format:
     description: str
 
     def matches(self, path: Path) -> bool:
-        """Whether the file's name ends in one of the suffixes, whatever their case."""
         return path.suffix.lower() in self.suffixes
 
 
@@ -39,5 +38,4 @@ def suffixes(*formats: Format) -> tuple[str, ...]:
 
 
 def dialog_filter(title: str, *formats: Format) -> str:
-    """The formats as a file dialog offers them: ``Pictures (*.tif *.png)``."""
     return f"{title} ({' '.join('*' + suffix for suffix in suffixes(*formats))})"

@@ -35,7 +35,6 @@ class StoredBytes:
         return self._length
 
     def __getitem__(self, part: slice) -> bytes:
-        """Bytes from one place to another; fewer where the file ends."""
         start, stop, _ = part.indices(self._length)
         with self._lock:
             self._file.seek(start)
@@ -51,7 +50,6 @@ class StoredBytes:
             yield self[place : min(stop, place + _STEP_BYTES)]
 
     def rfind(self, wanted: bytes) -> int:
-        """Where these few bytes stand last; -1 where nowhere."""
         for start in range((self._length - 1) // _STEP_BYTES * _STEP_BYTES, -1, -_STEP_BYTES):
             found = self[start : start + _STEP_BYTES + len(wanted) - 1].rfind(wanted)
             if found >= 0:

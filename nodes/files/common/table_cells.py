@@ -45,7 +45,6 @@ def text_cell(cell: Any) -> Any:
 
 
 def plain_cell(cell: str) -> str:
-    """What `text_cell` made a cell of."""
     return cell[1:] if cell.startswith("'") and cell[1:].startswith(_FORMULA) else cell
 
 
@@ -110,7 +109,6 @@ def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[P
 
 
 def refuse_long_table(file: Path, most_bytes: int, what: str) -> None:
-    """Refuse a file that is too long for a table of that."""
     length = file.stat().st_size
     if length > most_bytes:
         raise FileError(f"{file}: {length} bytes are too many for a table of {what}")
