@@ -28,6 +28,7 @@ from core.errors import ImagechainError, NetworkError, ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.region import Region
+from core.evaluation.work import Work
 from core.modules.declaration import Declaration, Module, declaration
 from core.modules.parameters import Parameter, plain
 from core.network.network import Link, Network, Node
@@ -39,26 +40,14 @@ XI = np.concatenate([[0.0], np.geomspace(1e-3, 40.0, 15)])
 ETA = np.concatenate([[0.0], np.geomspace(2e-3, 30.0, 11)])
 SINGLE_ERROR = 2e-5  # of the range: what single precision may make of a chain
 DOUBLE_ERROR = 1e-12
+DOUBLE = Policy(precision="double")
 WARMER_K = 320.0
 GAIN_ERROR = 0.01
 
 
-def check_module(
-    module: type[Module],
-    *,
-    examples: Sequence[Params] = ({},),
-    scene: Params = MappingProxyType({}),
-    passive: bool = True,
-    folder: Path | None = None,
-) -> None:
-    """Refuse a module of which something does not hold; parameters as for `faults_of`.
-
-    Raises
-    ------
-    AssertionError
-        With every fault, one a line.
-    """
-    faults = faults_of(module, examples=examples, scene=scene, passive=passive, folder=folder)
+def check_module(module: type[Module], **how: Any) -> None:
+    """Raise `AssertionError` with every fault of a module; parameters as for `faults_of`."""
+    faults = faults_of(module, **how)
     assert not faults, "\n".join([f"{module.__name__}:", *faults])
 
 
@@ -113,6 +102,11 @@ class _Trial:
 
     def planned(self, **changes: Any) -> tuple[Engine, Plan]:
         return planned(self.module, {**self.params, **changes}, self.scene, self.folder)
+
+    def in_double(self) -> tuple[Engine, Plan, Work, Mapping[str, Any]]:
+        """The engine, the plan, work in double precision, and the module's outputs."""
+        engine, plan = self.planned()
+        return engine, plan, engine.work(DOUBLE), plan.nodes[IT].outputs
 
     def values(self, policy: Policy, **changes: Any) -> dict[str, Any]:
         engine, plan = self.planned(**changes)
@@ -169,9 +163,8 @@ def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
 
 
 def _of_values(trial: _Trial) -> Iterator[str]:
-    engine, plan = trial.planned()
-    work = engine.work(Policy(precision="double"))
-    for name, wire in plan.nodes[IT].outputs.items():
+    engine, plan, work, outputs = trial.in_double()
+    for name, wire in outputs.items():
         value = engine.value(plan, f"{IT}.{name}", work)
         if not _finite(value):
             yield f"output {name} is not finite"
@@ -179,10 +172,7 @@ def _of_values(trial: _Trial) -> Iterator[str]:
             if value.shape != wire.shape:
                 yield f"output {name} has {value.shape} samples, but declares {wire.shape}"
             if value.flags.writeable:
-                yield (
-                    f"output {name} can be modified: return a read-only array, because the "
-                    "engine keeps it"
-                )
+                yield f"output {name} can be modified: return a read-only array"
         if pickle.loads(pickle.dumps(wire)).key != wire.key:
             yield f"output {name} has a different key after it was sent to another process"
 
@@ -206,20 +196,16 @@ def _of_precision(trial: _Trial) -> Iterator[str]:
 
 
 def _of_regions(trial: _Trial) -> Iterator[str]:
-    engine, plan = trial.planned()
-    policy = Policy(precision="double")
-    for name, wire in plan.nodes[IT].outputs.items():
+    engine, plan, work, outputs = trial.in_double()
+    for name, wire in outputs.items():
         if not isinstance(wire, Image):
             continue
-        whole = engine.value(plan, f"{IT}.{name}", engine.work(policy))
+        whole = engine.value(plan, f"{IT}.{name}", work)
         rows, columns = wire.shape
         span = float(np.ptp(whole)) or 1.0
-        for region in (
-            Region(0, 0, 1, 1),
-            Region(rows // 2, columns // 3, rows // 3, columns // 2),
-        ):
-            other, again = trial.planned()
-            part = other.value(again, f"{IT}.{name}", other.work(policy), region)
+        for place in ((0, 0, 1, 1), (rows // 2, columns // 3, rows // 3, columns // 2)):
+            region, (other, again) = Region(*place), trial.planned()
+            part = other.value(again, f"{IT}.{name}", other.work(DOUBLE), region)
             error = float(np.abs(part - whole[region.slices]).max()) / span
             if error > DOUBLE_ERROR:
                 yield f"output {name}: computed in part, it differs by {error:.1g} of its range"
@@ -227,18 +213,17 @@ def _of_regions(trial: _Trial) -> Iterator[str]:
 
 def _of_keys(trial: _Trial) -> Iterator[str]:
     """Equal keys mean equal values, whichever parameter is changed."""
-    policy = Policy(precision="double")
     (_, one), (_, two) = trial.planned(), trial.planned()
     outputs = one.nodes[IT].outputs
     for name, wire in outputs.items():
         if two.nodes[IT].outputs[name].key != wire.key:
             yield f"output {name} has a different key each time it is planned"
-    before = trial.values(policy)
+    before = trial.values(DOUBLE)
     for parameter in declaration(trial.module).parameters:
         for value in _other_values(parameter, trial.params):
             try:
                 _, changed = trial.planned(**{parameter.name: value})
-                after = trial.values(policy, **{parameter.name: value})
+                after = trial.values(DOUBLE, **{parameter.name: value})
             except ImagechainError:
                 continue  # refused, or it does not fit the others
             for name in outputs.keys() & after.keys():
@@ -251,9 +236,7 @@ def _of_keys(trial: _Trial) -> Iterator[str]:
 
 
 def _of_transfer(trial: _Trial, passive: bool) -> Iterator[str]:
-    engine, plan = trial.planned()
-    work = engine.work(Policy(precision="double"))
-    outputs = plan.nodes[IT].outputs
+    _, _, work, outputs = trial.in_double()
     factors: tuple[Any, ...] = ()
     xi, eta = (np.concatenate([-half[:0:-1], half]) for half in (XI, ETA))
     for name in ("mtf", "ptf"):
@@ -273,15 +256,12 @@ def _of_transfer(trial: _Trial, passive: bool) -> Iterator[str]:
     if passive and zero != 1.0:
         yield f"H(0) = {zero}, and not 1: the mean would change"
     if passive and np.abs(otf).max() > 1.0 + 1e-15:
-        yield (
-            f"|H| reaches {np.abs(otf).max():.6g}, above 1; set passive=False if this is intended"
-        )
+        yield f"|H| reaches {np.abs(otf).max():.6g}, above 1; set passive=False if intended"
 
 
 def _of_steps(trial: _Trial) -> Iterator[str]:
-    _, plan = trial.planned()
     waiting: list[Recipe] = []
-    for wire in plan.nodes[IT].outputs.values():
+    for wire in trial.in_double()[3].values():
         waiting += [one for one in vars(wire).values() if isinstance(one, Recipe)]
     seen: set[str] = set()
     while waiting:
@@ -304,13 +284,8 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
     warmer = replace(trial, scene={**trial.scene, "temperature_K": WARMER_K})
     means: list[dict[str, float]] = []
     for one in (trial, warmer):
-        engine, plan = one.planned()
-        work = engine.work(Policy(precision="double"))
-        lineages = {
-            name: wire.recipe.lineage
-            for name, wire in plan.nodes[IT].outputs.items()
-            if isinstance(wire, Image)
-        }
+        engine, plan, work, outputs = one.in_double()
+        lineages = {n: w.recipe.lineage for n, w in outputs.items() if isinstance(w, Image)}
         scene = plan.output("scene.image").recipe
         known = {
             name: lineage.linear.gain
@@ -335,9 +310,8 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
 
 
 def _of_noise(trial: _Trial) -> Iterator[str]:
-    engine, plan = trial.planned()
-    work = engine.work(Policy(precision="double"))
-    for name, wire in plan.nodes[IT].outputs.items():
+    _, _, work, outputs = trial.in_double()
+    for name, wire in outputs.items():
         lineage = wire.recipe.lineage if isinstance(wire, Image) else None
         if lineage is None or lineage.picture is None:
             continue
@@ -350,8 +324,8 @@ def _of_noise(trial: _Trial) -> Iterator[str]:
 
 
 def _of_readouts(trial: _Trial) -> Iterator[str]:
-    engine, plan = trial.planned()
-    for name, value in engine.readouts(plan, IT, engine.work(Policy(precision="double"))).items():
+    engine, plan, work, _ = trial.in_double()
+    for name, value in engine.readouts(plan, IT, work).items():
         if not _finite(value):
             yield f"read-out {name} is {value}"
 
@@ -418,13 +392,6 @@ SOURCES = {
 def network_of(
     module: type[Module], params: Mapping[str, Any], scene: Mapping[str, Any]
 ) -> Network:
-    """The module as node ``it`` in a small network.
-
-    Raises
-    ------
-    NetworkError
-        For an input of a type that nothing here delivers.
-    """
     nodes = {
         name: Node(name, key, {**values, **(scene if name == "scene" else {})})
         for name, (key, values) in BASE.items()
@@ -444,13 +411,7 @@ def network_of(
 def planned(
     module: type[Module], params: Mapping[str, Any], scene: Mapping[str, Any], folder: Path
 ) -> tuple[Engine, Plan]:
-    """The network planned.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault of a node.
-    """
+    """Raises the first fault of a node."""
     engine = Engine({**standard_library(), module.key: module})
     plan = engine.plan(network_of(module, params, scene), folder=folder)
     for node in plan.nodes.values():
