@@ -7,8 +7,6 @@ equal to the header's ``data ignore value`` is missing: NaN. See
 ``wavelength``, ``wavelength units`` and ``fwhm``.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """ENVI headers: found beside their data, checked field by field, compared with the file's size."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

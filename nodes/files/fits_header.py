@@ -6,8 +6,6 @@ exponent), 4.4.1 (SIMPLE, BITPIX, NAXIS), 4.4.2.5 (BSCALE, BZERO, BLANK) and app
 CHECKSUM).
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

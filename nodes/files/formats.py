@@ -5,8 +5,6 @@ line in `PICTURES`. Reading and writing, Write Image's choice of formats, the co
 suffixes and help, and the dialogs of the editor follow.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

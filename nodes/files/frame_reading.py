@@ -3,8 +3,6 @@
 ``.npy`` of (frames, rows, columns), TIFF of a page each, ENVI of a band each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

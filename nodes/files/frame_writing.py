@@ -8,8 +8,6 @@ names what follows before that is written. Sources: Adobe, TIFF Revision 6.0 (19
 15 and 19; libtiff, BigTIFF design (2007).
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -4,8 +4,6 @@ A listing is a matrix of numbers in text, below the lines of words that optical 
 write.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

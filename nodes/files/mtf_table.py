@@ -1,7 +1,5 @@
 """MTF against frequency from a CSV file with a line of names, or from a listing of Zemax."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -7,8 +7,6 @@ requires, with the row that FITS stores last at the top. A TIFF that counts whit
 with black as 0. A band is a channel of the first picture in the file.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

@@ -1,7 +1,5 @@
 """One door to every kind of picture file, and the check of its samples."""
 
-from __future__ import annotations
-
 import os
 from typing import Any
 

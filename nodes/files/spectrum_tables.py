@@ -30,8 +30,6 @@ Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; the headings and what they
 Corporation, "Tape7 column headers".
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Zarr stores as folders: known by what lies in them, without the library that reads them."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

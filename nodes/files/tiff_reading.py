@@ -9,8 +9,6 @@ Sources: Adobe, TIFF Revision 6.0 (1992), sections 2, 3, 14 and 15; Adobe, TIFF 
 Adler-32.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import struct

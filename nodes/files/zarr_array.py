@@ -9,8 +9,6 @@ every chunk: one that lacks a file is damaged. ``scale_factor`` and ``add_offset
 Source: Zarr core specification, version 3.1 (2025); CF Metadata Conventions 1.11, section 2.5.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import math

@@ -1,7 +1,5 @@
 """Examine Image: figures, histogram and pixel probe of what is on a wire."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType

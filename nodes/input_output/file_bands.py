@@ -1,7 +1,5 @@
 """The spectral bands of a cube: of a file, which stays on disk, sums are made in one pass."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,16 +16,9 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
+from nodes.files import envi
 from nodes.files.common.picture_info import PictureInfo, oversized
-from nodes.files.envi import (
-    CubeInMemory,
-    Layout,
-    band_ends_um,
-    band_totals,
-    band_weights_um,
-    mean_spectrum,
-    weighted_sums,
-)
+from nodes.files.envi import CubeInMemory, Layout
 from nodes.files.envi_header import read_layout
 from nodes.input_output.source_file import HeldSamples, Missing, Source, Stamp, check_unchanged
 
@@ -141,9 +132,9 @@ def bands_of(
             "bands = one to read a single band"
         )
     low, high = interval_um or (0.0, _WIDEST_UM)
-    first, last = band_ends_um(info)
+    first, last = envi.band_ends_um(info)
     _check_ends(info, first, last)
-    widths = band_weights_um(info, cut_on_um=low, cut_off_um=high)
+    widths = envi.band_weights_um(info, cut_on_um=low, cut_off_um=high)
     lit = [int(place) for place in np.flatnonzero(widths > 0.0)]
     places = sorted(lit, key=lambda place: _centre(info, place))
     if not places:
@@ -223,7 +214,7 @@ def _made_sums(
             number, sample = np.nonzero(~np.isfinite(block))
             block[number, sample] = places_of[number]
 
-        sums = weighted_sums(
+        sums = envi.weighted_sums(
             layout,
             weights,
             dtype=work.policy.dtype,
@@ -270,7 +261,7 @@ def _sum(
 def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: Missing) -> Array:
     """Mean of every band that counts, as stored; of its samples that are finite, or all but 0."""
     with _opened(cube) as layout:
-        totals, counts = band_totals(layout, for_each=work.for_each)
+        totals, counts = envi.band_totals(layout, for_each=work.for_each)
     size = layout.rows * layout.columns
     means = np.zeros(layout.bands)
     name = cube.file if isinstance(cube, CubeFile) else cube.name
@@ -302,5 +293,5 @@ def _spectrum(
     columns: tuple[int, int],
 ) -> Array:
     with _opened(cube) as layout:
-        stored = mean_spectrum(layout, slice(*rows), slice(*columns))
+        stored = envi.mean_spectrum(layout, slice(*rows), slice(*columns))
     return np.asarray(stored[list(places)] * np.array(factors))

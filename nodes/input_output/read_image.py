@@ -1,7 +1,5 @@
 """Read Image: a picture from a file."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal

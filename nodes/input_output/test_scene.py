@@ -20,23 +20,8 @@ from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
-from nodes.scenes.draw import (
-    DRAWN,
-    GEOMETRY,
-    Kind,
-    Shares,
-    Spectra,
-    band_edges,
-    draw_radiances,
-    draw_shares,
-    drawn_means,
-    in_two_steps,
-    scene_radiances,
-    scene_spectra,
-    show_radiances,
-    shown_means,
-    weighted,
-)
+from nodes.scenes import draw
+from nodes.scenes.draw import DRAWN, GEOMETRY, Kind, Shares, Spectra
 from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.spectral_surfaces import Emissivity
 from nodes.shared.module_ports import ImageOutput
@@ -193,7 +178,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         )
 
     def _shares(self, here: NodeContext) -> Step | None:
-        if not in_two_steps(kind=self.kind, width=self.width, height=self.height):
+        if not draw.in_two_steps(kind=self.kind, width=self.width, height=self.height):
             return None
         names = ("kind", "width", "height", *GEOMETRY[self.kind])
         return here.step(shares_drawn, **self._named(*names))
@@ -235,19 +220,21 @@ def drawn(
     **sources: Any,
 ) -> NDArray[np.floating]:
     canvas = _canvas(work, width, height, empty=work.empty)
-    radiances = scene_radiances(kind=kind, **sources)
-    return draw_radiances(radiances, canvas, kind=kind, angle_deg=angle_deg, frequency=frequency)
+    radiances = draw.scene_radiances(kind=kind, **sources)
+    return draw.draw_radiances(
+        radiances, canvas, kind=kind, angle_deg=angle_deg, frequency=frequency
+    )
 
 
 @in_blocks()  # a scene that is drawn in two steps is small
 @source_step(area_means=True)
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
-    return show_radiances(shares, scene_radiances(**values), work.for_each)
+    return draw.show_radiances(shares, draw.scene_radiances(**values), work.for_each)
 
 
 @ends_lineage
 def shares_drawn(work: Work, *, kind: str, width: int, height: int, **geometry: float) -> Shares:
-    return draw_shares(kind, _canvas(work, width, height), **geometry)
+    return draw.draw_shares(kind, _canvas(work, width, height), **geometry)
 
 
 # The spectral bands of a test scene: their sums are drawn, never a cube.
@@ -279,7 +266,7 @@ class SceneBands(BandStack):
     ) -> SceneBands:
         """Bands of equal width; `sources` as `scene_spectra` takes."""
         ends = {name: sources[name] for name in ("cut_on_um", "cut_off_um")}
-        edges = band_edges(**ends, bands=bands)
+        edges = draw.band_edges(**ends, bands=bands)
         centres, widths = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges)
         spectra = Step.of(spectra_made, node=node, kind=drawing["kind"], bands=bands, **sources)
         return cls(
@@ -315,7 +302,7 @@ class SceneBands(BandStack):
 
 @ends_lineage
 def spectra_made(_: Work, **values: Any) -> Spectra:
-    return scene_spectra(**values)
+    return draw.scene_spectra(**values)
 
 
 @in_blocks()  # small, too
@@ -323,7 +310,7 @@ def spectra_made(_: Work, **values: Any) -> Spectra:
 def sum_shown(
     work: Work, shares: Shares, spectra: Spectra, *, weights: Row
 ) -> NDArray[np.floating]:
-    return show_radiances(shares, weighted(spectra, weights), work.for_each)
+    return draw.show_radiances(shares, draw.weighted(spectra, weights), work.for_each)
 
 
 @in_blocks()
@@ -332,12 +319,12 @@ def sum_drawn(
     work: Work, spectra: Spectra, *, weights: Row, width: int, height: int, **drawing: Any
 ) -> NDArray[np.floating]:
     canvas = _canvas(work, width, height, empty=work.empty)
-    return draw_radiances(weighted(spectra, weights), canvas, **drawing)
+    return draw.draw_radiances(draw.weighted(spectra, weights), canvas, **drawing)
 
 
 @ends_lineage
 def means_shown(_: Work, shares: Shares, spectra: Spectra) -> NDArray[np.float64]:
-    return shown_means(shares, spectra)
+    return draw.shown_means(shares, spectra)
 
 
 @ends_lineage
@@ -345,4 +332,4 @@ def means_drawn(
     work: Work, spectra: Spectra, *, width: int, height: int, **drawing: Any
 ) -> NDArray[np.float64]:
     canvas = _canvas(work, width, height, dtype=np.float64)
-    return drawn_means(spectra, canvas, **drawing)
+    return draw.drawn_means(spectra, canvas, **drawing)

@@ -1,7 +1,5 @@
 """Write Image: a picture into a file when a run asks for outputs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field

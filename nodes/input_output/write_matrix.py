@@ -1,7 +1,5 @@
 """Write Matrix: samples, curves or a transfer function as plain text."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path

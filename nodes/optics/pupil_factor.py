@@ -12,12 +12,7 @@ from core.chain.wires import Pupil
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.physics.optics.pupil_otf import (
-    circular_pupil_otf,
-    defocused_disc_otf,
-    geometric_pupil_otf,
-    sampled_pupil_otf,
-)
+from core.physics.optics import pupil_otf
 from core.physics.optics.pupil_shapes import (
     PupilShape,
     edge_offset_samples,
@@ -121,7 +116,7 @@ def _exact_factor(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Planar 
     if not pupil.defocus_waves and shape.shape in ("clear", "cassegrain"):
         obscured = shape.shape == "cassegrain"
         disc = Law.of(
-            circular_pupil_otf,
+            pupil_otf.circular_pupil_otf,
             diameter_mm=2 * shape.radius * scale.pitch_x_mm,
             obscuration_ratio=shape.obscuration_radius / shape.radius if obscured else 0.0,
             **band,
@@ -131,7 +126,7 @@ def _exact_factor(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Planar 
     if not pupil.defocus_waves:
         return Planar(
             Law.of(
-                geometric_pupil_otf,
+                pupil_otf.geometric_pupil_otf,
                 shape=shape,
                 pitch_x_mm=scale.pitch_x_mm,
                 pitch_y_mm=scale.pitch_y_mm,
@@ -141,7 +136,7 @@ def _exact_factor(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Planar 
     if shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
         return None
     defocused = Law.of(
-        defocused_disc_otf,
+        pupil_otf.defocused_disc_otf,
         diameter_mm=2 * shape.radius * scale.pitch_x_mm,
         w20_waves=pupil.defocus_waves,
         reference_um=scale.mean_um,
@@ -156,7 +151,7 @@ def sampled_factors(
     """The MTF factor, and the PTF factor where a wavefront error makes the OTF complex."""
     real = not pupil.aberrated
     law = Law.of(
-        sampled_pupil_otf,
+        pupil_otf.sampled_pupil_otf,
         correlations=correlations(pupil, scale, node),
         pitch_x_mm=scale.pitch_x_mm,
         pitch_y_mm=scale.pitch_y_mm,

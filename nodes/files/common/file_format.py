@@ -1,7 +1,5 @@
 """What a format of files is, and those of curves, tables and reports."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

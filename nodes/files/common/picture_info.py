@@ -1,7 +1,5 @@
 """What is known of a picture before its samples are read, and whether it fits the machine."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

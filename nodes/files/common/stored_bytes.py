@@ -3,8 +3,6 @@
 A mapped file that another program cuts short ends the process (SIGBUS).
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import stat

@@ -1,7 +1,5 @@
 """Samples in the type that a file stores: whole, in its range, or refused."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from types import MappingProxyType

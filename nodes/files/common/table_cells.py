@@ -1,7 +1,5 @@
 """Tables of numbers in text: cells, lines, and rows of numbers below a line of names."""
 
-from __future__ import annotations
-
 import codecs
 import csv
 import io
