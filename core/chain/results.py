@@ -66,6 +66,10 @@ class TableData:
 
     rows: tuple[TableRow, ...]
 
+    @classmethod
+    def of(cls, *rows: tuple[Any, ...]) -> TableData:
+        return cls(tuple(TableRow(*row) for row in rows))
+
     def as_dict(self) -> dict[str, float | int | str | None]:
         return {row.name: row.value for row in self.rows}
 

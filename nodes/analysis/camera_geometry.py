@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 
 from core.chain.engine import PlannedNode
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.results import CurveData, Series, TableData
 from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
@@ -134,7 +134,7 @@ def geometry_table(
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
     where = "ground seen, measured from the scene's middle"
     samples = "scene samples in a camera sample at the middle"
-    rows: tuple[tuple[Any, ...], ...] = (
+    return TableData.of(
         ("swath_m", swath_m(camera), "m", "ground seen along the middle line"),
         ("left_m", bounds.left, "m", where),
         ("right_m", bounds.right, "m", where),
@@ -148,7 +148,6 @@ def geometry_table(
         ("footprint_error", error, "",
          "largest change with four times as many strips, as a fraction of the scene's range"),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 # Where a camera stands and looks, and how it samples: parameters, and what follows from them.

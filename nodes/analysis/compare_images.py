@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.results import CurveData, Series, TableData
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
@@ -111,13 +111,12 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
     peak = float(reference.max()) - float(reference.min())
     psnr_dB = 20.0 * math.log10(peak / rmse) if rmse > 0.0 and peak > 0.0 else None
     mean = math.fsum(sums) / image.size
-    rows = (
+    return TableData.of(
         ("rmse", rmse, unit, "root mean square difference"),
         ("max_error", largest, unit, "largest difference"),
         ("psnr_dB", psnr_dB, "dB", "range of the reference divided by the rms difference"),
         ("mean_difference", mean, unit, "mean of image minus reference"),
     )
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 # The MTF between two pictures, from the ratio of their spectra.

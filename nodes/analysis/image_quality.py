@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.linear_change import LevelChange
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.results import CurveData, Series, TableData
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -372,7 +372,7 @@ def quality_table(
         fourth = float(giqe.giqe_4(gsd_inch=ground / giqe.INCH_M, **known))
         third = float(giqe.giqe_3(gsd_inch=gsd_m / giqe.INCH_M, **known))
         shown_snr = snr if math.isfinite(snr) else None
-    rows: tuple[tuple[Any, ...], ...] = (
+    return TableData.of(
         ("giqe5", fifth, "NIIRS", "GIQE 5, for the picture without sharpening", why),
         ("giqe4", fourth, "NIIRS", "GIQE 4, with overshoot H and noise gain G", why),
         ("giqe3", third, "NIIRS", "GIQE 3, with overshoot H and noise gain G", why),
@@ -392,7 +392,6 @@ def quality_table(
         ("noise_gain", noise_gain, "", "noise gain G of the sharpening"),
         ("snr", shown_snr, "", snr_words, why),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _mean(what: str, values: tuple[float, float]) -> float:

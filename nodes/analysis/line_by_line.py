@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 
 from core.chain.back_transformed import back_transform
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.results import CurveData, Series, TableData
 from core.chain.wires import Context, Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage
@@ -80,7 +80,7 @@ def difference_table(
     worst, worst_rms = int(np.argmax(largest)), int(np.argmax(rms))
     scale = float(rms.max())
     total = scale * math.sqrt(float(np.mean((rms / scale) ** 2))) if scale > 0.0 else 0.0
-    rows = (
+    return TableData.of(
         ("rms_percent", total * percent, "%",
          "rms difference, as a fraction of the picture's range"),
         ("max_percent", float(largest[worst]) * percent, "%",
@@ -106,7 +106,6 @@ def difference_table(
         ("error_percent", filtered.picture_error * percent, "%",
          "estimated error of the interpolation"),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _along_flight(picture: Array, whole: Array, scan: Scan) -> tuple[Array, Array]:

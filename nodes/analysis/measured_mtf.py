@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.results import CurveData, CurveMark, Series, TableData, TableRow
+from core.chain.results import CurveData, CurveMark, Series, TableData
 from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Step, ends_lineage
@@ -95,7 +95,7 @@ def table_of(
         ("scene_blur", one and one.scene, "",
          "the scene's own blur; part of the expected MTF if it is known"),
     ]  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
+    return TableData.of(*rows)
 
 
 def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
@@ -125,7 +125,7 @@ def figures_of(work: Work, measured: Measured, *expected: Expected) -> TableData
         values["expected_mtf50"] = per_mrad(one.mtf50)
         values["expected_at_nyquist"] = one.at_nyquist
         values["largest_difference"] = one.largest_difference
-    return TableData(tuple(TableRow(*row) for row in values.items()))
+    return TableData.of(*values.items())
 
 
 _PIXELS = (0, 1024)  # of sliders

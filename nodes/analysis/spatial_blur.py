@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.chain.back_transformed import back_transform
 from core.chain.linear_change import Filtering
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.results import CurveData, Series, TableData
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError
@@ -171,7 +171,7 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
     lines = [kernel for kernel in kernels.passes if min(kernel.taps.shape) == 1]
     across = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] == 1)
     along = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] > 1)
-    rows = (
+    return TableData.of(
         ("taps", kernels.taps, "", "multiplications per sample"),
         ("taps_x", across, "", "for the pass along x"),
         ("taps_y", along, "", "for the pass along y"),
@@ -179,7 +179,6 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
         ("error_bound", kernels.error_bound, "",
          "largest error, as a fraction of the scene's largest departure from its mean"),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 # Convolution of a frame in space, tap by tap, on blocks that stay in the processor's cache.

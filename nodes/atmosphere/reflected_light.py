@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
-from core.chain.results import TableData, TableRow
+from core.chain.results import TableData
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image, Table
 from core.errors import DataError
@@ -338,11 +338,10 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
 def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) -> TableData:
     total = light.over_band(*band_um)
     lux = light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux
-    rows = (
+    return TableData.of(
         ("irradiance", total, "W/m²", "irradiance of sun and sky on a horizontal surface"),
         ("white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"),
         ("illuminance", lux, "lx", "illuminance of a horizontal surface"),
         ("air_mass", relative_air_mass(elevation_deg=light.elevation_deg), "",
          "the sun's path through the air, relative to a vertical path"),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))

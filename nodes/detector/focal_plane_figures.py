@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.chain.linear_change import LevelChange
-from core.chain.results import TableData, TableRow
+from core.chain.results import TableData
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
@@ -334,7 +334,7 @@ def figures(
     threshold = None
     if efficiency:
         threshold = (dark_noise + 0.5 * reading.excess_factor / frames) / efficiency
-    rows: tuple[tuple[Any, ...], ...] = (
+    return TableData.of(
         ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
         ("optics_e", levels.optics_e, "e-", "electrons from the optics' own emission"),
         ("housing_e", levels.housing_e, "e-", "electrons from the housing past the cold shield"),
@@ -362,7 +362,6 @@ def figures(
         ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
         *_worth(levels, collection),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, float]:

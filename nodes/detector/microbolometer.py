@@ -9,7 +9,7 @@ from core.chain.frame_sequence import at_frame
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import FrameNumber
-from core.chain.results import TableData, TableRow
+from core.chain.results import TableData
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
@@ -538,7 +538,7 @@ def figures(
     def in_kelvin(noise: float) -> float | None:
         return noise / slope if slope else None
 
-    rows = (
+    return TableData.of(
         ("netd_K", in_kelvin(temporal), "K", "temporal noise as a temperature difference"),
         ("white_netd_K", in_kelvin(white), "K", "white noise only"),
         ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
@@ -549,4 +549,3 @@ def figures(
         ("scene_K", kelvin, "K", "brightness temperature of the mean"),
         ("lag_percent", 100.0 * kept, "%", "fraction of a change that remains after one frame"),
     )
-    return TableData(tuple(TableRow(*row) for row in rows))

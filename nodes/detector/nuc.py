@@ -210,14 +210,13 @@ def drifted(
 def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) -> TableData:
     rise = float(np.mean(high) - np.mean(low))
     weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
-    rows = (
+    return TableData.of(
         ("pattern_low", float(np.std(low)), unit, "spread between pixels on the cooler reference"),
         ("pattern_high", float(np.std(high)), unit,
          "spread between pixels on the warmer reference"),
         ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
         ("weak_pixels", int(weak), "", "pixels whose response is too small to correct"),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 @ends_lineage

@@ -111,7 +111,7 @@ def figures(
     netd_amplifier = computed.netd_K * sigma / computed.ner
     netd_detector = computed.netd_K * rms_over_mean
     noise = float(np.hypot(computed.ner * rms_over_mean, sigma))
-    rows = (
+    return TableData.of(
         ("background_K", computed.background_K, "K", "background temperature for D* and dL/dT"),
         ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
         ("g_number", computed.g_number, "1/sr", "optical throughput"),
@@ -127,7 +127,6 @@ def figures(
         ("snr", seen.mean / noise, "",
          "mean signal divided by the rms noise of detector and amplifier"),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _band_d_star(detector: Detector, background_K: float) -> float:

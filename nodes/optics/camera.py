@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
-from core.chain.results import CameraSheet, TableData, TableRow
+from core.chain.results import CameraSheet, TableData
 from core.chain.wires import Image, Table
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
@@ -418,7 +418,7 @@ def camera_figures(
     middle = None if band_um is None else sum(band_um) / 2
     blur = _times(middle, sheet.f_number)
     gsd = _over(_times(x, sheet.range_m), 1000.0), _over(_times(y, sheet.range_m), 1000.0)
-    rows: tuple[tuple[Any, ...], ...] = (
+    return TableData.of(
         ("pixels_x", sheet.pixels_x, "pixels", "pixels per row"),
         ("pixels_y", sheet.pixels_y, "pixels", "pixels per column"),
         ("pitch_x_um", sheet.pitch_x_um, "µm", "horizontal pixel pitch"),
@@ -445,7 +445,6 @@ def camera_figures(
         ("gsd_y_m", gsd[1], "m", "height seen by a pixel"),
         *_orbit_rows(sheet.orbit, *gsd),
     )  # fmt: skip
-    return TableData(tuple(TableRow(*row) for row in rows))
 
 
 def _rotation_caution(orbit: OrbitView) -> Caution | None:
