@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from core.modules.declaration import Module, declaration
 from core.network.network import Link, Network, Node
 
 Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
@@ -17,3 +18,18 @@ def linked_network(
         nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
         links=tuple(Link.between(*link) for link in links),
     )
+
+
+def in_order(nodes: Nodes, library: Mapping[str, type[Module]]) -> list[tuple[str, str]]:
+    """Links of each input to the last output of its name among the nodes before."""
+    links: list[tuple[str, str]] = []
+    last: dict[str, str] = {}
+    for name, (key, _) in nodes.items():
+        declared = declaration(library[key])
+        links += [
+            (last[port.name], f"{name}.{port.name}")
+            for port in declared.inputs
+            if port.name in last
+        ]
+        last |= {port.name: f"{name}.{port.name}" for port in declared.outputs}
+    return links

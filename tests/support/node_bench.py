@@ -1,15 +1,16 @@
-"""A network of nodes with their parameters and links, planned and evaluated in a folder."""
+"""A network of nodes, linked in their order if not otherwise, planned and evaluated."""
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.modules.declaration import NodeContext
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 
 
 class NodeBench:
     """What nodes of a library give and write in a folder."""
 
-    def __init__(self, library, folder, nodes, links=(), *, precision="double"):
+    def __init__(self, library, folder, nodes, links=None, *, precision="double"):
+        links = in_order(nodes, library) if links is None else links
         self.engine = Engine(library)
         self.folder = folder
         self.plan = self.engine.plan(linked_network(nodes, links), folder=folder)

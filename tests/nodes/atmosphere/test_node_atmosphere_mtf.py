@@ -8,9 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 SCENE = {
@@ -27,16 +25,9 @@ def run(params, range_m=1000.0):
         "init": ("init_trans", {"range_m": range_m}),
         "air": ("atmosphere_mtf", params),
     }
-    links = [
-        ("scene.image", "init.image"),
-        ("init.context", "air.context"),
-        ("init.magnitude", "air.magnitude"),
-    ]
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network(nodes, links))
-    assert plan.errors() == []
-    work = engine.work(Policy(precision="double"))
-    return engine.value(plan, "air.mtf", work), engine.readouts(plan, "air", work)
+    bench = NodeBench(standard_library(), None, nodes)
+    assert bench.plan.errors() == []
+    return bench.value("air.mtf"), bench.readouts("air")
 
 
 @pytest.mark.parametrize("view", ["horizontal", "vertical", "up"])
@@ -107,13 +98,7 @@ def cautions(params, path, *, range_m=1000.0):
         "init": ("init_trans", {"range_m": range_m}),
         "air": ("atmosphere_mtf", params),
     }
-    links = [
-        ("scene.image", "path.image"),
-        ("path.image", "init.image"),
-        ("init.context", "air.context"),
-        ("init.magnitude", "air.magnitude"),
-    ]
-    plan = Engine(standard_library()).plan(linked_network(nodes, links))
+    plan = NodeBench(standard_library(), None, nodes).plan
     assert plan.errors() == []
     return [str(one) for one in plan.warnings() if one.node == "air"]
 

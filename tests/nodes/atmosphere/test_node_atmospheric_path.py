@@ -8,10 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf
 from nodes.library import standard_library
 from planck_truth import band_radiance
@@ -22,28 +20,22 @@ LWIR = {"cut_on_um": 8.0, "cut_off_um": 12.0}
 SAMPLES = np.array([[21.0, 35.5, 40.0], [38.0, 60.0, 33.3]])
 
 
-class Chain:
-    """Read Image, then modules by their images, planned and evaluated in double precision."""
+class Chain(NodeBench):
+    """Read Image, then modules in their order, planned and evaluated in double precision."""
 
-    def __init__(self, folder, samples, read, *nodes, links=()):
+    def __init__(self, folder, samples, read, *nodes):
         np.save(folder / "in.npy", samples)
-        table = {"read": ("read_image", {"path": "in.npy", **FOV, **read})}
-        wires, last = list(links), "read"
-        for name, key, params in nodes:
-            table[name] = (key, params)
-            wires.append((f"{last}.image", f"{name}.image"))
-            last = "read" if key == "init_trans" else name
-        self.engine = Engine(standard_library())
-        self.plan = self.engine.plan(linked_network(table, wires), folder=folder)
-        self.work = self.engine.work(Policy(precision="double"))
+        table = {name: (key, params) for name, key, params in nodes}
+        read = ("read_image", {"path": "in.npy", **FOV, **read})
+        super().__init__(standard_library(), folder, {"read": read, **table})
 
     def value(self, port):
         assert self.plan.errors() == []
-        return self.engine.value(self.plan, port, self.work)
+        return super().value(port)
 
     def figures(self, node="air"):
         assert self.plan.errors() == []
-        return self.engine.readouts(self.plan, node, self.work)
+        return self.readouts(node)
 
     def table(self):
         return self.value("air.table").as_dict()
@@ -54,9 +46,9 @@ class Chain:
 
 @pytest.fixture
 def chain(tmp_path):
-    def made(params, *, samples=SAMPLES, read=LWIR, before=(), links=()):
+    def made(params, *, samples=SAMPLES, read=LWIR, before=()):
         nodes = (*before, ("air", "atmospheric_path", params))
-        return Chain(tmp_path, samples, read, *nodes, links=links)
+        return Chain(tmp_path, samples, read, *nodes)
 
     return made
 
@@ -120,35 +112,16 @@ def test_visibility_by_wavelength_weighted_by_the_scene(chain):
     assert visible.table()["weighted_by_K"] == 5800.0
 
 
-def mtf_chain(folder, params, blur, samples):
-    """The path before Init & Trans, Atmosphere MTF behind it."""
-    nodes = [
-        ("air", "atmospheric_path", params),
-        ("init", "init_trans", {"range_m": params["range_m"]}),
-    ]
-    links = [
-        ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"),
-        ("blur.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-    ]
-    known = Chain(folder, samples, LWIR, *nodes, links=links)
-    network = known.plan.network
-    table = {name: (node.module, node.params) for name, node in network.nodes.items()}
-    table |= {"blur": ("atmosphere_mtf", blur), "back": ("back_transform", {})}
-    wires = [("read.image", "air.image"), ("air.image", "init.image"), *links]
-    known.plan = known.engine.plan(linked_network(table, wires), folder=folder)
-    return known
-
-
 def test_scattering_alone_has_its_plateau_and_dims_the_mean(tmp_path):
     samples = np.random.default_rng(4).uniform(20, 60, (12, 16))
-    known = mtf_chain(
-        tmp_path,
-        {"model": "extinction_per_km", "extinction_per_km": 0.35, "range_m": 2000.0},
-        {"turbidity": "custom", "scattering_per_km": 0.35},
-        samples,
-    )
+    path = {"model": "extinction_per_km", "extinction_per_km": 0.35, "range_m": 2000.0}
+    known = Chain(
+        tmp_path, samples, LWIR,
+        ("air", "atmospheric_path", path),
+        ("init", "init_trans", {"range_m": 2000.0}),
+        ("blur", "atmosphere_mtf", {"turbidity": "custom", "scattering_per_km": 0.35}),
+        ("back", "back_transform", {}),
+    )  # fmt: skip
     mtf = known.value("blur.mtf").ravel()
     assert mtf[0] == 1.0
     np.testing.assert_allclose(mtf[1:], math.exp(-0.7), rtol=1e-13)
@@ -175,11 +148,7 @@ def test_the_range_of_the_camera_or_of_the_context(chain):
     params = {"model": "extinction_per_km", "extinction_per_km": 0.1}
     known = chain(params, before=[("cam", "camera", {"range_m": 3000})])
     assert known.figures()["optical_depth"] == pytest.approx(0.3, rel=1e-14)
-    known = chain(
-        params,
-        before=[("init", "init_trans", {"range_m": 4000})],
-        links=[("init.context", "air.context")],
-    )
+    known = chain(params, before=[("init", "init_trans", {"range_m": 4000})])
     assert known.figures()["optical_depth"] == pytest.approx(0.4, rel=1e-14)
     known = chain({**params, "range_m": 5000}, before=[("cam", "camera", {"range_m": 3000})])
     assert known.figures()["optical_depth"] == pytest.approx(0.5, rel=1e-14)
@@ -272,24 +241,12 @@ def test_what_is_not_used_is_a_warning(params, words, chain, tmp_path):
 def test_light_of_the_air_is_no_signal(tmp_path):
     """SNR of Image Quality: half of 10 over a noise of 0.1; the air's 0.6 is no scene."""
     (tmp_path / "lut.csv").write_text("0.4,0.5,2\n0.9,0.5,2\n")
-    np.save(tmp_path / "in.npy", np.full((16, 16), 10.0))
-    nodes = {
-        "read": ("read_image", {"path": "in.npy", **FOV, "cut_on_um": 0.5, "cut_off_um": 0.8}),
-        "air": ("atmospheric_path", {"model": "modtran", "path": "lut.csv", "range_m": 3000}),
-        "init": ("init_trans", {"range_m": 3000}),
-        "noise": ("noise_3d_source", {"sigma_tvh": 0.1}),
-        "quality": ("image_quality", {"snr_of": "mean"}),
-    }
-    links = [
-        ("read.image", "air.image"),
-        ("air.image", "init.image"),
-        ("air.image", "noise.image"),
-        ("noise.image", "quality.image"),
-        ("init.context", "quality.context"),
-    ]
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
-    assert plan.errors() == []
-    work = engine.work(Policy(precision="double"))
-    np.testing.assert_allclose(work.value(plan.output("air.image").recipe), 5.6, rtol=1e-12)
-    assert engine.readouts(plan, "quality", work)["snr"] == pytest.approx(50.0, rel=1e-9)
+    known = Chain(
+        tmp_path, np.full((16, 16), 10.0), {"cut_on_um": 0.5, "cut_off_um": 0.8},
+        ("air", "atmospheric_path", {"model": "modtran", "path": "lut.csv", "range_m": 3000}),
+        ("init", "init_trans", {"range_m": 3000}),
+        ("noise", "noise_3d_source", {"sigma_tvh": 0.1}),
+        ("quality", "image_quality", {"snr_of": "mean"}),
+    )  # fmt: skip
+    np.testing.assert_allclose(known.value("air.image"), 5.6, rtol=1e-12)
+    assert known.figures("quality")["snr"] == pytest.approx(50.0, rel=1e-9)

@@ -54,16 +54,7 @@ def chain(tmp_path):
             "optics": ("diffraction_mtf", {"aperture_mm": 100.0}),
             "back": ("back_transform", {}),
         }
-        links = [
-            ("read.image", "air.image"),
-            ("air.image", "init.image"),
-            ("init.context", "optics.context"),
-            ("init.magnitude", "optics.magnitude"),
-            ("init.phase", "optics.phase"),
-            ("optics.magnitude", "back.magnitude"),
-            ("optics.phase", "back.phase"),
-        ]
-        bench = NodeBench(standard_library(), tmp_path, nodes, links)
+        bench = NodeBench(standard_library(), tmp_path, nodes)
         assert bench.plan.errors() == []
         return bench, bench.engine.work(Policy("double", 0.0))
 
@@ -157,14 +148,7 @@ def test_air_blurs_each_band_at_its_own_wavelength(tmp_path, params, otf):
         "blur": ("atmosphere_mtf", params),
         "back": ("back_transform", {}),
     }
-    links = [
-        ("read.image", "init.image"),
-        ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"),
-        ("blur.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-    ]
-    bench = NodeBench(standard_library(), tmp_path, nodes, links)
+    bench = NodeBench(standard_library(), tmp_path, nodes)
     assert bench.plan.errors() == []
     rho = np.hypot(
         np.arange(SIZE[1]) / (2 * SIZE[1] * INTERVAL),

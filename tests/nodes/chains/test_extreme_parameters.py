@@ -14,7 +14,7 @@ from core.chain.engine import Engine
 from core.modules.declaration import declaration
 from core.modules.parameters import Parameter
 from drawn_chains import AFFORDABLE, BAND, GIVEN, LIBRARY, PICTURE, PUPIL, SENSOR, SPECTRUM, Chain
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 
 # What is switched on beside the parameter under test, so that it acts.
 ACTIVE: dict[str, list[dict[str, Any]]] = {
@@ -89,41 +89,23 @@ def extremes(parameter: Parameter) -> list[Any]:
 
 def fixed_chain(key: str, values: dict[str, Any]) -> Chain:
     """Init, the module (of spectra), a pupil, back, the module (of pictures), in this order."""
-    on_picture = key in PICTURE
+    on_picture, own = key in PICTURE, {"it": (key, values)}
     nodes: dict[str, tuple[str, dict[str, Any]]] = {
         "file": ("read_image", {"path": "in.npy", "fov_x_deg": 1.5, "fov_y_deg": 1.1}),
         "init": ("init_trans", SENSOR),
+        **({} if on_picture else own),
         "pupil": ("exit_pupil", PUPIL),
         "optics": ("exit_pupil_mtf", BAND),
         "back": ("back_transform", {}),
+        **(own if on_picture else {}),
     }
-    links = [
-        ("file.image", "init.image"), ("init.context", "optics.context"),
-        ("pupil.pupil", "optics.pupil"), ("init.phase", "optics.phase"),
-        ("optics.magnitude", "back.magnitude"),
-    ]  # fmt: skip
-    phase = "optics.phase"
-    name = {"init_trans": "init", "exit_pupil": "pupil", "exit_pupil_mtf": "optics"}.get(key, "it")
-    nodes[name] = (key, values)
-    last = "back"
-    if on_picture:
-        links.append(("back.image", "it.image"))
-        last = "it"
-    declared = declaration(LIBRARY[key])
-    if name == "it" and declared.input("context"):
-        links.append(("init.context", "it.context"))
-    if name == "it" and declared.input("magnitude"):
-        links += [("init.magnitude", "it.magnitude"), ("it.magnitude", "optics.magnitude")]
-    else:
-        links.append(("init.magnitude", "optics.magnitude"))
-    if name == "it" and declared.input("phase"):
-        links += [(phase, "it.phase")]
-        phase = "it.phase"
-    links.append((phase, "back.phase"))
-    document = linked_network(nodes, links)
+    named = {"init_trans": "init", "exit_pupil": "pupil", "exit_pupil_mtf": "optics"}
+    if key in named:
+        nodes[named[key]] = nodes.pop("it")
+    document = linked_network(nodes, in_order(nodes, LIBRARY))
     even = key not in ("charge_eff_phase", "exit_pupil") and values.get("model") != "line"
     keeps = (not on_picture or key == "anti_alias") and even and not values.get("apply")
-    return Chain(document, last, keeps)
+    return Chain(document, "it" if on_picture else "back", keeps)
 
 
 def each_extreme(key: str, *, thorough: bool):

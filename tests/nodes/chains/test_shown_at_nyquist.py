@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 PUPIL = {"size_x": 32, "size_y": 32, "radius": 12.0, "zernike_waves": [0, 0, 0, 0.1, 0.2, 0, 0.15]}
@@ -35,28 +34,15 @@ def chain(folder, stages, rows, columns):
         "in": ("read_image", {"path": "in.npy", **fov}),
         "init": ("init_trans", {"edges": "periodic"}),
         "pupil": ("exit_pupil", PUPIL),
+        **{f"s{number}": stage for number, stage in enumerate(stages)},
         "back": ("back_transform", {}),
     }
-    links = [("in.image", "init.image")]
-    last = {"magnitude": "init.magnitude", "phase": "init.phase"}
-    for number, (key, params) in enumerate(stages):
-        name = f"s{number}"
-        nodes[name] = (key, params)
-        links.append(("init.context", f"{name}.context"))
-        wires = {"charge_eff_phase": ("phase",), "exit_pupil_mtf": ("magnitude", "phase")}
-        if key == "exit_pupil_mtf":
-            links.append(("pupil.pupil", f"{name}.pupil"))
-        for wire in wires.get(key, ("magnitude",)):
-            links.append((last[wire], f"{name}.{wire}"))
-            last[wire] = f"{name}.{wire}"
-    links += [(source, f"back.{wire}") for wire, source in last.items()]
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network(nodes, links), folder=folder)
-    assert plan.errors() == []
-    work = engine.work(Policy(precision="double", tolerance=0.0))
+    bench = NodeBench(standard_library(), folder, nodes)
+    assert bench.plan.errors() == []
+    work = bench.engine.work(Policy(precision="double", tolerance=0.0))
 
     def get(port):
-        return engine.value(plan, port, work)
+        return bench.engine.value(bench.plan, port, work)
 
     return np.fft.fft2(get("back.image")), get
 

@@ -18,26 +18,18 @@ BANDS = 60
 SIZE = (64, 80)
 
 
-def network(*, read=(), optics=(), init=(), size=SIZE):
+def network(*, read=(), optics=(), **more):
     fov = {
-        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * size[1])),
-        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * size[0])),
+        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
+        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
     }
-    nodes = {
+    return {
         "read": ("read_image", {"path": "cube.img", "bands": "all", **fov, **dict(read)}),
-        "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0, **dict(init)}),
+        "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0}),
         "optics": ("diffraction_mtf", {"aperture_mm": 100.0, **dict(optics)}),
         "back": ("back_transform", {}),
+        **more,
     }
-    links = [
-        ("read.image", "init.image"),
-        ("init.context", "optics.context"),
-        ("init.magnitude", "optics.magnitude"),
-        ("init.phase", "optics.phase"),
-        ("optics.magnitude", "back.magnitude"),
-        ("optics.phase", "back.phase"),
-    ]
-    return nodes, links
 
 
 @pytest.fixture
@@ -55,7 +47,7 @@ def expected(cube, weights=None):
 
 
 def delivered(folder, *, policy, nodes=None, port="back.image"):
-    bench = NodeBench(LIBRARY, folder, *(nodes or network()))
+    bench = NodeBench(LIBRARY, folder, nodes or network())
     work = bench.engine.work(policy)
     return bench.engine.value(bench.plan, port, work), bench, work
 
@@ -83,14 +75,8 @@ def test_a_low_rank_is_within_the_bound_that_is_stated(tmp_path, cube, tolerance
 
 
 def test_pixels_combined_behind_it_are_the_means_of_that_picture(tmp_path, cube):
-    nodes, links = network()
-    nodes["pixels"] = ("combine_pixels", {"factor_x": 4, "factor_y": 2})
-    made, *_ = delivered(
-        tmp_path,
-        policy=Policy("double", 0.0),
-        nodes=(nodes, [*links, ("back.image", "pixels.image")]),
-        port="pixels.image",
-    )
+    nodes = network(pixels=("combine_pixels", {"factor_x": 4, "factor_y": 2}))
+    made, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes, port="pixels.image")
     want = expected(cube).reshape(32, 2, 20, 4).mean(axis=(1, 3))
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
@@ -108,13 +94,9 @@ def test_an_interval_within_the_cube_counts_bands_by_their_part(tmp_path, cube):
 
 
 def test_bands_that_do_not_count_choose_no_wavelengths(tmp_path, cube):
-    nodes, links = network()
-    nodes["filter"] = ("spectral_response", {"centre_um": 4.0, "width_um": 0.3})
-    links = [*links, ("back.image", "filter.image")]
+    nodes = network(filter=("spectral_response", {"centre_um": 4.0, "width_um": 0.3}))
     policy = Policy("double", 1e-6)
-    made, bench, work = delivered(
-        tmp_path, policy=policy, nodes=(nodes, links), port="filter.image"
-    )
+    made, bench, work = delivered(tmp_path, policy=policy, nodes=nodes, port="filter.image")
     recipe = bench.port("filter.image").recipe
     rank = next(work.value(one).shares for one in (recipe.inputs[0].filtered_sum.wavelengths,))
     _, wavelengths, width = cube
@@ -126,24 +108,14 @@ def test_bands_that_do_not_count_choose_no_wavelengths(tmp_path, cube):
 
 
 def test_later_frames_of_a_moving_picture_go_through_a_second_chain(tmp_path, cube):
-    nodes, links = network()
+    nodes = network()
+    del nodes["back"]
     nodes["sight"] = ("line_of_sight", {"rms_x_mrad": 0.3, "frame_rate_Hz": 50.0})
-    links = [link for link in links if not link[1].startswith("back.")]
-    links += [
-        ("init.context", "sight.context"),
-        ("optics.magnitude", "sight.magnitude"),
-        ("optics.phase", "sight.phase"),
-        ("sight.magnitude", "back.magnitude"),
-        ("sight.phase", "back.phase"),
-        ("back.image", "pixels.image"),
-        ("pixels.image", "again.image"),
-        ("again.magnitude", "end.magnitude"),
-        ("again.phase", "end.phase"),
-    ]
+    nodes["back"] = ("back_transform", {})
     nodes["pixels"] = ("combine_pixels", {"factor_x": 3, "factor_y": 2})  # not a whole number
     nodes["again"] = ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0})
     nodes["end"] = ("back_transform", {})
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     work = bench.engine.work(Policy("double", 0.0))
     first, last = bench.port("pixels.image"), bench.port("end.image")
     assert last.bands.count == BANDS
@@ -160,7 +132,7 @@ def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypat
     whole, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes)
     samples = SIZE[0] * SIZE[1]
     monkeypatch.setattr("core.chain.filtered_sum.SAMPLES_AT_ONCE", 7 * samples)
-    bench = NodeBench(LIBRARY, tmp_path, *nodes)
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     work, sizes = bench.engine.work(Policy("double", 0.0)), []
     compute = type(work)._compute
     monkeypatch.setattr(
@@ -174,7 +146,7 @@ def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypat
 
 @pytest.mark.parametrize("index", [0, 23, 59])
 def test_a_band_alone_is_filtered_once_at_its_own_wavelength(tmp_path, cube, index):
-    bench = NodeBench(LIBRARY, tmp_path, *network())
+    bench = NodeBench(LIBRARY, tmp_path, network())
     work = bench.engine.work(Policy("double", 1e-2))
     band = bench.port("back.image").bands.band(index)
     assert len(band.rank(work).chosen) == 1

@@ -40,25 +40,11 @@ def bench(folder, *, plane=(), read=(), optics=True):
     nodes = {
         "read": ("read_image", {"path": "cube.img", "bands": "all", **fov, **dict(read)}),
         "init": ("init_trans", INIT),
+        **({"optics": ("diffraction_mtf", {"aperture_mm": 50.0})} if optics else {}),
         "back": ("back_transform", {}),
         "plane": ("focal_plane", {**PLANE, **dict(plane)}),
     }
-    links = [
-        ("read.image", "init.image"),
-        ("back.image", "plane.image"),
-        ("init.context", "plane.context"),
-    ]
-    behind = "init"
-    if optics:
-        nodes["optics"] = ("diffraction_mtf", {"aperture_mm": 50.0})
-        links += [
-            ("init.context", "optics.context"),
-            ("init.magnitude", "optics.magnitude"),
-            ("init.phase", "optics.phase"),
-        ]
-        behind = "optics"
-    links += [(f"{behind}.magnitude", "back.magnitude"), (f"{behind}.phase", "back.phase")]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def by_hand(cube, efficiency, *, low=3.0, high=5.0, steps=20001):

@@ -28,22 +28,13 @@ def bench_of(folder, params=None, *, scene=None, before=None):
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
         "init": ("init_trans", INIT),
+        **({"before": before} if before else {}),
         "fpa": ("focal_plane", {**PARAMS, **(params or {})}),
         "budget": ("noise_budget", {}),
         "cube": ("noise_3d", {"frames": FRAMES}),
         "merit": ("figures_of_merit", {"frame_rate_Hz": None}),
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "fpa.context"),
-        ("fpa.image", "budget.image"), ("fpa.image", "cube.image"),
-        ("init.context", "merit.context"), ("fpa.image", "merit.image"),
-    ]  # fmt: skip
-    if before:
-        nodes["before"] = before
-        links += [("scene.image", "before.image"), ("before.image", "fpa.image")]
-    else:
-        links.append(("scene.image", "fpa.image"))
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 @pytest.mark.parametrize("units", ["dn", "electrons", "radiance"])

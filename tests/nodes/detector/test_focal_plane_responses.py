@@ -78,17 +78,7 @@ def bench(folder, read, response, plane):
         ),
         "merit": ("figures_of_merit", {}),
     }
-    links = [
-        ("read.image", "filter.image"),
-        ("filter.image", "init.image"),
-        ("init.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-        ("back.image", "plane.image"),
-        ("init.context", "plane.context"),
-        ("plane.image", "merit.image"),
-        ("init.context", "merit.context"),
-    ]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def cube(folder, parts, *, kelvin=300.0, width=0.01):
@@ -145,13 +135,7 @@ def test_reflected_light_behind_a_response_is_counted_by_its_source(tmp_path):
         ),
         "plane": ("focal_plane", {"integration_time_s": TIME_S, "quantum_efficiency": QE}),
     }  # fmt: skip
-    links = [
-        ("read.image", "filter.image"),
-        ("filter.image", "init.image"),
-        ("filter.image", "plane.image"),
-        ("init.context", "plane.context"),
-    ]
-    made = NodeBench(LIBRARY, tmp_path, nodes, links).readouts("plane")["signal_e"]
+    made = NodeBench(LIBRARY, tmp_path, nodes).readouts("plane")["signal_e"]
     want = PER_PHOTON * 20.0 * np.mean(law * light * um) / np.mean(light) / PHOTON_J_UM
     assert made == pytest.approx(want, rel=2e-6)
 

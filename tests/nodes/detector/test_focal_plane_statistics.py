@@ -92,11 +92,7 @@ def bench_of(folder, camera, scene=None, *, precision="single"):
         "init": ("init_trans", INIT),
         "fpa": ("focal_plane", {**CAMERA, **camera}),
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "fpa.context"),
-        ("scene.image", "fpa.image"),
-    ]  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes, links, precision=precision)
+    return NodeBench(LIBRARY, folder, nodes, precision=precision)
 
 
 def frames_of(bench, count, port="fpa.image"):

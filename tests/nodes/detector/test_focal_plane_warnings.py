@@ -71,14 +71,7 @@ def test_optics_of_another_band_than_the_cold_filter_are_warned_of(
         "pixels": ("sample_pixels", {}),
         "it": ("focal_plane", {**CAMERA_SHEET, **params}),
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "lens.context"),
-        ("init.magnitude", "lens.magnitude"), ("init.phase", "lens.phase"),
-        ("lens.magnitude", "back.magnitude"), ("lens.phase", "back.phase"),
-        ("back.image", "pixels.image"), ("pixels.image", "it.image"),
-        ("init.context", "it.context"),
-    ]  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     found = cautions(bench, "optics")
     assert len(found) == warned
     if warned and params:

@@ -17,9 +17,7 @@ def bench_of(folder, params, *, band=(0.5, 0.8), pixel_um=10.0, focal_mm=100.0):
             "f_number": 4, "platform": "array"}  # fmt: skip
     nodes = {"scene": ("test_scene", scene), "init": ("init_trans", init),
              "it": ("charge_diffusion_mtf", params)}  # fmt: skip
-    links = [("scene.image", "init.image"), ("init.context", "it.context"),
-             ("init.magnitude", "it.magnitude")]  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 @pytest.mark.parametrize("case", reference_cases("diffusion_mtf", file=CAMERA)[:3])

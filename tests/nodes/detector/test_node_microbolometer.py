@@ -24,25 +24,13 @@ def bench_of(folder, params, *, scene=None, init=None, before=None, nuc=None):
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
         "init": ("init_trans", {**INIT, **(init or {})}),
+        **({"before": before} if before else {}),
         "bolo": ("microbolometer", params),
-        "cube": ("noise_3d", {"frames": FRAMES}),
         "merit": ("figures_of_merit", {"frame_rate_Hz": None}),
+        **({} if nuc is None else {"nuc": ("nuc", nuc)}),
+        "cube": ("noise_3d", {"frames": FRAMES}),
     }
-    links = [("scene.image", "init.image"), ("init.context", "bolo.context"),
-             ("init.context", "merit.context"), ("bolo.image", "merit.image")]  # fmt: skip
-    entered = "scene.image"
-    if before:
-        nodes["before"] = before
-        links.append(("scene.image", "before.image"))
-        entered = "before.image"
-    links.append((entered, "bolo.image"))
-    shown = "bolo.image"
-    if nuc is not None:
-        nodes["nuc"] = ("nuc", nuc)
-        links.append(("bolo.image", "nuc.image"))
-        shown = "nuc.image"
-    links.append((shown, "cube.image"))
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def slope(kelvin):

@@ -7,7 +7,7 @@ from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
 from core.transfer.product import Product
 from cube_files import centres, write_cube
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from node_bench import NodeBench
 from nodes.analysis.lineage import transfer_of
 from nodes.library import standard_library
@@ -76,8 +76,9 @@ def test_an_image_that_leaves_the_frame_is_warned_of(tmp_path, axis, velocity, w
 def test_regions_are_those_of_the_whole(tmp_path):
     nodes = {"scene": ("test_scene", {"width": 90, "height": 131})}
     nodes |= {key: (key, params) for key, params in CHAIN.items()}
-    links = [(f"{a}.image", f"{b}.image") for a, b in zip(nodes, CHAIN, strict=False)]
-    assert_parts(linked_network(nodes, links), [f"{key}.image" for key in CHAIN], tmp_path)
+    assert_parts(
+        linked_network(nodes, in_order(nodes, LIBRARY)), [f"{key}.image" for key in CHAIN], tmp_path
+    )
 
 
 @pytest.mark.parametrize(("module", "params"), OPERATORS)

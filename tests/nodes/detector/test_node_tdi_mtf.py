@@ -16,12 +16,7 @@ def bench_of(folder, params, init=INIT):
              "fov_y_deg": FOV}  # fmt: skip
     nodes = {"scene": ("test_scene", scene), "init": ("init_trans", init),
              "tdi": ("tdi_mtf", params), "back": ("back_transform", {})}  # fmt: skip
-    links = [
-        ("scene.image", "init.image"), ("init.context", "tdi.context"),
-        ("init.magnitude", "tdi.magnitude"), ("tdi.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-    ]  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 @pytest.mark.parametrize("direction", ["y", "x"])

@@ -23,16 +23,11 @@ def bench_of(folder, params, *, frames=FRAMES, behind=None):
     nodes = {
         "scene": ("test_scene", SCENE),
         "noise": ("noise_3d_source", params),
+        **({"behind": behind} if behind else {}),
         "cube": ("noise_3d", {"frames": frames}),
         "budget": ("noise_budget", {}),
     }
-    last = "noise"
-    links = [("scene.image", "noise.image")]
-    if behind:
-        nodes["behind"], last = behind, "behind"
-        links.append(("noise.image", "behind.image"))
-    links += [(f"{last}.image", "cube.image"), (f"{last}.image", "budget.image")]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def frame(bench, number, port="noise.image"):

@@ -38,12 +38,7 @@ def bench(folder, *, read, plane=()):
             {"integration_time_s": TIME_S, "quantum_efficiency": 1.0, **dict(plane)},
         ),
     }
-    links = [
-        ("read.image", "init.image"),
-        ("read.image", "plane.image"),
-        ("init.context", "plane.context"),
-    ]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def flat(*levels):

@@ -22,13 +22,7 @@ def bench_of(folder, params, *, edges="periodic", kind="siemens_star", more=None
         "back": ("back_transform", {}),
         **(more or {}),
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "los.context"),
-        ("init.magnitude", "los.magnitude"), ("init.phase", "los.phase"),
-        ("los.magnitude", "back.magnitude"), ("los.phase", "back.phase"),
-    ]  # fmt: skip
-    links += [("back.image", f"{name}.image") for name in more or {}]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def frame(bench, number):

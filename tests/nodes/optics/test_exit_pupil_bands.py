@@ -38,16 +38,7 @@ def bench(folder, *, read, pupil=(), otf=()):
         "otf": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8, **dict(otf)}),
         "back": ("back_transform", {}),
     }
-    links = [
-        ("read.image", "init.image"),
-        ("init.context", "otf.context"),
-        ("pupil.pupil", "otf.pupil"),
-        ("init.magnitude", "otf.magnitude"),
-        ("init.phase", "otf.phase"),
-        ("otf.magnitude", "back.magnitude"),
-        ("otf.phase", "back.phase"),
-    ]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def delivered(there):

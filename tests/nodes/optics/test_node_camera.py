@@ -7,14 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
 from core.physics.sampling.orbit import orbit_view
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.library import standard_library
 from nodes.optics.camera import Camera
@@ -38,14 +37,8 @@ def planned(tmp_path):
             "back": ("back_transform", {}),
             "pixels": ("sample_pixels", {}),
         }
-        links = [
-            ("scene.image", "camera.image"), ("camera.image", "init.image"),
-            ("init.context", "detector.context"), ("init.magnitude", "detector.magnitude"),
-            ("detector.magnitude", "back.magnitude"), ("init.phase", "back.phase"),
-            ("back.image", "pixels.image"),
-        ]  # fmt: skip
-        engine = Engine(standard_library())
-        return engine, engine.plan(linked_network(nodes, links), folder=tmp_path)
+        bench = NodeBench(standard_library(), tmp_path, nodes)
+        return bench.engine, bench.plan
 
     return plan
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.physics.radiometry.planck import band_radiance
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases
 
@@ -26,23 +25,13 @@ def planned(tmp_path):
         np.save(tmp_path / "in.npy", np.full((12, 10), mean))
         nodes = {
             "scene": ("read_image", {"path": "in.npy", **FOV, **BAND, **dict(scene)}),
+            **({} if camera is None else {"camera": ("camera", camera)}),
             "init": ("init_trans", init),
+            **({"alone": ("jitter_mtf", {"apply": "filter_only"})} if chained else {}),
             "optics": ("diffraction_mtf", dict(params)),
         }
-        links = [("init.context", "optics.context")]
-        if camera is None:
-            links.append(("scene.image", "init.image"))
-        else:
-            nodes["camera"] = ("camera", camera)
-            links += [("scene.image", "camera.image"), ("camera.image", "init.image")]
-        magnitude = "init"
-        if chained:
-            nodes["alone"] = ("jitter_mtf", {"apply": "filter_only"})
-            links += [("init.context", "alone.context"), ("init.magnitude", "alone.magnitude")]
-            magnitude = "alone"
-        links += [(f"{magnitude}.magnitude", "optics.magnitude"), ("init.phase", "optics.phase")]
-        engine = Engine(standard_library())
-        return engine, engine.plan(linked_network(nodes, links), folder=tmp_path)
+        bench = NodeBench(standard_library(), tmp_path, nodes)
+        return bench.engine, bench.plan
 
     return plan
 
@@ -85,12 +74,7 @@ def test_one_wavelength_is_the_clear_exit_pupil(planned, tmp_path):
                                  "radius": 25, "obscuration_radius": 10}),
         "optics": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8}),
     }  # fmt: skip
-    links = [
-        ("scene.image", "init.image"), ("init.context", "optics.context"),
-        ("init.magnitude", "optics.magnitude"), ("init.phase", "optics.phase"),
-        ("pupil.pupil", "optics.pupil"),
-    ]  # fmt: skip
-    other = engine.plan(linked_network(nodes, links), folder=tmp_path)
+    other = NodeBench(standard_library(), tmp_path, nodes).plan
     assert np.abs(otf(engine, plan, xi) - otf(engine, other, xi)).max() <= 1e-14
 
 

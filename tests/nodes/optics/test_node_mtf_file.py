@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 SCENE = {"kind": "siemens_star", "width": 96, "height": 80, "fov_x_deg": 1.5, "fov_y_deg": 1.4}
@@ -30,24 +29,15 @@ UNITS = {
 }
 
 
-def plan_of(folder, key, params, *, init=SENSOR, linked=True):
+def plan_of(folder, key, params, *, init=SENSOR):
     nodes = {
         "scene": ("test_scene", SCENE),
         "init": ("init_trans", init),
         "it": (key, params),
         "back": ("back_transform", {}),
     }
-    phase = linked and key in ("mtf_file", "diffraction_mtf")
-    links = [
-        ("scene.image", "init.image"),
-        ("init.context", "it.context"),
-        ("init.magnitude", "it.magnitude"),
-        *([("init.phase", "it.phase")] if phase else []),
-        ("it.magnitude", "back.magnitude"),
-        ("it.phase" if phase else "init.phase", "back.phase"),
-    ]
-    engine = Engine(standard_library())
-    return engine, engine.plan(linked_network(nodes, links), folder=folder)
+    bench = NodeBench(standard_library(), folder, nodes)
+    return bench.engine, bench.plan
 
 
 def picture(folder, key, params, port="back.image", **how):

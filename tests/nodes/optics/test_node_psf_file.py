@@ -11,7 +11,7 @@ from command_line import run_here
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.file import format_network
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 
 FOCAL_LENGTH_MM = 100.0
@@ -35,15 +35,10 @@ def network(
         "it": ("psf_file", params),
         "back": ("back_transform", {}),
     }
-    wires = [
-        ("scene.image", "init.image"),
-        ("init.context", "it.context"),
-        ("init.magnitude", "it.magnitude"),
-        ("it.magnitude", "back.magnitude"),
-        (phase, "back.phase"),
-        *([("init.phase", "it.phase")] if phase == "it.phase" else []),
-    ]
-    return linked_network(nodes, wires)
+    links = in_order(nodes, standard_library())
+    if phase != "it.phase":
+        links = [link for link in links if "it.phase" not in link] + [(phase, "back.phase")]
+    return linked_network(nodes, links)
 
 
 def planned(folder, params, **how):

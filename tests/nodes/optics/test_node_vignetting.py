@@ -68,9 +68,7 @@ def test_shot_noise_follows_from_the_vignetted_light(tmp_path):
              "init": ("init_trans", {"detector_x_um": 15, "detector_y_um": 15,
                                      "focal_length_mm": 7, "f_number": 4}),
              "fpa": ("focal_plane", fpa)}  # fmt: skip
-    links = [("scene.image", "it.image"), ("it.image", "init.image"), ("it.image", "fpa.image"),
-             ("init.context", "fpa.context")]  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     made = bench.value("fpa.image")
     corner, middle = made[:64, :64], made[224:288, 224:288]
     row = np.radians(60) * (np.arange(512) - 255.5) / 512
@@ -101,16 +99,13 @@ def test_half_the_light_costs_netd_as_half_the_transmission_does(tmp_path, key, 
     (tmp_path / "half.csv").write_text("0 0.5\n90 0.5\n")
     half = {"natural": False, "measured": "file", "path": "half.csv"}
     lens = {"detector_x_um": 15, "detector_y_um": 15, "focal_length_mm": 50, "f_number": 2}
-    links = [("it.image", "init.image"), ("it.image", "fpa.image"), ("read.image", "it.image"),
-             ("init.context", "fpa.context"), ("fpa.image", "fom.image"),
-             ("init.context", "fom.context")]  # fmt: skip
     made = []
     for law, transmission in ((half, 0.8), ({"natural": False}, 0.4)):
         nodes = {"read": ("read_image", {**file, **band, "fov_x_deg": 0.1, "fov_y_deg": 0.1}),
                  "it": ("vignetting", law), "init": ("init_trans", lens),
                  "fpa": (key, {**params, "optics_transmission": transmission}),
                  "fom": ("figures_of_merit", {})}  # fmt: skip
-        bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+        bench = NodeBench(LIBRARY, tmp_path, nodes)
         table = bench.value("fpa.table").as_dict()
         made.append((bench.readouts("fom")["netd_K"], table))
     (seen, vignetted), (other, dimmed) = made

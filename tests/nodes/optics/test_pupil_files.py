@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from core.chain.engine import Engine
-from core.evaluation.policy import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 SIZE, RADIUS = 128, 40.0
@@ -44,17 +42,9 @@ def mtf(folder, pupil, wavelength=WAVELENGTH):
             },
         ),
     }
-    links = [
-        ("scene.image", "init.image"),
-        ("init.context", "optics.context"),
-        ("init.magnitude", "optics.magnitude"),
-        ("init.phase", "optics.phase"),
-        ("pupil.pupil", "optics.pupil"),
-    ]
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network(nodes, links), folder=folder)
-    assert plan.errors() == []
-    return engine.value(plan, "optics.mtf", engine.work(Policy(precision="double")))
+    bench = NodeBench(standard_library(), folder, nodes)
+    assert bench.plan.errors() == []
+    return bench.value("optics.mtf")
 
 
 def saved(folder, shape="clear", shift=(0, 0), size=SIZE):
@@ -113,11 +103,9 @@ def test_the_radius_that_was_taken_is_read_out(tmp_path, pupil, expected):
     array = np.zeros((64, 64))
     array[10, 8] = array[20, 32] = 1.0
     np.save(tmp_path / "pupil.npy", array)
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network({"pupil": ("exit_pupil", pupil)}), folder=tmp_path)
-    assert plan.nodes["pupil"].declaration.readouts[0].unit == "samples"
-    found = engine.readouts(plan, "pupil", engine.work(Policy(precision="double")))
-    assert found == {"aperture_radius": pytest.approx(expected, abs=1e-9)}
+    bench = NodeBench(standard_library(), tmp_path, {"pupil": ("exit_pupil", pupil)})
+    assert bench.plan.nodes["pupil"].declaration.readouts[0].unit == "samples"
+    assert bench.readouts("pupil") == {"aperture_radius": pytest.approx(expected, abs=1e-9)}
 
 
 def test_the_amplitude_of_a_file_is_relative_to_its_largest(tmp_path):
@@ -125,7 +113,5 @@ def test_the_amplitude_of_a_file_is_relative_to_its_largest(tmp_path):
     array[20:30, 20:40], array[30:40, 20:40] = 0.5, 0.2
     np.save(tmp_path / "pupil.npy", array)
     pupil = {"shape": "file", "path": "pupil.npy"}
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network({"pupil": ("exit_pupil", pupil)}), folder=tmp_path)
-    found = engine.value(plan, "pupil.pupil", engine.work(Policy(precision="double")))
-    np.testing.assert_allclose(np.abs(found), 2 * array, rtol=1e-12)
+    bench = NodeBench(standard_library(), tmp_path, {"pupil": ("exit_pupil", pupil)})
+    np.testing.assert_allclose(np.abs(bench.value("pupil.pupil")), 2 * array, rtol=1e-12)

@@ -7,10 +7,9 @@ import struct
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 from picture_samples import fits as fits_of
 
@@ -42,15 +41,8 @@ def planned(folder, pupil, **optics):
             },
         ),
     }
-    links = [
-        ("scene.image", "init.image"),
-        ("init.context", "optics.context"),
-        ("init.magnitude", "optics.magnitude"),
-        ("init.phase", "optics.phase"),
-        ("pupil.pupil", "optics.pupil"),
-    ]
-    engine = Engine(standard_library())
-    return engine, engine.plan(linked_network(nodes, links), folder=folder)
+    bench = NodeBench(standard_library(), folder, nodes)
+    return bench.engine, bench.plan
 
 
 def otf(folder, pupil, **optics):

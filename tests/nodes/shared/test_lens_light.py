@@ -32,13 +32,7 @@ def bench_of(
         "back": ("back_transform", {}),
         "it": (module, PLANE if params is None else params),
     }
-    links = [
-        ("scene.image", "camera.image"), ("camera.image", "init.image"),
-        ("init.context", "optics.context"), ("init.magnitude", "optics.magnitude"),
-        ("optics.magnitude", "back.magnitude"), ("init.phase", "back.phase"),
-        ("back.image", "it.image"), ("init.context", "it.context"),
-    ]  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def cautions(bench, check):

@@ -21,13 +21,7 @@ def cautions(folder, check, *, init=None, tdi=None, detector=("focal_plane", {})
         "it": (detector[0], {"optics_transmission": 0.8, **detector[1]}),
         "merit": ("figures_of_merit", merit or {}),
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "stages.context"),
-        ("init.magnitude", "stages.magnitude"), ("stages.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"), ("back.image", "it.image"), ("init.context", "it.context"),
-        ("it.image", "merit.image"), ("init.context", "merit.context"),
-    ]  # fmt: skip
-    bench = NodeBench(LIBRARY, folder, nodes, links)
+    bench = NodeBench(LIBRARY, folder, nodes)
     assert bench.plan.errors() == []
     found = bench.engine.warnings(bench.plan, bench.work)
     return [caution.message for caution in found if caution.check == check]

@@ -15,7 +15,7 @@ from core.chain.noise_power import NoisePower
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from delivered_chains import FOLD_ERROR, PRECISIONS, delivered, fov_deg, scene
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.library import standard_library
 
@@ -111,15 +111,9 @@ def camera_network(folder, tail, *, edges="periodic", number=63, ratio=8, fill=1
         "back": ("back_transform", {}),
         "pixels": tail,
     }  # fmt: skip
-    links = [
-        ("file.image", "init.image"), ("init.context", "detector.context"),
-        ("init.magnitude", "detector.magnitude"), ("detector.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"), ("back.image", "pixels.image"),
-    ]  # fmt: skip
-    engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, links), folder=folder)
-    assert plan.errors() == []
-    return engine, plan
+    bench = NodeBench(LIBRARY, folder, nodes)
+    assert bench.plan.errors() == []
+    return bench.engine, bench.plan
 
 
 def contrast(picture, number=63):
@@ -179,17 +173,10 @@ def test_noise_follows(tmp_path, edges, ratio):
         "noise": ("poisson_noise", {"mode": "photon", "photons_per_unit": 10.0}),
         "pixels": ("sample_pixels", {"factor_x": ratio, "factor_y": 1}),
     }
-    links = [
-        ("file.image", "init.image"), ("init.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"), ("back.image", "noise.image"),
-        ("noise.image", "pixels.image"),
-    ]  # fmt: skip
-    engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
-    work = engine.work(Policy(precision="double"))
-    found = work.value(NoiseOf(plan.output("pixels.image"))).total.total
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    found = bench.work.value(NoiseOf(bench.port("pixels.image"))).total.total
     places = (np.arange(int(10 / ratio)) + 0.5) * ratio - 0.5
-    variance = np.mean(engine.value(plan, "back.image", work)) / 10
+    variance = np.mean(bench.value("back.image")) / 10
     # Of the frame's interpolation at a place: the squares of its weights.
     if edges == "reflect":
         k = np.arange(1, 10)[:, None, None]
@@ -210,10 +197,7 @@ def test_refusals(tmp_path):
     ):
         np.save(tmp_path / "in.npy", scene(8, 12))
         nodes = {"file": ("read_image", {"path": "in.npy"}), "pixels": ("sample_pixels", params)}
-        plan = Engine(LIBRARY).plan(
-            linked_network(nodes, [("file.image", "pixels.image")]), folder=tmp_path
-        )
-        (error,) = plan.errors()
+        (error,) = NodeBench(LIBRARY, tmp_path, nodes).plan.errors()
         for word in words:
             assert word in str(error)
 
@@ -302,13 +286,7 @@ def test_a_table_may_have_been_measured_behind_the_pixels(tmp_path, column):
             "back": ("back_transform", {}),
             "pixels": ("sample_pixels", {"factor_x": 2.0, "factor_y": 2.0}),
         }  # fmt: skip
-        links = [
-            ("scene.image", "init.image"), ("init.context", "stage.context"),
-            ("init.magnitude", "stage.magnitude"), ("stage.magnitude", "back.magnitude"),
-            ("init.phase", "back.phase"), ("back.image", "pixels.image"),
-        ]  # fmt: skip
-        engine = Engine(LIBRARY)
-        plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
-        warned = engine.warnings(plan, engine.work(Policy()))
+        bench = NodeBench(LIBRARY, tmp_path, nodes)
+        warned = bench.engine.warnings(bench.plan, bench.work)
         remedies += [str(one) for one in warned if one.check == "no_average"]
     assert ["includes the pixel MTF" in line for line in remedies] == [True, False]

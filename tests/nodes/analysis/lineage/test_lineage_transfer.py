@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.analysis.lineage import Line, stage_along, transfer_of
 from noisy_sensors import LIBRARY, QUIET, noisy_sensor, picture_of
 
@@ -39,21 +37,9 @@ def chain_of(folder, picture, *, order=1):
         ),
         "out": ("interpolate", {"width": 200, "height": 100, "order": order}),
     }
-    links = [
-        ("in.image", "init.image"),
-        *(("init.context", f"{name}.context") for name in ("blur", "detector", "read")),
-        ("init.magnitude", "blur.magnitude"),
-        ("blur.magnitude", "detector.magnitude"),
-        ("detector.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-        ("back.image", "pixels.image"),
-        ("pixels.image", "read.image"),
-        ("read.image", "out.image"),
-    ]
-    engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, links), folder=folder)
-    assert not plan.errors(), plan.errors()
-    return plan.output("out.image"), engine.work(Policy(precision="double"))
+    bench = NodeBench(LIBRARY, folder, nodes)
+    assert not bench.plan.errors(), bench.plan.errors()
+    return bench.port("out.image"), bench.work
 
 
 @pytest.mark.parametrize("order", [0, 1, 3])
@@ -102,11 +88,9 @@ def test_stages_and_sampling(tmp_path):
 
 def test_a_picture_without_interval_is_refused(tmp_path):
     np.save(tmp_path / "in.npy", np.ones((4, 5)))
-    plan = Engine(LIBRARY).plan(
-        linked_network({"in": ("read_image", {"path": "in.npy"})}), folder=tmp_path
-    )
+    bench = NodeBench(LIBRARY, tmp_path, {"in": ("read_image", {"path": "in.npy"})})
     with pytest.raises(DataError, match="sampling interval"):
-        transfer_of(plan.output("in.image"))
+        transfer_of(bench.port("in.image"))
 
 
 def test_noise_on_the_way_changes_nothing(tmp_path):
@@ -129,9 +113,7 @@ def test_what_a_block_crops_moves_no_interval(tmp_path):
         "more": ("interpolate", {"width": 101}),
         "pixels": ("combine_pixels", {"factor_x": 2}),
     }
-    links = [("in.image", "more.image"), ("more.image", "pixels.image")]
-    plan = Engine(LIBRARY).plan(linked_network(nodes, links), folder=tmp_path)
-    found = transfer_of(plan.output("pixels.image"))
+    found = transfer_of(NodeBench(LIBRARY, tmp_path, nodes).port("pixels.image"))
     assert [stage.label for stage in found.stages] == ["Interpolation", "Combined pixels"]
     assert found.source_grid.shape == (100, 100)
     assert found.source_grid.interval_x_mrad == pytest.approx(0.5, rel=1e-12)

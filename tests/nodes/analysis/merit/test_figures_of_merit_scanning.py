@@ -10,7 +10,7 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 from planck_truth import band_radiance
 
@@ -45,35 +45,18 @@ def sensor(
     nodes = {
         "scene": ("test_scene", {**SCENE, **scene}),
         "init": ("init_trans", {**INIT, "platform": platform, "detector_x_um": pitch_um}),
+        **{f"detector{k}": ("detector_mtf", {}) for k in range(detectors)},
         "back": ("back_transform", {}),
         "noise": ("electronics_noise", {**NOISE, **(noise or {})}),
-        "merit": ("figures_of_merit", merit or {}),
     }
-    links = [
-        ("scene.image", "init.image"),
-        ("init.phase", "back.phase"),
-        ("back.image", "noise.image"),
-        ("init.context", "noise.context"),
-        ("init.context", "merit.context"),
-    ]
-    before = "init"
-    for k in range(detectors):
-        nodes[f"detector{k}"] = ("detector_mtf", {})
-        links.append((f"{before}.magnitude", f"detector{k}.magnitude"))
-        links.append(("init.context", f"detector{k}.context"))
-        before = f"detector{k}"
-    links.append((f"{before}.magnitude", "back.magnitude"))
-    last = "noise"
     if factor:
         nodes["pixels"] = (
             "combine_pixels",
             {"factor_x": factor, "factor_y": factor, "mode": "sum"},
         )
-        links.append(("noise.image", "pixels.image"))
-        last = "pixels"
-    links.append((f"{last}.image", "merit.image"))
+    nodes["merit"] = ("figures_of_merit", merit or {})
     engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, links, seed=seed))
+    plan = engine.plan(linked_network(nodes, in_order(nodes, LIBRARY), seed=seed))
     assert not plan.errors(), plan.errors()
     return engine, plan, engine.work(Policy(precision="double"))
 

@@ -40,15 +40,7 @@ def bench_of(folder, quality=None, *, scene=None, camera=None, init=None, blur=N
         "fpa": ("focal_plane", {**CAMERA, **(camera or {})}),
         "merit": ("image_quality", quality or {}),
     }
-    links = [
-        ("scene.image", "satellite.image"), ("satellite.image", "init.image"),
-        ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"), ("blur.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"), ("back.image", "fpa.image"),
-        ("init.context", "fpa.context"), ("fpa.image", "merit.image"),
-        ("init.context", "merit.context"),
-    ]  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def rer(sigma):
@@ -173,12 +165,7 @@ def test_the_contrast_of_a_scene_in_reflectance(tmp_path, unit, mean, bands):
         "fpa": ("focal_plane", {**CAMERA, "integration_time_s": 1e-3}),
         "merit": ("image_quality", {}),
     }  # fmt: skip
-    links = [
-        ("scene.image", "light.image"), ("light.image", "air.image"), ("air.image", "init.image"),
-        ("air.image", "fpa.image"), ("init.context", "fpa.context"), ("fpa.image", "merit.image"),
-        ("init.context", "merit.context"),
-    ]  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     camera = bench.readouts("fpa")
     expected = 0.08 / 0.4 * camera["signal_e"] / camera["temporal_noise_e"]
     assert bench.readouts("merit")["snr"] == pytest.approx(expected, rel=1e-6)

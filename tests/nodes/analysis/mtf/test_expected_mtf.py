@@ -13,7 +13,7 @@ from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.file import load_network
 from edge_pictures import edge_mtf, edge_picture
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 
 SHIPPED = Path("networks/measured_mtf.json")
@@ -21,13 +21,6 @@ SIGMA_MRAD = 0.2  # of both axes
 INTERVAL = math.radians(3.0) * 1000 / 256  # 3° over 256 samples, mrad
 DETECTOR = 30 / 75  # µm/mm, mrad
 ENGINE = Engine(standard_library())
-LINKS = (
-    ("scene.image", "init.image"),
-    ("init.context", "blur.context"),
-    ("init.magnitude", "blur.magnitude"),
-    ("blur.magnitude", "back.magnitude"),
-    ("init.phase", "back.phase"),
-)
 
 
 def gaussian(xi, eta, sigma_x, sigma_y):
@@ -85,13 +78,10 @@ def chain(*, scene, measured, combine=None, blur=(0.3, 0.5)):
         "init": ("init_trans", {"detector_x_um": 30, "detector_y_um": 30, "focal_length_mm": 75}),
         "blur": ("gaussian_mtf", {"sigma_x_mrad": sigma_x, "sigma_y_mrad": sigma_y}),
         "back": ("back_transform", {}),
+        **({} if combine is None else {"combine": ("combine_pixels", combine)}),
         "measured": ("measured_mtf", measured),
     }
-    if combine is None:
-        return linked_network(nodes, [*LINKS, ("back.image", "measured.image")])
-    nodes["combine"] = ("combine_pixels", combine)
-    links = [("back.image", "combine.image"), ("combine.image", "measured.image")]
-    return linked_network(nodes, [*LINKS, *links])
+    return linked_network(nodes, in_order(nodes, ENGINE.library))
 
 
 def scene(angle_deg, width=192, height=160, fov_x=2.0, fov_y=2.5):

@@ -7,10 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -36,36 +34,17 @@ BLURS = (
 )
 
 
-def sensor(budget=None, *, noise=None, blurs=BLURS, platform="array", take="noise.image"):
-    """Blurs, then electronics; the budget of the picture on the port to `take`."""
+def sensor(budget=None, *, noise=None, blurs=BLURS):
+    """Blurs, then electronics, and the budget of the picture behind."""
     nodes = {
         "scene": ("test_scene", SCENE),
-        "init": ("init_trans", {**INIT, "platform": platform}),
+        "init": ("init_trans", INIT),
+        **{name: (key, params) for name, key, params in blurs},
         "back": ("back_transform", {}),
         "noise": ("electronics_noise", {**NOISE, **(noise or {})}),
         "budget": ("noise_budget", budget or {}),
     }
-    links = [
-        ("scene.image", "init.image"),
-        ("init.phase", "back.phase"),
-        ("back.image", "noise.image"),
-        ("init.context", "noise.context"),
-        (take, "budget.image"),
-    ]
-    last = "init"
-    for name, key, params in blurs:
-        nodes[name] = (key, params)
-        links += [("init.context", f"{name}.context"), (f"{last}.magnitude", f"{name}.magnitude")]
-        last = name
-    return ported(linked_network(nodes, [*links, (f"{last}.magnitude", "back.magnitude")]))
-
-
-def ported(network):
-    """A function that gives what is on a port."""
-    engine = Engine(LIBRARY)
-    plan = engine.plan(network)
-    work = engine.work(Policy(precision="double"))
-    return lambda port: engine.value(plan, port, work)
+    return NodeBench(LIBRARY, None, nodes).value
 
 
 def bars(data):
@@ -163,7 +142,8 @@ def test_what_amplifies_makes_up_for_blur():
 
 
 def test_nothing_to_share_out_is_said():
-    value = sensor(take="scene.image")
+    nodes = {"scene": ("test_scene", SCENE), "budget": ("noise_budget", {})}
+    value = NodeBench(LIBRARY, None, nodes).value
     for port in ("noise", "blur"):
         data = value(f"budget.{port}")
         assert (data.series, data.bars) == ((), ())
@@ -185,8 +165,7 @@ def test_a_picture_without_sampling_interval_is_refused(tmp_path):
         "read": ("read_image", {"path": str(tmp_path / "bare.npy")}),
         "budget": ("noise_budget", {}),
     }
-    plan = Engine(LIBRARY).plan(linked_network(nodes, [("read.image", "budget.image")]))
-    (error,) = plan.errors()
+    (error,) = NodeBench(LIBRARY, None, nodes).plan.errors()
     assert error.node == "budget"
     assert "the image has no sampling interval: set fov_x_deg and fov_y_deg" in str(error)
 
@@ -218,15 +197,15 @@ def crossed():
         ("init.phase", "back.phase"),
         ("back.image", "budget.image"),
     ]
-    return linked_network(nodes, links)
+    return NodeBench(LIBRARY, None, nodes, links).value
 
 
 def test_noise_through_what_is_not_known_is_refused():
     with pytest.raises(DataError, match="the noise after crossed cannot be computed"):
-        ported(crossed())("budget.noise")
+        crossed()("budget.noise")
 
 
 def test_blur_before_what_is_not_known_does_not_count():
-    data = ported(crossed())("budget.blur")
+    data = crossed()("budget.blur")
     assert data.title == "Blur after crossed"
     assert bars(data)["horizontal"] == {"Gaussian MTF": 100.0}
