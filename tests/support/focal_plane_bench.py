@@ -1,6 +1,5 @@
 """A uniform scene before a Focal Plane, as a data sheet of a cooled camera has it."""
 
-from core.modules.declaration import declaration
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -28,16 +27,9 @@ def focal_plane_bench(
         "scene": ("test_scene", seen),
         "init": ("init_trans", {**SENSOR, **(init or {})}),
         "it": ("focal_plane", params),
+        **{key: (key, {}) for key in behind},
     }
-    links = [
-        ("scene.image", "init.image"), ("scene.image", "it.image"), ("init.context", "it.context"),
-    ]  # fmt: skip
-    for key in behind:
-        nodes[key] = (key, {})
-        links.append(("it.image", f"{key}.image"))
-        if declaration(LIBRARY[key]).input("context"):
-            links.append(("init.context", f"{key}.context"))
-    return NodeBench(LIBRARY, folder, nodes, links, precision=precision)
+    return NodeBench(LIBRARY, folder, nodes, precision=precision)
 
 
 def cautions(bench, check):

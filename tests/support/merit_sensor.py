@@ -4,7 +4,7 @@ import math
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -29,32 +29,14 @@ def sensor(merit=None, *, scene=None, init=None, noise=None, noisy=True, seed=1,
     """`air`: parameters of Atmospheric Paths one after the other, behind the scene."""
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
+        **{f"air{number}": ("atmospheric_path", path) for number, path in enumerate(air)},
         "init": ("init_trans", {**INIT, **(init or {})}),
         "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.1}),
         "detector": ("detector_mtf", {}),
         "back": ("back_transform", {}),
+        **({"noise": ("electronics_noise", {**NOISE, **(noise or {})})} if noisy else {}),
         "merit": ("figures_of_merit", merit or {}),
     }
-    before = "scene"
-    links = []
-    for number, path in enumerate(air):
-        nodes[f"air{number}"] = ("atmospheric_path", path)
-        links.append((f"{before}.image", f"air{number}.image"))
-        before = f"air{number}"
-    links += [
-        (f"{before}.image", "init.image"),
-        ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"),
-        ("init.context", "detector.context"),
-        ("blur.magnitude", "detector.magnitude"),
-        ("detector.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-        ("init.context", "merit.context"),
-        ("noise.image" if noisy else "back.image", "merit.image"),
-    ]
-    if noisy:
-        nodes["noise"] = ("electronics_noise", {**NOISE, **(noise or {})})
-        links += [("back.image", "noise.image"), ("init.context", "noise.context")]
     engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, links, seed=seed))
+    plan = engine.plan(linked_network(nodes, in_order(nodes, LIBRARY), seed=seed))
     return engine, plan, engine.work(Policy(precision="double"))

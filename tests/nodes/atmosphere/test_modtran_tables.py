@@ -7,10 +7,8 @@ import types
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import ParameterError
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.atmosphere.modtran_tables import table_path
 from nodes.library import standard_library
 
@@ -94,20 +92,18 @@ def planned(folder, params, camera=None):
     read = {"path": "in.npy", "fov_x_deg": 1, "fov_y_deg": 1, "cut_on_um": 4, "cut_off_um": 5}
     nodes = {"read": ("read_image", read), "camera": ("camera", camera or {}),
              "air": ("atmospheric_path", {"model": "modtran_tables", **params})}  # fmt: skip
-    engine = Engine(standard_library())
-    links = [("read.image", "camera.image"), ("camera.image", "air.image")]
-    return engine, engine.plan(linked_network(nodes, links), folder=folder)
+    return NodeBench(standard_library(), folder, nodes)
 
 
 def test_the_module_takes_the_orbit_of_the_camera(tables, tmp_path):
-    engine, plan = planned(tmp_path, {"haze": "rural_5_km"}, {"altitude_km": 500})
-    assert plan.errors() == []
-    assert [caution for caution in plan.warnings() if caution.node == "air"] == []
-    found = engine.readouts(plan, "air", engine.work(Policy(precision="double")))
+    bench = planned(tmp_path, {"haze": "rural_5_km"}, {"altitude_km": 500})
+    assert bench.plan.errors() == []
+    assert [caution for caution in bench.plan.warnings() if caution.node == "air"] == []
+    found = bench.readouts("air")
     least, most = np.exp(-2 * 24.5 * (0.02 + 0.1 / np.array([4, 5])))
     assert least < found["transmission"] < most
     given = {"altitude_m": 9000, "air_K": 280, "range_m": 2e4}
-    _, plan = planned(tmp_path, given, {"altitude_km": 500})
+    plan = planned(tmp_path, given, {"altitude_km": 500}).plan
     words = " ".join(str(caution) for caution in plan.warnings())
     assert "air_K = 280 K is not used: the tables contain the path radiance" in words
     assert "altitude_m = 9000 m here, 5e+05 m on Camera" in words
@@ -116,7 +112,7 @@ def test_the_module_takes_the_orbit_of_the_camera(tables, tmp_path):
 def test_without_pybsm_the_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "pybsm.utils", None)
     table_path.cache_clear()
-    _, plan = planned(tmp_path, {"altitude_m": 3000, "range_m": 4000})
+    plan = planned(tmp_path, {"altitude_m": 3000, "range_m": 4000}).plan
     (text,) = map(str, plan.errors())
     assert text.startswith("air: model = modtran_tables needs the package pybsm: run pip install")
     assert "[atmosphere]" in text

@@ -26,16 +26,11 @@ def bench_of(folder, params, *, fpa=None, scene=None):
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
         "init": ("init_trans", INIT),
         "fpa": ("focal_plane", {**FPA, **(fpa or {})}),
+        "raw": ("noise_3d", {"frames": FRAMES}),
         "nuc": ("nuc", params),
         "cube": ("noise_3d", {"frames": FRAMES}),
-        "raw": ("noise_3d", {"frames": FRAMES}),
     }
-    links = [
-        ("scene.image", "init.image"), ("scene.image", "fpa.image"),
-        ("init.context", "fpa.context"), ("fpa.image", "nuc.image"),
-        ("nuc.image", "cube.image"), ("fpa.image", "raw.image"),
-    ]  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def electrons(folder, kelvin):

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.electronics.noise_file import NoiseFile
 from nodes.electronics.periodic_noise import PeriodicNoise
 from nodes.input_output.read_image import ReadImage
@@ -25,9 +24,8 @@ def picture(rows=31, columns=44, seed=1):
 def planned(folder, key, params, array=None, reading=FOV):
     np.save(folder / "in.npy", picture() if array is None else array)
     nodes = {"in": ("read_image", {"path": "in.npy", **reading}), "out": (key, params)}
-    network = linked_network(nodes, [("in.image", "out.image")])
-    engine = Engine(LIBRARY)
-    return engine, engine.plan(network, folder=folder)
+    bench = NodeBench(LIBRARY, folder, nodes)
+    return bench.engine, bench.plan
 
 
 def outputs(folder, key, params, precision="double", threads=1):

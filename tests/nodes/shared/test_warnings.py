@@ -1,13 +1,10 @@
 """What modules warn of: each warning with values that bring it about, and with sound ones."""
 
-import json
-
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.modules.declaration import declaration
-from core.network.file import parse_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -22,13 +19,6 @@ INIT = {
     "scan_velocity_mrad_per_s": 900.0,
 }
 SHARP = {"size_x": 64, "size_y": 64, "radius": 12.5}  # 50 mm where 64 samples are 12.8 cm
-SOURCES = {
-    "image": "scene.image",
-    "context": "init.context",
-    "magnitude": "init.magnitude",
-    "phase": "init.phase",
-    "pupil": "pupil.pupil",
-}
 # Module and warning: parameters that bring it about, what the line says, and sound parameters.
 # Those of `scene` and `init` are of these nodes; with `seen` the picture comes through a detector.
 CASES = {
@@ -268,37 +258,20 @@ def planned(tmp_path):
 
     def plan(key, params):
         params = dict(params)
-        scene = {"module": "test_scene", "params": {"kind": "uniform", "fov_y_deg": 1.0, **SCENE}}
+        scene = ("test_scene", {"kind": "uniform", "fov_y_deg": 1.0, **SCENE})
         of_file = params.pop("scene", None)
         seen = params.pop("seen", None)
         if of_file is not None:
             size = {name: SCENE[name] for name in ("fov_x_deg", "cut_on_um", "cut_off_um")}
-            read = {"path": "frame.npy", "fov_y_deg": 1.0, **size, **of_file}
-            scene = {"module": "read_image", "params": read}
+            scene = ("read_image", {"path": "frame.npy", "fov_y_deg": 1.0, **size, **of_file})
         nodes = {
             "scene": scene,
-            "init": {"module": "init_trans", "params": {**INIT, **params.pop("init", {})}},
-            "pupil": {"module": "exit_pupil", "params": SHARP},
-            "node": {"module": key, "params": params},
+            "init": ("init_trans", {**INIT, **params.pop("init", {})}),
+            "pupil": ("exit_pupil", SHARP),
         }
-        links = [["scene.image", "init.image"]]
-        sources = dict(SOURCES)
         if seen is not None:
-            sources["image"] = "back.image"
-            nodes["detector"] = {"module": "detector_mtf", "params": seen}
-            nodes["back"] = {"module": "back_transform"}
-            links += [
-                ["init.context", "detector.context"],
-                ["init.magnitude", "detector.magnitude"],
-                ["detector.magnitude", "back.magnitude"],
-                ["init.phase", "back.phase"],
-            ]
-        for port in declaration(LIBRARY[key]).inputs:
-            if port.required:
-                links.append([sources[port.name], f"node.{port.name}"])
-        document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
-        network = parse_network(json.dumps(document), library=LIBRARY)
-        found = Engine(LIBRARY).plan(network, folder=tmp_path)
+            nodes |= {"detector": ("detector_mtf", seen), "back": ("back_transform", {})}
+        found = NodeBench(LIBRARY, tmp_path, {**nodes, "node": (key, params)}).plan
         assert found.errors() == []
         return found
 

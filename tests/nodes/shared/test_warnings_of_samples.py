@@ -1,15 +1,11 @@
 """What is warned of pictures: by their samples, and by what their file says and lacks."""
 
-import json
-
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.chain.wires import Header, Image
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.network.file import parse_network
+from node_bench import NodeBench
 from nodes.files.formats import write_picture
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
@@ -25,12 +21,12 @@ INIT = {
 
 def checks(folder, **params):
     """Warnings of a node that reads a file, its samples looked at."""
-    nodes = {"read": {"module": "read_image", "params": params}}
-    document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": []}
-    engine = Engine(LIBRARY)
-    plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
-    assert plan.errors() == []
-    return engine.warnings(plan, engine.work(Policy()))
+    return cautions_of(NodeBench(LIBRARY, folder, {"read": ("read_image", params)}))
+
+
+def cautions_of(bench):
+    assert bench.plan.errors() == []
+    return bench.engine.warnings(bench.plan, bench.work)
 
 
 def frame(mean, sigma):
@@ -92,20 +88,11 @@ class TestRadianceOfElectronics:
         source = {"path": "a.npy", "unit": unit, "fov_x_deg": 1.0, "fov_y_deg": 1.0, **read}
         own = {"cut_on_um": band[0], "cut_off_um": band[1], "bandwidth_Hz": 1e4, "region": "LWIR"}
         nodes = {
-            "read": {"module": "read_image", "params": source},
-            "init": {"module": "init_trans", "params": INIT},
-            "electronics": {"module": "electronics_noise", "params": own},
+            "read": ("read_image", source),
+            "init": ("init_trans", INIT),
+            "electronics": ("electronics_noise", own),
         }
-        links = [
-            ["read.image", "init.image"],
-            ["read.image", "electronics.image"],
-            ["init.context", "electronics.context"],
-        ]
-        document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
-        engine = Engine(LIBRARY)
-        plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
-        assert plan.errors() == []
-        return engine.warnings(plan, engine.work(Policy()))
+        return cautions_of(NodeBench(LIBRARY, folder, nodes))
 
     def test_kelvin_is_more_than_the_band_gives(self, tmp_path):
         """The unit is typed, so that Read Image has nothing to say; the band is typed here."""

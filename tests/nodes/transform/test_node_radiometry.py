@@ -6,10 +6,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from linked_network import in_order
+from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.library import standard_library
 
@@ -35,19 +34,14 @@ def chain(tmp_path):
     def made(samples, read, *nodes, emissivity=None, precision="double"):
         np.save(tmp_path / "in.npy", samples)
         table = {"read": ("read_image", {"path": "in.npy", **FOV, **read})}
-        links, last = [], "read"
-        for number, (key, params) in enumerate(nodes):
-            name = f"n{number}"
-            table[name] = (key, params)
-            links.append((f"{last}.image", f"{name}.image"))
-            last = name
+        table |= {f"n{number}": node for number, node in enumerate(nodes)}
+        links = in_order(table, standard_library())
         if emissivity is not None:
             np.save(tmp_path / "share.npy", emissivity)
             table["share"] = ("read_image", {"path": "share.npy", "unit": "1"})
             links += [("share.image", f"n{n}.emissivity") for n in range(len(nodes))]
-        engine = Engine(standard_library())
-        plan = engine.plan(linked_network(table, links), folder=tmp_path)
-        return engine, plan, engine.work(Policy(precision=precision)), f"{last}.image"
+        bench = NodeBench(standard_library(), tmp_path, table, links, precision=precision)
+        return bench.engine, bench.plan, bench.work, f"n{len(nodes) - 1}.image"
 
     return made
 

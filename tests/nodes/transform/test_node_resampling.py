@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.physics.sampling.interpolation import block_mean_mtf
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.transform.anti_alias import AntiAlias, lanczos_mtf
@@ -30,13 +29,10 @@ def through(folder, array, key, params, precision="double", threads=1):
         "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
         "out": (key, params),
     }
-    network = linked_network(nodes, [("in.image", "out.image")])
-    engine = Engine(ENGINE_LIBRARY)
-    plan = engine.plan(network, folder=folder)
-    work = engine.work(Policy(precision=precision, threads=threads))
-    readouts = engine.readouts(plan, "out", work)
-    source, image = plan.output("in.image"), plan.output("out.image")
-    return source, image, engine.value(plan, "out.image", work), readouts
+    bench = NodeBench(ENGINE_LIBRARY, folder, nodes, precision=precision)
+    bench.work = bench.engine.work(Policy(precision=precision, threads=threads))
+    source, image = bench.port("in.image"), bench.port("out.image")
+    return source, image, bench.value("out.image"), bench.readouts("out")
 
 
 @pytest.mark.parametrize("precision", ["double", "single"])
@@ -95,10 +91,8 @@ def transformed(folder, array, params, edges):
         ("init.phase", "back.phase"), ("back.image", "out.image"), ("back.image", "pairs.image"),
         ("pairs.image", "cropped.image"),
     ]  # fmt: skip
-    engine = Engine(standard_library())
-    plan = engine.plan(linked_network(nodes, links), folder=folder)
-    work = engine.work(Policy(precision="double"))
-    return [engine.value(plan, f"{name}.image", work) for name in ("out", "cropped")]
+    bench = NodeBench(standard_library(), folder, nodes, links)
+    return [bench.value(f"{name}.image") for name in ("out", "cropped")]
 
 
 def test_bilinear_by_hand(tmp_path):
@@ -195,10 +189,7 @@ def test_decimation_by_nearest_of_the_box_is_the_block_mean(tmp_path):
         "low": ("anti_alias", {"factor": 3}),
         "out": ("interpolate", {"width": 5, "height": 4, "order": 0}),
     }
-    links = [("in.image", "low.image"), ("low.image", "out.image")]
-    engine = Engine(ENGINE_LIBRARY)
-    plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
-    value = engine.value(plan, "out.image", engine.work(Policy(precision="double")))
+    value = NodeBench(ENGINE_LIBRARY, tmp_path, nodes).value("out.image")
     expected = array.reshape(4, 3, 5, 3).mean(axis=(1, 3))
     np.testing.assert_allclose(value, expected, rtol=1e-13)
 

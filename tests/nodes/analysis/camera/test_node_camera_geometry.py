@@ -11,6 +11,7 @@ from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
 from core.evaluation.policy import Policy
 from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -89,8 +90,7 @@ def test_the_scenes_own_sampling_at_nadir(tmp_path):
         "scene": ("test_scene", {"width": 64, "height": 48, "fov_x_deg": 8, "fov_y_deg": 5}),
         "camera": ("camera_geometry", {"fov_x_deg": 3.0}),
     }
-    network = linked_network(nodes, [("scene.image", "camera.image")])
-    plan = Engine(LIBRARY).plan(network)
+    plan = NodeBench(LIBRARY, tmp_path, nodes).plan
     ground = plan.nodes["camera"].module.ground(plan.output("scene.image"))
     assert ground.interval_x_m == pytest.approx(1000 * math.radians(8) / 64)
     assert ground.interval_y_m == pytest.approx(1000 * math.radians(5) / 48)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
-from core.evaluation.policy import Policy
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.analysis.compare_images import CompareImages
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.test_scene import TestScene
@@ -31,17 +29,14 @@ def compared(folder, image, reference, fov=True, precision="double", **params):
     reading = {"fov_x_deg": 2.0, "fov_y_deg": 1.5} if fov else {}
     np.save(folder / "a.npy", image)
     np.save(folder / "b.npy", reference)
-    document = linked_network(
-        {
-            "a": ("read_image", {"path": "a.npy", **reading}),
-            "b": ("read_image", {"path": "b.npy", **reading}),
-            "out": ("compare_images", params),
-        },
-        [("a.image", "out.image"), ("b.image", "out.reference")],
-    )
-    engine = Engine(LIBRARY)
-    plan = engine.plan(document, folder=folder)
-    return engine, plan, engine.work(Policy(precision=precision))
+    nodes = {
+        "a": ("read_image", {"path": "a.npy", **reading}),
+        "b": ("read_image", {"path": "b.npy", **reading}),
+        "out": ("compare_images", params),
+    }
+    links = [("a.image", "out.image"), ("b.image", "out.reference")]
+    bench = NodeBench(LIBRARY, folder, nodes, links, precision=precision)
+    return bench.engine, bench.plan, bench.work
 
 
 def test_figures_of_the_difference(tmp_path):

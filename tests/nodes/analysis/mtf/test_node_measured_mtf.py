@@ -7,11 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError, ImagechainError, ParameterError
-from core.evaluation.policy import Policy
 from edge_pictures import edge_mtf, edge_picture
-from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.analysis.measured_mtf import MeasuredMTF
 from nodes.input_output.read_image import ReadImage
 from small_library import library_of
@@ -22,12 +20,9 @@ FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.5}
 
 def measured(folder, picture, fov=FOV, precision="double", **params):
     np.save(folder / "a.npy", picture)
-    document = linked_network(
-        {"a": ("read_image", {"path": "a.npy", **fov}), "out": ("measured_mtf", params)},
-        [("a.image", "out.image")],
-    )
-    engine = Engine(LIBRARY)
-    return engine, engine.plan(document, folder=folder), engine.work(Policy(precision=precision))
+    nodes = {"a": ("read_image", {"path": "a.npy", **fov}), "out": ("measured_mtf", params)}
+    bench = NodeBench(LIBRARY, folder, nodes, precision=precision)
+    return bench.engine, bench.plan, bench.work
 
 
 def intervals(picture):

@@ -14,7 +14,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
 from core.transfer.factors import Grid, Law, Planar, Separable
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.analysis.mtf_slices import MtfSlices
 from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
@@ -28,24 +28,16 @@ GRID = Grid(40, 64, 0.5, 0.8)
 
 def chain(**slicing):
     """Scene, two blurs that are alike in name, and slices of what they make together."""
-    return linked_network(
-        {
-            "scene": ("test_scene", {"width": 64, "height": 40, "fov_x_deg": 2, "fov_y_deg": 3}),
-            "init": ("init_trans", {}),
-            "one": ("gaussian_mtf", {"sigma_x_mrad": 0.3, "sigma_y_mrad": 0.9}),
-            "two": ("gaussian_mtf", {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.1}),
-            "jitter": ("jitter_mtf", {"sigma_mrad": 0.4}),
-            "slices": ("mtf_slices", slicing),
-        },
-        [
-            ("scene.image", "init.image"),
-            *(("init.context", f"{name}.context") for name in ("one", "two", "jitter")),
-            ("init.magnitude", "one.magnitude"),
-            ("one.magnitude", "two.magnitude"),
-            ("two.magnitude", "jitter.magnitude"),
-            ("jitter.magnitude", "slices.transfer"),
-        ],
-    )
+    nodes = {
+        "scene": ("test_scene", {"width": 64, "height": 40, "fov_x_deg": 2, "fov_y_deg": 3}),
+        "init": ("init_trans", {}),
+        "one": ("gaussian_mtf", {"sigma_x_mrad": 0.3, "sigma_y_mrad": 0.9}),
+        "two": ("gaussian_mtf", {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.1}),
+        "jitter": ("jitter_mtf", {"sigma_mrad": 0.4}),
+        "slices": ("mtf_slices", slicing),
+    }
+    links = [*in_order(nodes, LIBRARY), ("jitter.magnitude", "slices.transfer")]
+    return linked_network(nodes, links)
 
 
 def sliced(document):

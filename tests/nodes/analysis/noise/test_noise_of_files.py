@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from core.chain.engine import Engine
-from core.evaluation.policy import Policy
-from core.network.file import parse_network
 from core.physics.noise.noise_components import COMPONENTS
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -47,20 +43,14 @@ def write(folder, name, cube):
 
 
 def planned(folder, params, *, image=None):
-    nodes = {"noise": {"module": "noise_3d", "params": params}}
-    links = []
-    if image is not None:
-        nodes["scene"] = {"module": "read_image", "params": image}
-        links = [["scene.image", "noise.image"]]
-    document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
-    engine = Engine(LIBRARY)
-    return engine, engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
+    nodes = {} if image is None else {"scene": ("read_image", image)}
+    return NodeBench(LIBRARY, folder, {**nodes, "noise": ("noise_3d", params)}, precision="single")
 
 
 def table(folder, params, **how):
-    engine, plan = planned(folder, params, **how)
-    assert plan.errors() == []
-    return engine.value(plan, "noise.table", engine.work(Policy()))
+    bench = planned(folder, params, **how)
+    assert bench.plan.errors() == []
+    return bench.value("noise.table")
 
 
 @pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
@@ -95,8 +85,7 @@ def test_what_is_refused(tmp_path):
     np.save(tmp_path / "small.npy", cube[0, :7])
 
     def line(params, **how):
-        _, plan = planned(tmp_path, params, **how)
-        (error,) = plan.errors()
+        (error,) = planned(tmp_path, params, **how).plan.errors()
         return str(error).replace(f"{tmp_path}/", "")
 
     assert line({}) == (
