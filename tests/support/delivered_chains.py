@@ -5,7 +5,7 @@ import numpy as np
 from analytic_stages import INTERVAL_X, INTERVAL_Y, PUPIL, SENSOR, STAGES
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -29,28 +29,11 @@ def chain_network(stages, rows, columns, edges="periodic", tail=()):
             "fov_y_deg": fov_deg(rows, INTERVAL_Y),
         }),
         "pupil": ("exit_pupil", PUPIL),
+        **{stage: STAGES[stage] for stage in stages},
         "back": ("back_transform", {}),
+        **{f"tail{number}": module for number, module in enumerate(tail)},
     }  # fmt: skip
-    links = [("file.image", "init.image")]
-    wires = {"magnitude": "init", "phase": "init"}
-    for stage in stages:
-        key, params = STAGES[stage]
-        nodes[stage] = (key, params)
-        links.append(("init.context", f"{stage}.context"))
-        wire = "phase" if key == "charge_eff_phase" else "magnitude"
-        changed = ("magnitude", "phase") if key == "exit_pupil_mtf" else (wire,)
-        if key == "exit_pupil_mtf":
-            links.append(("pupil.pupil", f"{stage}.pupil"))
-        for name in changed:
-            links.append((f"{wires[name]}.{name}", f"{stage}.{name}"))
-            wires[name] = stage
-    links += [(f"{source}.{name}", f"back.{name}") for name, source in wires.items()]
-    last = "back"
-    for number, (key, params) in enumerate(tail):
-        nodes[f"tail{number}"] = (key, params)
-        links.append((f"{last}.image", f"tail{number}.image"))
-        last = f"tail{number}"
-    return linked_network(nodes, links), last
+    return linked_network(nodes, in_order(nodes, LIBRARY)), list(nodes)[-1]
 
 
 def delivered(tmp_path, picture, stages, precision, edges="periodic", tail=()):

@@ -9,7 +9,7 @@ from battery_settings import SENSOR
 from core.modules.declaration import declaration
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -104,47 +104,30 @@ def chains(draw, strategy, sizes=SIZES):
         "file": ("read_image", {"path": "in.npy", "fov_x_deg": 1.5, "fov_y_deg": 1.1}),
         "init": ("init_trans", {**SENSOR, "edges": edges}),
         "pupil": ("exit_pupil", PUPIL),
-        "back": ("back_transform", {}),
     }
-    links = [("file.image", "init.image")]
-    wires = {"magnitude": "init", "phase": "init"}
     keeps = True
     for number, key in enumerate(draw(st.lists(st.sampled_from(SPECTRUM), max_size=4))):
-        name = f"s{number}"
         values = draw(module_values(key, strategy))
-        nodes[name] = (key, values)
-        links.append(("init.context", f"{name}.context"))
+        nodes[f"s{number}"] = (key, values)
         keeps &= values.get("apply") != "filter_only"
-        changed = ["phase"] if key == "charge_eff_phase" else ["magnitude"]
-        if key == "exit_pupil_mtf":
-            links.append(("pupil.pupil", f"{name}.pupil"))
-            changed = ["magnitude", "phase"]
-            if draw(st.booleans()):
-                nodes["pupil"] = (
-                    "exit_pupil",
-                    {**PUPIL, **draw(module_values("exit_pupil", strategy))},
-                )
+        if key == "exit_pupil_mtf" and draw(st.booleans()):
+            nodes["pupil"] = (
+                "exit_pupil",
+                {**PUPIL, **draw(module_values("exit_pupil", strategy))},
+            )
         # On mirrored frames an H that is not even along each axis moves the mean.
-        uneven = "phase" in changed or values.get("model") == "line"
-        keeps &= not (uneven and edges == "reflect")
-        for wire in changed:
-            links.append((f"{wires[wire]}.{wire}", f"{name}.{wire}"))
-            wires[wire] = name
-    links += [(f"{source}.{wire}", f"back.{wire}") for wire, source in wires.items()]
-    last, shape = "back", size
+        turns = key in ("charge_eff_phase", "exit_pupil_mtf")
+        keeps &= not ((turns or values.get("model") == "line") and edges == "reflect")
+    nodes["back"] = ("back_transform", {})
+    shape = size
     for number, key in enumerate(draw(st.lists(st.sampled_from(PICTURE), max_size=3))):
-        name = f"p{number}"
         values = draw(module_values(key, strategy))
-        nodes[name] = (key, values)
-        links.append((f"{last}.image", f"{name}.image"))
-        if declaration(LIBRARY[key]).input("context"):
-            links.append(("init.context", f"{name}.context"))
+        nodes[f"p{number}"] = (key, values)
         if key == "combine_pixels":
             fy, fx = values.get("factor_y", 2), values.get("factor_x", 2)
             keeps &= shape[0] % fy == 0 and shape[1] % fx == 0 and values.get("mode") != "sum"
             shape = shape[0] // fy, shape[1] // fx
         elif key != "anti_alias":
             keeps = False
-        last = name
-    document = linked_network(nodes, links, seed=draw(st.integers(0, 5)))
-    return size, Chain(document, last, keeps)
+    document = linked_network(nodes, in_order(nodes, LIBRARY), seed=draw(st.integers(0, 5)))
+    return size, Chain(document, list(nodes)[-1], keeps)

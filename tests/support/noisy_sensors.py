@@ -7,7 +7,7 @@ import numpy as np
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -81,28 +81,7 @@ def noisy_sensor(folder: Path, *kinds, platform="array", edges="reflect", factor
         "electronics": ("electronics_noise", electronics),
         "out": ("interpolate", {"width": 70, "height": 77} if resize else {}),
     }
-    links = [
-        ("scene.image", "photons.image"),
-        ("photons.image", "init.image"),
-        ("init.context", "blur.context"),
-        ("init.context", "optics.context"),
-        ("init.context", "charge.context"),
-        ("init.context", "charge_phase.context"),
-        ("init.context", "electronics.context"),
-        ("pupil.pupil", "optics.pupil"),
-        ("init.magnitude", "blur.magnitude"),
-        ("blur.magnitude", "optics.magnitude"),
-        ("init.phase", "optics.phase"),
-        ("optics.magnitude", "charge.magnitude"),
-        ("optics.phase", "charge_phase.phase"),
-        ("charge.magnitude", "back.magnitude"),
-        ("charge_phase.phase", "back.phase"),
-        ("back.image", "pixels.image"),
-        ("pixels.image", "periodic.image"),
-        ("periodic.image", "electronics.image"),
-        ("electronics.image", "out.image"),
-    ]
-    return Engine(LIBRARY), linked_network(nodes, links)
+    return Engine(LIBRARY), linked_network(nodes, in_order(nodes, LIBRARY))
 
 
 def picture_of(engine, network, folder, seed):

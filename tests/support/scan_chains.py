@@ -7,7 +7,7 @@ import numpy as np
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from delivered_chains import LIBRARY
-from linked_network import linked_network
+from linked_network import in_order, linked_network
 from scan_truth import ACROSS, ALONG, INIT, PUPILS, STAGES
 
 EXACT = Policy(precision="double", tolerance=0.0)
@@ -29,26 +29,13 @@ def network(stages, shape, edges="reflect", init=None, **params):
     nodes = {
         "file": ("read_image", {"path": "in.npy"}),
         "init": ("init_trans", {**INIT, **fields, "edges": edges, **(init or {})}),
-        "back": ("back_transform", {}),
-        "lines": ("line_by_line", params),
     }
-    links = [("file.image", "init.image"), ("init.context", "lines.context")]
-    wires = {"magnitude": "init", "phase": "init"}
     for stage in stages:
-        key, settings = STAGES[stage]
-        nodes[stage] = (key, settings)
-        links.append(("init.context", f"{stage}.context"))
-        changed = ("phase",) if key == "charge_eff_phase" else ("magnitude",)
-        if key == "exit_pupil_mtf":
+        if stage in PUPILS:
             nodes[f"{stage} pupil"] = ("exit_pupil", PUPILS[stage])
-            links.append((f"{stage} pupil.pupil", f"{stage}.pupil"))
-            changed = ("magnitude", "phase")
-        for name in changed:
-            links.append((f"{wires[name]}.{name}", f"{stage}.{name}"))
-            wires[name] = stage
-    for name, source in wires.items():
-        links += [(f"{source}.{name}", f"{end}.{name}") for end in ("back", "lines")]
-    return linked_network(nodes, links)
+        nodes[stage] = STAGES[stage]
+    nodes |= {"back": ("back_transform", {}), "lines": ("line_by_line", params)}
+    return linked_network(nodes, in_order(nodes, LIBRARY))
 
 
 def planned(folder, picture, document):

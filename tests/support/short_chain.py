@@ -7,7 +7,6 @@ from node_bench import NodeBench
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
-WIRES = {"charge_eff_phase": ("phase",), "exit_pupil_mtf": ("magnitude", "phase")}
 
 
 def fov_deg(size, interval_mrad):
@@ -28,23 +27,10 @@ def short_chain(folder, picture, modules, *, interval_mrad=1.0, init=(), precisi
     nodes = {
         "file": ("read_image", {"path": "in.npy", **fov}),
         "init": ("init_trans", dict(init)),
-        "back": ("back_transform", {}),
     }
-    links, wires, last = [("file.image", "init.image")], {}, "back"
+    pictures = {}
     for key, params in modules:
-        nodes[key] = (key, params)
-        declared = declaration(LIBRARY[key])
-        if declared.input("context"):
-            links.append(("init.context", f"{key}.context"))
-        if key == "exit_pupil_mtf":
-            links.append(("exit_pupil.pupil", "exit_pupil_mtf.pupil"))
-        if declared.input("image"):
-            links.append((f"{last}.image", f"{key}.image"))
-            last = key
-        elif key != "exit_pupil":
-            for wire in WIRES.get(key, ("magnitude",)):
-                links.append((f"{wires.get(wire, 'init')}.{wire}", f"{key}.{wire}"))
-                wires[wire] = key
-    for wire in ("magnitude", "phase"):
-        links.append((f"{wires.get(wire, 'init')}.{wire}", f"back.{wire}"))
-    return NodeBench(LIBRARY, folder, nodes, links, precision=precision), f"{last}.image"
+        of_picture = declaration(LIBRARY[key]).input("image")
+        (pictures if of_picture else nodes)[key] = (key, params)
+    nodes |= {"back": ("back_transform", {}), **pictures}
+    return NodeBench(LIBRARY, folder, nodes, precision=precision), f"{list(nodes)[-1]}.image"
