@@ -21,15 +21,14 @@ def linked_network(
 
 
 def in_order(nodes: Nodes, library: Mapping[str, type[Module]]) -> list[tuple[str, str]]:
-    """Links of each input to the last output of its name among the nodes before."""
+    """Links of each input to the last output of its name before; of a transfer, to a magnitude."""
     links: list[tuple[str, str]] = []
     last: dict[str, str] = {}
     for name, (key, _) in nodes.items():
         declared = declaration(library[key])
-        links += [
-            (last[port.name], f"{name}.{port.name}")
-            for port in declared.inputs
-            if port.name in last
-        ]
+        for port in declared.inputs:
+            taken = "magnitude" if port.name == "transfer" else port.name
+            if taken in last:
+                links.append((last[taken], f"{name}.{port.name}"))
         last |= {port.name: f"{name}.{port.name}" for port in declared.outputs}
     return links

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from core.modules.declaration import declaration
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -32,25 +31,15 @@ INIT = {
 }  # fmt: skip
 
 
-def bench_of(folder, key, params, *, init=None, scene=None, more=(), links=(), library=LIBRARY):
-    """The module as node `it`, its context, magnitude, phase and image inputs linked."""
-    taken = {target for _, target in links}
-    ports = {
-        "context": "init.context", "magnitude": "init.magnitude", "phase": "init.phase",
-        "image": "scene.image", "transfer": "init.magnitude",
-    }  # fmt: skip
+def bench_of(folder, key, params, *, init=None, scene=None, more=()):
+    """The module as node `it` behind the scene, Init & Trans and what `more` there is."""
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
         "init": ("init_trans", {**INIT, **(init or {})}),
         **dict(more),
         "it": (key, params),
     }
-    own = [
-        (ports[port.name], f"it.{port.name}")
-        for port in declaration(library[key]).inputs
-        if port.name in ports and f"it.{port.name}" not in taken
-    ]
-    return NodeBench(library, folder, nodes, [("scene.image", "init.image"), *own, *links])
+    return NodeBench(LIBRARY, folder, nodes)
 
 
 def gaussian(sigma_mrad, frequency):

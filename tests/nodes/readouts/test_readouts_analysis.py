@@ -26,15 +26,11 @@ from readout_bench import (
 )
 
 BLUR = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3}
-BLURRED = [("init.context", "blur.context"), ("init.magnitude", "blur.magnitude")]
 D_STAR, BANDWIDTH_HZ, GAIN = 1e9, 3e4, 0.02
 
 
 def test_slices_at_both_nyquist_frequencies(tmp_path):
-    bench = bench_of(
-        tmp_path, "mtf_slices", {}, more={"blur": ("gaussian_mtf", BLUR)},
-        links=[*BLURRED, ("blur.magnitude", "it.transfer")],
-    )  # fmt: skip
+    bench = bench_of(tmp_path, "mtf_slices", {}, more={"blur": ("gaussian_mtf", BLUR)})
     assert bench.readouts("it") == pytest.approx(
         {
             "at_nyquist_x": gaussian(0.4, NYQUIST_X),
@@ -59,11 +55,6 @@ def noisy(folder, key, params, platform="array"):
             "back": ("back_transform", {}),
             "noise": ("electronics_noise", noise),
         },
-        links=[
-            *BLURRED, ("blur.magnitude", "back.magnitude"), ("init.phase", "back.phase"),
-            ("back.image", "noise.image"), ("init.context", "noise.context"),
-            ("noise.image", "it.image"),
-        ],
     )  # fmt: skip
 
 
@@ -96,10 +87,8 @@ def test_readouts_of_the_noise_budget(tmp_path):
 
 def test_readouts_of_spatial_blur(tmp_path):
     """Two passes of 7 taps; the table's bound is tested beside the module."""
-    bench = bench_of(
-        tmp_path, "spatial_blur", {"half_width_px": 3}, more={"blur": ("gaussian_mtf", BLUR)},
-        links=[*BLURRED, ("blur.magnitude", "it.magnitude")],
-    )  # fmt: skip
+    more = {"blur": ("gaussian_mtf", BLUR)}
+    bench = bench_of(tmp_path, "spatial_blur", {"half_width_px": 3}, more=more)
     found = bench.readouts("it")
     assert found["taps"] == 14
     assert found["error_bound"] == bench.value("it.table").as_dict()["error_bound"] > 0
@@ -109,7 +98,6 @@ def test_readouts_of_lines(tmp_path):
     bench = bench_of(
         tmp_path, "line_by_line", {}, more={"blur": ("gaussian_mtf", BLUR)},
         scene={"fov_x_deg": 60.0}, init={"platform": "line"},
-        links=[*BLURRED, ("blur.magnitude", "it.magnitude")],
     )  # fmt: skip
     dx = math.radians(60.0) * 1000 / COLUMNS
     image, whole = bench.value("it.image"), bench.value("it.whole")
@@ -165,7 +153,6 @@ def test_readouts_of_a_measured_edge(tmp_path):
         LIBRARY,
         tmp_path,
         {"file": ("read_image", {"path": "edge.npy", **fov}), "it": ("measured_mtf", {})},
-        [("file.image", "it.image")],
     )
     x, y = math.radians(1.0) * 1000 / 80, math.radians(1.5) * 1000 / 96
     per_mrad = math.hypot(math.cos(math.radians(8)) / x, math.sin(math.radians(8)) / y)

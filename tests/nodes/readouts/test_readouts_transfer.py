@@ -236,9 +236,7 @@ def pupil(folder, shape, size_x=64, size_y=40, **settings):
     made = {"shape": shape, "radius": 15.0, "size_x": size_x, "size_y": size_y}
     params = {"size_x_cm": 1.2, "size_y_cm": 2.0, **settings}
     more = {"pupil": ("exit_pupil", made)}
-    return bench_of(
-        folder, "exit_pupil_mtf", params, more=more, links=[("pupil.pupil", "it.pupil")]
-    )
+    return bench_of(folder, "exit_pupil_mtf", params, more=more)
 
 
 PITCHES = {

@@ -36,8 +36,7 @@ def chain(**slicing):
         "jitter": ("jitter_mtf", {"sigma_mrad": 0.4}),
         "slices": ("mtf_slices", slicing),
     }
-    links = [*in_order(nodes, LIBRARY), ("jitter.magnitude", "slices.transfer")]
-    return linked_network(nodes, links)
+    return linked_network(nodes, in_order(nodes, LIBRARY))
 
 
 def sliced(document):
