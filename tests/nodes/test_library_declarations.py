@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from core.errors import unit_of
 from library_battery import DECLARED, LIBRARY
 from nodes import library
 
@@ -48,21 +49,12 @@ class TestDeclared:
             assert not parameter.required
 
     def test_units_in_names_and_declarations_agree(self, key):
-        endings = {
-            "_mrad": "mrad", "_um": "µm", "_mm": "mm", "_m": "m", "_cm": "cm", "_K": "K",
-            "_mK": "mK", "_Hz": "Hz", "_s": "s", "_deg": "deg", "_percent": "%", "_per_km": "1/km",
-            "_per_um": "1/µm",
-            "_m_per_s": "m/s", "_mrad_per_s": "mrad/s", "_cyc_per_mrad": "cyc/mrad", "_px": "px",
-            "_waves": None, "_e": "e-", "_e_per_s": "e-/s", "_e_per_dn": "e-/DN", "_dn": "DN",
-            "_dB": "dB", "_e_per_K": "e-/K",
-        }  # fmt: skip
         declared = DECLARED[key]
         named = [(p.name, p.param.unit) for p in declared.parameters]
         named += [(r.name, r.unit) for r in declared.readouts]
+        more = {"zernike_waves": "waves rms", "display_cd_m2": "cd/m²"}
         for name, unit in named:
-            ending = max((e for e in endings if name.endswith(e)), key=len, default=None)
-            if ending is not None and endings[ending] is not None:
-                assert unit == endings[ending], name
+            assert unit == more.get(name, unit_of(name)) or not unit_of(name), name
 
     def test_readouts_are_documented(self, key):
         declared = DECLARED[key]

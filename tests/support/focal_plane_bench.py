@@ -34,4 +34,4 @@ def focal_plane_bench(
 
 def cautions(bench, check):
     """What is warned of by that check."""
-    return [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == check]
+    return [c for c in bench.warnings() if c.check == check]

@@ -28,6 +28,9 @@ class NodeBench:
     def readouts(self, node):
         return self.engine.readouts(self.plan, node, self.work)
 
+    def warnings(self):
+        return self.engine.warnings(self.plan, self.work)
+
     def write(self, node):
         planned = self.plan.nodes[node]
         assert planned.error is None, planned.error

@@ -31,8 +31,7 @@ def lit(tmp_path):
 
 
 def warned(bench):
-    cautions = bench.engine.warnings(bench.plan, bench.work)
-    return [str(one) for one in cautions if one.node == "light"]
+    return [str(one) for one in bench.warnings() if one.node == "light"]
 
 
 def test_a_number(lit):

@@ -51,8 +51,7 @@ def test_an_asymmetric_kernel_needs_the_phase(tmp_path):
 
     def warned(text, **how):
         bench = bench_of(tmp_path, {"kernel": text}, **how)
-        found = bench.engine.warnings(bench.plan, bench.work)
-        return [one.check for one in found if one.node == "it"]
+        return [one.check for one in bench.warnings() if one.node == "it"]
 
     assert warned(WIDE, with_phase=False) == ["no_phase"]
     assert warned(WIDE) == warned(even, with_phase=False) == []

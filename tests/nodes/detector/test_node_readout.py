@@ -69,8 +69,7 @@ def test_an_image_that_leaves_the_frame_is_warned_of(tmp_path, axis, velocity, w
     """159 lines of 20 µs: 160 pixels at 5.03e4 pixels per second."""
     params = {f"image_velocity_{axis}": velocity}
     bench, _, _ = made(tmp_path, np.ones((SIZE, SIZE)), "rolling_shutter", params)
-    found = bench.engine.warnings(bench.plan, bench.work)
-    assert [c.check for c in found if c.node.startswith("rolling")] == ["away"] * warned
+    assert [c.check for c in bench.warnings() if c.node.startswith("rolling")] == ["away"] * warned
 
 
 def test_regions_are_those_of_the_whole(tmp_path):
@@ -111,13 +110,12 @@ def test_each_band_is_read_alone(tmp_path, module):
     cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
     write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
     read = {"path": "cube.img", "bands": "all", "fov_x_deg": 1, "fov_y_deg": 1}
-    nodes, links = {"read": ("read_image", read), "it": (module, CHAIN[module])}, [
-        ("read.image", "it.image")]  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    nodes = {"read": ("read_image", read), "it": (module, CHAIN[module])}
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     bands = bench.port("it.image").bands
     for number in range(3):
         alone = {**read, "bands": "one", "band": number}
-        single = NodeBench(LIBRARY, tmp_path, {**nodes, "read": ("read_image", alone)}, links)
+        single = NodeBench(LIBRARY, tmp_path, {**nodes, "read": ("read_image", alone)})
         band = bench.work.value(bands.band(number))
         np.testing.assert_allclose(band, single.value("it.image"), rtol=1e-6)
     means = bench.work.value(bands.means())
@@ -128,7 +126,7 @@ def test_each_band_is_read_alone(tmp_path, module):
 @pytest.mark.parametrize(("well", "warned"), [(10000.0, True), (150.0, False), (None, False)])
 def test_a_well_in_another_unit_is_warned_of(tmp_path, well, warned):
     bench, _, _ = made(tmp_path, 20.0 * np.eye(9), "blooming", {"full_well": well})
-    found = bench.engine.warnings(bench.plan, bench.work)
+    found = bench.warnings()
     assert [caution.check for caution in found] == ["well"] * warned
     if warned:
         assert "10000, but the picture's largest sample is 20 W/m²/sr: give" in str(found[0])
@@ -143,7 +141,7 @@ def test_digital_numbers_are_warned_of(tmp_path, module):
         links = [("file.image", "it.image")]
         links += [("file.image", "it.earlier")] if module == "persistence" else []
         bench = NodeBench(standard_library(), tmp_path, nodes, links)
-        return [c.check for c in bench.engine.warnings(bench.plan, bench.work) if c.node == "it"]
+        return [c.check for c in bench.warnings() if c.node == "it"]
 
     assert warned("DN") == ["digits"]
     assert warned("e-") == []
@@ -162,8 +160,7 @@ def test_charge_transfer_that_counts_twice_is_warned_of(tmp_path, module, axis, 
     chain = [(module, {}), ("charge_trails", {f"{axis}_efficiency": 0.999})]
     init = {**ONE_SAMPLE, "platform": "array"}
     bench, _ = short_chain(tmp_path, np.eye(9), chain, interval_mrad=INTERVAL, init=init)
-    found = bench.engine.warnings(bench.plan, bench.work)
-    twice = [str(caution) for caution in found if caution.check == "twice"]
+    twice = [str(caution) for caution in bench.warnings() if caution.check == "twice"]
     assert len(twice) == warned
     assert all(f"{module} also blurs" in text for text in twice)
 

@@ -114,13 +114,13 @@ def test_wavelengths_without_unit_are_warned_of(tmp_path, bands):
     for extra in ({}, {"wavelength_units": "um"}):
         envi(tmp_path, np.ones((3, 4, 5)), **fields, **extra)
         bench = reading(tmp_path, path="x.img", bands=bands)
-        said.append([str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)])
+        said.append([str(caution) for caution in bench.warnings()])
     assert any("read as µm: the header gives no unit" in line for line in said[0])
     assert not any("µm" in line for line in said[1])
 
 
 def said_by(bench):
-    return [str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)]
+    return [str(caution) for caution in bench.warnings()]
 
 
 BANDS = {"wavelength_units": "um", "data_units": "W/m^2/sr/um", "wavelength": "{8, 9, 10, 11}"}

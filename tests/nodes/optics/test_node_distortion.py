@@ -120,7 +120,7 @@ def test_figures_and_warnings(tmp_path):
     cos, sin = x.max() / corner, y.max() / corner  # a step along the row, radial and across
     stretch = math.hypot(cos / math.cos(corner) ** 2, sin * math.tan(corner) / corner)
     assert shown["largest_step"] == pytest.approx(stretch, rel=0.02)
-    texts = [caution.message for caution in bench.engine.warnings(bench.plan, bench.work)]
+    texts = [caution.message for caution in bench.warnings()]
     assert len(texts) == 1 + (stretch > 1.5)
     assert "look beyond the scene" in texts[0]
 
@@ -139,7 +139,7 @@ def test_the_scene_that_the_warning_asks_for(tmp_path):
                  "it": ("distortion", {"k1": -0.9, **params})}  # fmt: skip
         links = [("read.image", "camera.image"), ("camera.image", "it.image")]
         bench = NodeBench(LIBRARY, tmp_path, nodes, links)
-        return bench, [c for c in bench.engine.warnings(bench.plan, bench.work) if c.node == "it"]
+        return bench, [c for c in bench.warnings() if c.node == "it"]
 
     lens_field = [math.degrees(2 * math.atan(n * step / 2000)) for n in size[::-1]]
     _, (caution,) = made(size, lens_field, {})

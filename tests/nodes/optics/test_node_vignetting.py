@@ -10,7 +10,6 @@ from core.chain.step_lineage import lineage_of
 from core.errors import FileError, ParameterError
 from cube_files import C1_UM, C2_UM, centres, write_cube
 from field_bench import LIBRARY, angles, assert_same_in_blocks, field_bench
-from linked_network import linked_network
 from node_bench import NodeBench
 from region_checks import assert_parts
 
@@ -121,14 +120,13 @@ def test_bands_and_blocks(tmp_path):
     cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
     write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
     read = {"path": "cube.img", "bands": "all", "fov_x_deg": 40, "fov_y_deg": 30}
-    nodes, links = {"read": ("read_image", read), "it": ("vignetting", {})}, [
-        ("read.image", "it.image")]  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    nodes = {"read": ("read_image", read), "it": ("vignetting", {})}
+    bench = NodeBench(LIBRARY, tmp_path, nodes)
     image = bench.port("it.image")
     one, before = (bench.work.value(stack.band(1)) for stack in
                    (image.bands, bench.port("read.image").bands))  # fmt: skip
     np.testing.assert_allclose(one / before, bench.value("it.image") / bench.value("read.image"))
-    assert_parts(linked_network(nodes, links), ["it.image"], tmp_path)
+    assert_parts(bench.plan.network, ["it.image"], tmp_path)
     bench = field_bench(tmp_path, np.random.default_rng(2).random((300, 200)), "vignetting", {})
     assert_same_in_blocks(bench, "it.image", tmp_path, 200_000)
 

@@ -36,8 +36,7 @@ def bench_of(
 
 
 def cautions(bench, check):
-    found = bench.engine.warnings(bench.plan, bench.work)
-    return [caution.message for caution in found if caution.check == check]
+    return [caution.message for caution in bench.warnings() if caution.check == check]
 
 
 @pytest.mark.parametrize("case", reference_cases("focal_plane_lens", file=CAMERA))

@@ -23,8 +23,7 @@ def cautions(folder, check, *, init=None, tdi=None, detector=("focal_plane", {})
     }
     bench = NodeBench(LIBRARY, folder, nodes)
     assert bench.plan.errors() == []
-    found = bench.engine.warnings(bench.plan, bench.work)
-    return [caution.message for caution in found if caution.check == check]
+    return [caution.message for caution in bench.warnings() if caution.check == check]
 
 
 def test_an_exposure_longer_than_a_frame(tmp_path):

@@ -26,7 +26,7 @@ def checks(folder, **params):
 
 def cautions_of(bench):
     assert bench.plan.errors() == []
-    return bench.engine.warnings(bench.plan, bench.work)
+    return bench.warnings()
 
 
 def frame(mean, sigma):

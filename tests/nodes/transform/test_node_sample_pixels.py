@@ -286,7 +286,6 @@ def test_a_table_may_have_been_measured_behind_the_pixels(tmp_path, column):
             "back": ("back_transform", {}),
             "pixels": ("sample_pixels", {"factor_x": 2.0, "factor_y": 2.0}),
         }  # fmt: skip
-        bench = NodeBench(LIBRARY, tmp_path, nodes)
-        warned = bench.engine.warnings(bench.plan, bench.work)
+        warned = NodeBench(LIBRARY, tmp_path, nodes).warnings()
         remedies += [str(one) for one in warned if one.check == "no_average"]
     assert ["includes the pixel MTF" in line for line in remedies] == [True, False]

@@ -112,13 +112,12 @@ def test_the_elevation_is_that_of_the_orbit(tmp_path):
 def test_a_warning_names_what_lies_beyond_the_limits(tmp_path):
     """A camera of high SNR, as many satellites have; one within them is silent."""
     bench = bench_of(tmp_path, {"snr": 279.0, "range_m": 1000.0})
-    (caution,) = [one for one in bench.engine.warnings(bench.plan, bench.work)
-                  if one.node == "merit"]  # fmt: skip
+    (caution,) = [one for one in bench.warnings() if one.node == "merit"]
     assert caution.check == "limits"
     assert "snr = 279 (2 to 130)" in caution.text
     assert "gsd_inch = 0.3436 (3 to 80)" in caution.text  # 8.727 mm
     within = bench_of(tmp_path, {"snr": 50.0, "range_m": 40e3})
-    told = [one for one in within.engine.warnings(within.plan, within.work) if one.node == "merit"]
+    told = [one for one in within.warnings() if one.node == "merit"]
     assert told == []
 
 
@@ -147,8 +146,8 @@ def test_a_view_at_an_angle_of_the_reference(case, tmp_path):
 
 
 def cautions(bench, check):
-    return [one.text for one in bench.engine.warnings(bench.plan, bench.work)
-            if (one.node, one.check) == ("merit", check)]  # fmt: skip
+    told = bench.warnings()
+    return [one.text for one in told if (one.node, one.check) == ("merit", check)]
 
 
 @pytest.mark.parametrize(("unit", "mean"), [("1", 0.4), ("%", 40.0)])
