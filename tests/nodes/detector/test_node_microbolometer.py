@@ -185,14 +185,3 @@ def test_faults(tmp_path, params, words):
     error = str(bench_of(tmp_path, params).error("bolo"))
     assert words in error
     assert "\n" not in error
-
-
-def test_warnings(tmp_path):
-    def found(params):
-        bench = bench_of(tmp_path, params)
-        return [caution.message for caution in bench.plan.checks() if caution.node == "bolo"]
-
-    assert not found({})
-    assert "remains after" in found({"time_constant_s": 1.0})[0]
-    assert "f_number" in found({"f_number": 1.0})[0]
-    assert "band" in found({"cut_on_um": 3.0, "cut_off_um": 5.0})[0]

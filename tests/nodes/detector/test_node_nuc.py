@@ -95,10 +95,6 @@ def test_without_references_nothing_changes(tmp_path):
     assert bench.readouts("nuc")["pattern_low"] is None
 
 
-def test_faults_and_warnings(tmp_path):
+def test_references_of_one_temperature_are_refused(tmp_path):
     error = bench_of(tmp_path, {"low_K": 310, "high_K": 310}).error("nuc")
     assert "high_K" in str(error)
-    bench = NodeBench(LIBRARY, tmp_path, {"scene": ("test_scene", SCENE), "nuc": ("nuc", {})},
-                      [("scene.image", "nuc.image")])  # fmt: skip
-    (found,) = [caution for caution in bench.plan.checks() if caution.node == "nuc"]
-    assert "nothing to correct" in found.message

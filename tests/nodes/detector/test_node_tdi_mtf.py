@@ -85,11 +85,6 @@ def test_warnings(tmp_path):
         bench = bench_of(tmp_path, params, init)
         return [caution.message for caution in bench.plan.checks() if caution.node == "tdi"]
 
-    assert not found({"stages": 100, "velocity_mismatch_percent": 2.0})
-    assert (
-        "pixels away from its charge" in found({"stages": 100, "velocity_mismatch_percent": 2.1})[0]
-    )
-    assert "detector_um" in found({"detector_um": 8.0})[0]
     assert "a yaw of 2°" in found({"stages": 100, "yaw_deg": 2.0})[0]
     moving = {"line_rate_Hz": 3.0, "velocity_mismatch_percent": 1.0}
     (unused,) = found(moving, {**INIT, "velocity_m_per_s": 7200, "range_m": 6e5})

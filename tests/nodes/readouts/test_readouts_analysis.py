@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
-from edge_pictures import edge_mtf, edge_picture
-from node_bench import NodeBench
 from readout_bench import (
-    COLUMNS,
-    DY,
     F_NUMBER,
     FILL_X,
     FILL_Y,
     FOCAL_LENGTH_MM,
-    LIBRARY,
     NYQUIST_X,
     NYQUIST_Y,
     PITCH_X_UM,
@@ -85,40 +79,6 @@ def test_readouts_of_the_noise_budget(tmp_path):
     )
 
 
-def test_readouts_of_spatial_blur(tmp_path):
-    """Two passes of 7 taps; the table's bound is tested beside the module."""
-    more = {"blur": ("gaussian_mtf", BLUR)}
-    bench = bench_of(tmp_path, "spatial_blur", {"half_width_px": 3}, more=more)
-    found = bench.readouts("it")
-    assert found["taps"] == 14
-    assert found["error_bound"] == bench.value("it.table").as_dict()["error_bound"] > 0
-
-
-def test_readouts_of_lines(tmp_path):
-    bench = bench_of(
-        tmp_path, "line_by_line", {}, more={"blur": ("gaussian_mtf", BLUR)},
-        scene={"fov_x_deg": 60.0}, init={"platform": "line"},
-    )  # fmt: skip
-    dx = math.radians(60.0) * 1000 / COLUMNS
-    image, whole = bench.value("it.image"), bench.value("it.whole")
-    gap = np.abs(image - whole)
-    span = whole.max() - whole.min()
-    worst = int(gap.max(axis=0).argmax())
-    found = bench.readouts("it")
-    assert found == pytest.approx(
-        {
-            "rms_percent": 100 * math.sqrt(float((gap**2).mean())) / span,
-            "max_percent": 100 * gap.max() / span,
-            "max_view_deg": math.degrees((worst - (COLUMNS - 1) / 2) * dx / 1000),
-            "interval_nadir_mrad": DY * math.cos(dx / 2 / 1000),
-            "interval_edge_mrad": DY * math.cos((COLUMNS - 1) / 2 * dx / 1000),
-            "scale_nodes": 0,
-            "error_percent": 0,
-        },
-        rel=1e-9,
-    )
-
-
 def test_readouts_of_a_pushbroom(tmp_path):
     """1000 m up; 20 and 30 µm at 40 mm are 0.5 and 0.75 m, out to the ends of a line."""
     params = {
@@ -143,32 +103,3 @@ def test_readouts_of_a_pushbroom(tmp_path):
         },
         rel=1e-9,
     )
-
-
-def test_readouts_of_a_measured_edge(tmp_path):
-    """An edge at 8°, of a blur of 0.6 px; pixels of 0.218 and 0.273 mrad."""
-    np.save(tmp_path / "edge.npy", 270 + 30 * edge_picture(8, 0.6, (96, 80)))
-    fov = {"fov_x_deg": 1.0, "fov_y_deg": 1.5}
-    bench = NodeBench(
-        LIBRARY,
-        tmp_path,
-        {"file": ("read_image", {"path": "edge.npy", **fov}), "it": ("measured_mtf", {})},
-    )
-    x, y = math.radians(1.0) * 1000 / 80, math.radians(1.5) * 1000 / 96
-    per_mrad = math.hypot(math.cos(math.radians(8)) / x, math.sin(math.radians(8)) / y)
-    fine = np.linspace(0, 1, 10001)
-    curve = edge_mtf(fine, 8, 0.6)
-    half, tenth = (float(fine[np.argmax(curve < level)]) for level in (0.5, 0.1))
-    found = bench.readouts("it")
-    assert found["mtf50"] == pytest.approx(half * per_mrad, rel=0.004)
-    assert found["mtf50_per_pixel"] == pytest.approx(half, rel=0.004)
-    assert found["mtf10"] == pytest.approx(tenth * per_mrad, rel=0.02)
-    assert found["mtf10_per_pixel"] == pytest.approx(tenth, rel=0.02)
-    assert found["at_nyquist"] == pytest.approx(float(edge_mtf(0.5, 8, 0.6)), abs=0.002)
-    assert found["edge_angle_deg"] == pytest.approx(-8, abs=0.01)
-    table = bench.value("it.table").as_dict()
-    for name in ("mtf50_error", "at_nyquist_error"):
-        assert found[name] == table[name]
-    assert table["mtf50_error"] != table["at_nyquist_error"]
-    for name in ("expected_mtf50", "expected_at_nyquist", "largest_difference"):
-        assert found[name] is None  # no chain is known behind a file

@@ -57,16 +57,6 @@ CASES = {
         ("0.4 µm", "5800 K", "photon_weighting source"),
         {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}, "photon_weighting": "source"},
     ),
-    ("focal_plane", "material"): (
-        {"material_cutoff_um": 9.5},
-        ("8 to 12 µm", "material_cutoff_um = 9.5 µm", "cut_off_um"),
-        {"material_cutoff_um": 12.0},
-    ),
-    ("focal_plane", "dark_current"): (
-        {"detector_K": 77.0, "material_cutoff_um": 12.0},
-        ("77 K", "12 µm", "rule_07 is off"),
-        {"detector_K": 77.0, "material_cutoff_um": 12.0, "rule_07": True},
-    ),
     ("spectral_response", "unit"): (
         {"scene": {"unit": "K"}},
         ("'K'", "radiance", "W/m²/sr"),

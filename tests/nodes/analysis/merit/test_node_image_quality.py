@@ -169,10 +169,3 @@ def test_the_contrast_of_a_scene_in_reflectance(tmp_path, unit, mean, bands):
     expected = 0.08 / 0.4 * camera["signal_e"] / camera["temporal_noise_e"]
     assert bench.readouts("merit")["snr"] == pytest.approx(expected, rel=1e-6)
     assert not cautions(bench, "contrast")
-
-
-def test_a_contrast_of_unknown_reflectances_is_warned_of(tmp_path):
-    (said,) = cautions(bench_of(tmp_path), "contrast")
-    assert "its mean radiance is assumed to come from a surface of 15 %" in said
-    assert not cautions(bench_of(tmp_path, {"snr": 50.0}), "contrast")
-    assert not cautions(bench_of(tmp_path, {"snr_of": "mean"}), "contrast")

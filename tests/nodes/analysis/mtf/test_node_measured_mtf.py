@@ -15,6 +15,7 @@ from nodes.input_output.read_image import ReadImage
 from small_library import library_of
 
 LIBRARY = library_of([ReadImage, MeasuredMTF])
+ERRORS = ("mtf50_error", "at_nyquist_error")
 FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.5}
 
 
@@ -52,15 +53,21 @@ def test_frequencies_are_angular_along_the_normal_of_oblong_pixels(tmp_path, acr
     truth = edge_mtf(cycles, 8, 0.6)
     assert np.max(np.abs(curve.series[0].y - truth)[below]) < 0.002
     found = engine.readouts(plan, "out", work)
-    fine = np.linspace(0, 0.5, 5001)
-    half = fine[np.argmax(edge_mtf(fine, 8, 0.6) < 0.5)]
+    fine = np.linspace(0, 1, 10001)
+    half, tenth = (fine[np.argmax(edge_mtf(fine, 8, 0.6) < level)] for level in (0.5, 0.1))
     assert found["mtf50_per_pixel"] == pytest.approx(half, abs=0.001)
     assert found["mtf50"] == pytest.approx(half * per_mrad, rel=0.004)
+    assert found["mtf10_per_pixel"] == pytest.approx(tenth, rel=0.02)
+    assert found["mtf10"] == pytest.approx(tenth * per_mrad, rel=0.02)
     assert found["at_nyquist"] == pytest.approx(edge_mtf(0.5, 8, 0.6), abs=0.002)
+    for name in ("expected_mtf50", "expected_at_nyquist", "largest_difference"):
+        assert found[name] is None  # no chain is known behind a file
     table = engine.value(plan, "out.table", work).as_dict()
     assert table["direction"] == across
     assert table["contrast"] == pytest.approx(30, rel=1e-3)
     assert table["nyquist"] == pytest.approx(0.5 * per_mrad)
+    assert [found[name] for name in ERRORS] == [table[name] for name in ERRORS]
+    assert table["mtf50_error"] != table["at_nyquist_error"]
 
 
 def test_direction_of_the_normal(tmp_path):
