@@ -141,15 +141,19 @@ BROKEN = {
 }
 
 
+def as_installed(folder, name, code):
+    """A package of one file of modules, as an installer leaves it."""
+    (folder / f"{name}.py").write_text(code, encoding="utf-8")
+    about = folder / f"{name}-1.0.dist-info"
+    about.mkdir()
+    shown = name.replace("_", "-")
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {shown}\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(f"[imagechain.modules]\nlens = {name}:MODULES\n")
+
+
 def test_broken_packages_keep_nobody_from_working(tmp_path):
     for name, (code, _) in BROKEN.items():
-        (tmp_path / f"{name}.py").write_text(code, encoding="utf-8")
-        about = tmp_path / f"{name}-1.0.dist-info"
-        about.mkdir()
-        shown = name.replace("_", "-")
-        (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {shown}\nVersion: 1.0\n")
-        entry = f"[imagechain.modules]\nlens = {name}:MODULES\n"
-        (about / "entry_points.txt").write_text(entry)
+        as_installed(tmp_path, name, code)
     network = {**NETWORK, "nodes": {"lens": {"module": "broken_lens.lens"}}, "links": []}
     (tmp_path / "net.json").write_text(json.dumps(network), encoding="utf-8")
     script = (
@@ -241,12 +245,7 @@ FAULTS = {
 
 
 def test_a_fault_in_a_plug_in_names_it(tmp_path):
-    (tmp_path / "faulty_optics.py").write_text(FAULTY, encoding="utf-8")
-    about = tmp_path / "faulty_optics-1.0.dist-info"
-    about.mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: faulty-optics\nVersion: 1.0\n")
-    entry = "[imagechain.modules]\nall = faulty_optics:MODULES\n"
-    (about / "entry_points.txt").write_text(entry)
+    as_installed(tmp_path, "faulty_optics", FAULTY)
     nodes = {
         "scene": {"module": "test_scene", "params": {"width": 16, "height": 16}},
         "glass": {"module": "faulty_optics.filter"},

@@ -99,23 +99,6 @@ class TestPatternOfDetectors:
         assert spoilt[name.format("y")] == pytest.approx(clean[name.format("y")], rel=0.05)
 
 
-@pytest.mark.parametrize(
-    ("platform", "scanning", "ends"),
-    [
-        ("push", "serial_scan", {"vertical"}),
-        ("push", "parallel_scan", {"horizontal"}),
-        ("push", "staring", {"horizontal", "vertical"}),
-        ("line", "parallel_scan", {"vertical"}),
-        ("line", "serial_scan", {"vertical"}),
-    ],
-)
-def test_where_the_sensor_samples(platform, scanning, ends):
-    """One detector scans along x; several along the flight of a push, else along x."""
-    curves = curves_of("mrtd", platform, {"scanning": scanning})
-    for label in ("horizontal", "vertical"):
-        assert bool(curves[label].x[-1] < NYQUIST) == (label in ends)
-
-
 class TestNoiseBehindAFilter:
     """A pre-amplifier of the dwell time leaves 40 % of the variance, at low frequencies mostly."""
 

@@ -88,9 +88,15 @@ class TestMrtd:
             ("line", "staring", ("horizontal", "vertical")),
             ("array", "parallel_scan", ("vertical",)),
             ("array", "serial_scan", ("vertical",)),
+            ("push", "serial_scan", ("vertical",)),
+            ("push", "parallel_scan", ("horizontal",)),
+            ("push", "staring", ("horizontal", "vertical")),
+            ("line", "parallel_scan", ("vertical",)),
+            ("line", "serial_scan", ("vertical",)),
         ],
     )
     def test_sampled_directions_end_at_nyquist(self, platform, scanning, ends):
+        """One detector scans along x; several along the flight of a push, else along x."""
         curves = curves_of("mrtd", {"scanning": scanning}, init={"platform": platform})
         for label in ("horizontal", "vertical"):
             last = curves[label].x[-1]
