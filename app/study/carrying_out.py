@@ -15,7 +15,7 @@ from typing import Any
 from app.run.option_values import save_target, study_path, summary_path
 from app.run.process import Stopped, too_late
 from app.run.shipped import find_network
-from app.study.point_rows import Row, RowMaker, Setting, Task, tasks_of
+from app.study.point_rows import Row, RowMaker, Setting, Task
 from app.study.study_journal import Journal, write_columns
 from app.study.study_points import GRID, Values
 from app.study.study_request import Study, StudyRows, make_study
@@ -96,35 +96,54 @@ def carry_out(
     """
     workers.check()
     if output is None:
-        made: dict[int, Row] = {}
-        run = _Run(study, workers, made.update, reached, cancel)
-        run.rest(made)
-        return _summarised(run.result(made), summaries)
+        result = _collected(study, workers, {}, cancel, reached)
+        _summarise(result, summaries)
+        return result
     with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
-        journal.forget(place for place, row in list(journal.rows.items()) if _lost(study, row))
-        run = _Run(study, workers, lambda rows: journal.add(rows.values()), reached, cancel)
+        for row in [row for row in journal.rows.values() if _lost(study, row)]:
+            del journal.rows[row.place]  # made anew: a later line of the same point holds
         try:
-            run.rest(journal.rows)
+            result = _collected(study, workers, journal.rows, cancel, reached, journal.add)
         except (Stopped, Cancelled) as error:
             raise Suspended(_kept("stopped", journal, study)) from error
         except ImagechainError as error:
             error.message = _kept(error.message, journal, study)
             raise
         too_late(cancel)
-        result = run.result(journal.rows)
         write_columns(result.columns(), output, study.name)
-        _summarised(result, summaries)
+        _summarise(result, summaries)
         journal.remove()
     return result
 
 
-def _summarised(result: StudyRows, pages: Sequence[Path]) -> StudyRows:
+def _collected(
+    study: Study,
+    workers: Workers,
+    rows: dict[int, Row],
+    cancel: threading.Event | None,
+    reached: Reached | None,
+    keep: Callable[[list[Row]], object] = lambda _: None,
+) -> StudyRows:
+    """All rows, of which some may be there; the others are added, and kept as they come."""
+    reached = reached or (lambda _: None)
+    reached(len(rows))
+    start, start_s = time.monotonic(), 0.0
+    with contextlib.closing(_made(study, workers, rows, cancel)) as batches:
+        for made in batches:
+            if not (made or start_s):
+                start_s = time.monotonic() - start
+            keep(made)
+            rows.update((row.place, row) for row in made)
+            reached(len(rows))
+    return StudyRows(study, tuple(rows[place] for place in range(len(study.points))), start_s)
+
+
+def _summarise(result: StudyRows, pages: Sequence[Path]) -> None:
     if pages:
         from app.study.study_drawing import write_summary
 
         for page in pages:
             write_summary(result, page)
-    return result
 
 
 def run_study(
@@ -171,98 +190,53 @@ def run_study(
     return carry_out(study, workers, output=path, summaries=pages, fresh=fresh)
 
 
-class _Run:
-    def __init__(
-        self,
-        study: Study,
-        workers: Workers,
-        keep: Callable[[dict[int, Row]], object],
-        reached: Reached | None,
-        cancel: threading.Event | None,
-    ) -> None:
-        self._study, self._workers = study, workers
-        self._keep, self._reached, self._cancel = keep, reached, cancel
-        self._start_s = 0.0
-        self._maker: RowMaker | None = None
+def _made(
+    study: Study, workers: Workers, done: Mapping[int, Row], cancel: threading.Event | None
+) -> Generator[list[Row]]:
+    """The rows that are not done: by this process, or by others as soon as that is worth it."""
+    order = [place for place in study.order if place not in done]
+    files = study.files or [()] * len(study.points)
+    tasks = [(place, study.points[place], files[place]) for place in order]
+    if tasks and (workers.scheduler or workers.jobs > 1):
+        yield from _by_others(study, workers, tasks, workers.jobs, cancel)
+        return
+    several = workers.jobs == 0 and _cores() > 1
+    took: list[float] = []
+    start = time.monotonic()
+    maker = None
+    for number, task in enumerate(tasks, 1):
+        maker = maker or RowMaker(_setting(study, workers, study.policy), study.library)
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("stopped on request")
+        row = maker.row(task, cancel)
+        took.append(row.seconds)
+        yield [row]
+        if several and time.monotonic() > start + ALONE_S:
+            several = False
+            usual = took[1:] or took  # the first one makes what the others share
+            if sum(usual) / len(usual) * (len(tasks) - number) > _WORTH_S:
+                del maker  # and what it has kept
+                yield from _by_others(study, workers, tasks[number:], _cores(), cancel)
+                return
 
-    def rest(self, done: dict[int, Row]) -> None:
-        self._count = len(done)
-        self._tell()
-        workers = self._workers
-        if workers.scheduler or workers.jobs > 1:
-            self._by_others(self._left(done), workers.jobs)
-            return
-        several = workers.jobs == 0 and _cores() > 1
-        took = self._here(self._left(done), time.monotonic() + ALONE_S if several else None)
-        left = self._left(done)
-        usual = took[1:] or took or [0.0]  # the first one makes what the others share
-        if sum(usual) / len(usual) * len(left) > _WORTH_S:
-            self._by_others(left, _cores())
-        else:
-            self._here(left, None)
 
-    def result(self, done: dict[int, Row]) -> StudyRows:
-        rows = tuple(done[place] for place in range(len(self._study.points)))
-        return StudyRows(self._study, rows, self._start_s)
+def _by_others(
+    study: Study, workers: Workers, tasks: list[Task], jobs: int, cancel: threading.Event | None
+) -> Generator[list[Row]]:
+    policy, scheduler = study.policy, workers.scheduler
+    if not scheduler:
+        # The engine's threads beside those of the other processes would be in their way.
+        threads = policy.threads or max(1, _cores() // jobs)
+        setting = _setting(study, workers, replace(policy, threads=threads))
+        return process_rows(setting, tasks, jobs, cancel)
+    from app.study.dask_study import cluster_rows
 
-    def _left(self, done: dict[int, Row]) -> list[Task]:
-        order = [place for place in self._study.order if place not in done]
-        return tasks_of(order, self._study.points, self._study.files)
+    setting = _setting(study, workers, replace(policy, threads=policy.threads or 1))
+    return cluster_rows(setting, study.key, tasks, scheduler, workers.tls, cancel)
 
-    def _here(self, tasks: Sequence[Task], until: float | None) -> list[float]:
-        """Compute in this process; gives the seconds of each point."""
-        took: list[float] = []
-        if not tasks:
-            return took
-        if self._maker is None:
-            self._maker = RowMaker(self._setting(self._study.policy), self._study.library)
-        for task in tasks:
-            if self._cancel is not None and self._cancel.is_set():
-                raise Cancelled("stopped on request")
-            row = self._maker.row(task, self._cancel)
-            took.append(row.seconds)
-            self._take([row])
-            if until is not None and time.monotonic() > until:
-                break
-        return took
 
-    def _by_others(self, tasks: Sequence[Task], jobs: int) -> None:
-        if not tasks:
-            return
-        self._maker = None  # and what it has kept
-        begun = time.monotonic()
-        with contextlib.closing(self._others(tasks, jobs)) as batches:
-            for rows in batches:
-                if not self._start_s:
-                    self._start_s = time.monotonic() - begun
-                self._take(rows)
-
-    def _others(self, tasks: Sequence[Task], jobs: int) -> Generator[list[Row]]:
-        policy, scheduler = self._study.policy, self._workers.scheduler
-        if not scheduler:
-            # The engine's threads beside those of the other processes would be in their way.
-            threads = policy.threads or max(1, _cores() // jobs)
-            setting = self._setting(replace(policy, threads=threads))
-            return process_rows(setting, self._study.library, tasks, jobs, self._cancel)
-        from app.study.dask_study import cluster_rows
-
-        setting = self._setting(replace(policy, threads=policy.threads or 1))
-        return cluster_rows(
-            setting, self._study.key, tasks, scheduler, self._workers.tls, self._cancel
-        )
-
-    def _setting(self, policy: Policy) -> Setting:
-        setting = self._study.setting(policy)
-        return replace(setting, memory_bytes=self._workers.memory_bytes)
-
-    def _take(self, rows: Sequence[Row]) -> None:
-        self._keep({row.place: row for row in rows})
-        self._count += len(rows)
-        self._tell()
-
-    def _tell(self) -> None:
-        if self._reached is not None:
-            self._reached(self._count)
+def _setting(study: Study, workers: Workers, policy: Policy) -> Setting:
+    return replace(study.setting(policy), memory_bytes=workers.memory_bytes)
 
 
 def _lost(study: Study, row: Row) -> bool:

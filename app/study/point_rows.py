@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -67,7 +66,6 @@ class RowMaker:
         self._engine = Engine(library, Store(kept // share))
         plan = self._engine.plan(setting.network, folder=setting.folder)
         self._evaluator = PointEvaluator(self._engine, plan, setting.targets, setting.figures)
-        self._keys = NetworkKeys(setting, library)
         self._checked: dict[str, ImagechainError | None] = {}
 
     def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
@@ -81,7 +79,7 @@ class RowMaker:
         try:
             plan = self._evaluator.planned(values)
             warnings = self._evaluator.warnings_of(plan)
-            key = self._keys.of(plan.network)
+            key = network_key(plan.network, self.setting, self._engine.library)
             work = self._engine.work(self.setting.policy, cancel=cancel)
             result = self._evaluator.figures_of(plan, work)
             reasons += [
@@ -136,32 +134,21 @@ class RowMaker:
                 raise fault
 
 
-class NetworkKeys:
-    """Content keys of networks that differ in few nodes; layout and names do not count."""
+def network_key(network: Network, setting: Setting, library: Library) -> str:
+    """Content key of what is computed; layout and names do not count."""
+    links = tuple(str(link) for link in network.links)
+    study = content_key(
+        "study", setting.version, network.seed, setting.policy.key, links, tuple(network.nodes)
+    )
+    nodes = network.nodes.values()
+    return content_key(study, *(_node_key(node, library, setting.folder) for node in nodes))
 
-    def __init__(self, setting: Setting, library: Library) -> None:
-        self._library, self._folder = library, setting.folder
-        first = setting.network
-        links = tuple(str(link) for link in first.links)
-        self._rest = content_key(
-            "study", setting.version, first.seed, setting.policy.key, links, tuple(first.nodes)
-        )
-        self._known: dict[str, tuple[Node, str]] = {}
 
-    def of(self, network: Network) -> str:
-        keys = []
-        for name, node in network.nodes.items():
-            known = self._known.get(name)
-            if known is None or known[0] is not node:
-                known = self._known[name] = (node, self._node_key(node))
-            keys.append(known[1])
-        return content_key(self._rest, *keys)
-
-    def _node_key(self, node: Node) -> str:
-        stamps = tuple(file_stamp(file) for file in input_paths(node, self._library, self._folder))
-        return content_key(
-            node.id, node.module, node.params, node.disabled, node.noise, node.final, stamps
-        )
+def _node_key(node: Node, library: Library, folder: Path) -> str:
+    stamps = tuple(file_stamp(file) for file in input_paths(node, library, folder))
+    return content_key(
+        node.id, node.module, node.params, node.disabled, node.noise, node.final, stamps
+    )
 
 
 def input_paths(node: Node, library: Library, folder: Path) -> list[Path]:
@@ -183,12 +170,6 @@ def file_stamp(file: Path) -> tuple[int, int] | None:
     except (OSError, ValueError):
         return None
     return status.st_size, status.st_mtime_ns
-
-
-def tasks_of(
-    order: Sequence[int], points: Sequence[tuple[Any, ...]], files: Sequence[tuple[str, ...]]
-) -> list[Task]:
-    return [(place, points[place], files[place] if files else ()) for place in order]
 
 
 def _fault(samples: Any, port: str) -> ImagechainError | None:

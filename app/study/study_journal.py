@@ -19,7 +19,7 @@ import numpy as np
 
 from app.run.readout_tables import exact
 from app.study.point_rows import Row
-from core.atomic import atomic_file, no_regular_file, write_bytes, write_text
+from core.atomic import atomic_file, write_bytes, write_text
 from core.errors import FileError, UsageError, how_to_install
 from core.file_lock import is_held, take
 from core.names import printable
@@ -36,7 +36,6 @@ class Journal:
     """One line for each row that is done, each with a checksum; a torn last line is cut off.
 
     Used as a context manager. It holds a lock, so that two studies do not write one output.
-
     `fresh` throws away what an earlier study has left.
     """
 
@@ -45,112 +44,82 @@ class Journal:
         self.rows: dict[int, Row] = {}
         self._head = {"format": FORMAT, "version": VERSION, "study": key, "points": points}
         self._output, self._fresh = output, fresh
-        self._lock_path = output.with_name(f".{output.name}{SUFFIX}.lock")
-        self._descriptor = -1
-        self._end = 0
-        self._flushed = time.monotonic()
+        self._open = contextlib.ExitStack()
+        self._end, self._flushed = 0, time.monotonic()
 
     def __enter__(self) -> Self:
-        try:
-            self._lock = take(self._lock_path)
-        except OSError as error:
-            raise _cannot(self.path, error) from error
-        if self._lock is None and is_held(self._lock_path):
-            raise FileError(f"cannot write {self._output}: another study is writing it")
-        try:
-            self._open()
-        except BaseException:
-            self._close()
-            raise
+        lock_path = self._output.with_name(f".{self.path.name}.lock")
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+        with self._open as opened:
+            try:
+                if (lock := take(lock_path)) is not None:
+                    opened.callback(lock.let_go)
+                elif is_held(lock_path):
+                    raise FileError(f"cannot write {self._output}: another study is writing it")
+                self._file = os.open(self.path, flags, 0o666)
+                opened.callback(os.close, self._file)
+                self._read(b"" if self._fresh else self.path.read_bytes())
+                self._cut()
+            except OSError as error:
+                raise self._cannot(error) from error
+            if self._end == 0:
+                self._write(_line(self._head))
+            self._open = opened.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
-        with contextlib.suppress(OSError):
-            if self._descriptor >= 0:
-                os.fsync(self._descriptor)
-        self._close()
+        with self._open, contextlib.suppress(OSError):
+            os.fsync(self._file)
 
     def add(self, rows: Iterable[Row]) -> None:
         """Keep rows; each is whole in the file, or not there."""
-        new = [row for row in rows if row.place not in self.rows]
-        self._write(b"".join(_line(row) for row in new))
-        self.rows.update((row.place, row) for row in new)
+        rows = list(rows)
+        self._write(b"".join(map(_line, rows)))
+        self.rows.update((row.place, row) for row in rows)
         if time.monotonic() > self._flushed + _FLUSH_S:
-            os.fsync(self._descriptor)
+            os.fsync(self._file)
             self._flushed = time.monotonic()
-
-    def forget(self, places: Iterable[int]) -> None:
-        """Rows that are to be made anew; a later line of the same point holds."""
-        for place in places:
-            self.rows.pop(place, None)
 
     def remove(self) -> None:
         with contextlib.suppress(OSError):
             self.path.unlink(missing_ok=True)
 
-    def _open(self) -> None:
-        try:
-            if self.path.exists() and (unfit := no_regular_file(self.path.stat().st_mode)):
-                raise FileError(f"cannot write {self.path}: {unfit}")
-            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
-            self._descriptor = os.open(self.path, flags | getattr(os, "O_BINARY", 0), 0o666)
-            content = b"" if self._fresh else self.path.read_bytes()
-            self._read(content)
-            os.ftruncate(self._descriptor, self._end)
-            os.lseek(self._descriptor, self._end, os.SEEK_SET)
-        except OSError as error:
-            raise _cannot(self.path, error) from error
-        if self._end == 0:
-            self._write(_line(self._head))
-
     def _read(self, content: bytes) -> None:
         lines = list(_whole_lines(content))
-        if not lines:
-            # Something is there, and not even its first line is whole: nothing of it counts.
-            if content and not _line(self._head).startswith(content):
-                raise UsageError(f"{self.path}: not the journal of a study; --fresh discards it")
-            return
-        head = lines[0][1]
-        if not isinstance(head, dict) or head.get("format") != FORMAT:
+        head = lines[0][1] if lines else None
+        # Nothing counts of a file of which not even the first line is whole.
+        torn = not lines and _line(self._head).startswith(content)
+        if not torn and (not isinstance(head, dict) or head.get("format") != FORMAT):
             raise UsageError(f"{self.path}: not the journal of a study; --fresh discards it")
-        if head != self._head:
+        if lines and head != self._head:
             raise UsageError(
                 f"{self._output}: another study, or this one with other inputs, was started "
                 f"there and is not finished ({len(lines) - 1} rows in {self.path.name}); "
                 "--fresh discards it"
             )
-        for _, entry in lines[1:]:
-            row = _row(entry)
-            if row is not None:
+        for self._end, entry in lines:
+            if isinstance(entry, list) and len(entry) == len(Row._fields):
+                row = Row(*entry)
+                row = row._replace(figures=tuple(row.figures), warnings=tuple(row.warnings))
                 self.rows[row.place] = row
-        self._end = lines[-1][0]
 
     def _write(self, data: bytes) -> None:
         try:
             written = 0
             while written < len(data):
-                written += os.write(self._descriptor, data[written:])
+                written += os.write(self._file, data[written:])
         except OSError as error:
             with contextlib.suppress(OSError):
-                os.ftruncate(self._descriptor, self._end)
-                os.lseek(self._descriptor, self._end, os.SEEK_SET)
-            raise _cannot(self.path, error) from error
+                self._cut()
+            raise self._cannot(error) from error
         self._end += len(data)
 
-    def _close(self) -> None:
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
-        if self._lock is not None:
-            self._lock.let_go()
-            self._lock = None
+    def _cut(self) -> None:
+        os.ftruncate(self._file, self._end)
+        os.lseek(self._file, self._end, os.SEEK_SET)
 
-
-def _row(entry: Any) -> Row | None:
-    if not isinstance(entry, list) or len(entry) not in (5, 6):
-        return None
-    row = Row(*entry)  # journals of earlier versions have no warnings
-    return row._replace(figures=tuple(row.figures), warnings=tuple(row.warnings))
+    def _cannot(self, error: OSError) -> FileError:
+        return FileError(f"cannot write {self.path}: {error.strerror or error}")
 
 
 def _line(entry: Any) -> bytes:
@@ -173,10 +142,6 @@ def _whole_lines(content: bytes) -> Iterator[tuple[int, Any]]:
 
 def _checksum(text: str) -> str:
     return hashlib.blake2b(text.encode(), digest_size=_DIGITS // 2).hexdigest()
-
-
-def _cannot(path: Path, error: OSError) -> FileError:
-    return FileError(f"cannot write {path}: {error.strerror or error}")
 
 
 # The rows of a study as a file: CSV, Parquet or netCDF.

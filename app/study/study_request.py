@@ -17,7 +17,7 @@ from app.run.overrides import listed
 from app.run.process import version
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
-from app.study.point_rows import NetworkKeys, Row, Setting, file_stamp, input_paths
+from app.study.point_rows import Row, Setting, file_stamp, input_paths, network_key
 from app.study.study_journal import SUFFIX, Column, check_installed
 from app.study.study_points import (
     MOST_POINTS,
@@ -194,7 +194,7 @@ class Study:
         """Content key: of two studies with one key all rows are the same."""
         setting = self.setting()
         return content_key(
-            NetworkKeys(setting, self.library).of(self.network),
+            network_key(self.network, setting, self.library),
             tuple(axis.text for axis in self.axes),
             self.points,
             tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),

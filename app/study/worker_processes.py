@@ -11,15 +11,13 @@ import subprocess
 import sys
 import threading
 from collections import Counter
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from app.run.shipped import command, environment
 from app.study.point_rows import Row, Setting, Task
 from core.errors import Cancelled, FileError
-from core.modules.declaration import Library
-from core.network.network import Network
 
 _STARTS = 3  # attempts at a process that ends before it can compute
 _END_S = 5.0  # for a process to remove what it has half written
@@ -31,28 +29,18 @@ _VARIABLES = {
     "MALLOC_MMAP_THRESHOLD_": str(1 << 25),
     "MALLOC_TRIM_THRESHOLD_": str(1 << 28),
 }
-
-
 _MOST = 500  # points of a batch
 _LOOK_S = 0.1
 
 
 class WorkerEnded(Exception):
-    """Who had a batch ended before it was done; `blamed` where a point of it may be why."""
-
-    def __init__(self, *, blamed: bool = True) -> None:
-        super().__init__()
-        self.blamed = blamed
+    """Who had a batch ended before it was done."""
 
 
 class Workers:
     lanes: int  # how many stretches the points are parted into
     most_ends: int  # of workers within a point, before it is the point's own fault
     why: str  # the error of such a point
-
-    def free(self, busy: Sequence[int]) -> Iterable[int]:
-        """Lanes that can take one more batch; `busy` has the lane of each that is out."""
-        return {*range(self.lanes)} - {*busy}
 
     def submit(self, lane: int, batch: list[Task]) -> Any:
         """A future of the rows of the batch's first points."""
@@ -66,7 +54,7 @@ class Workers:
         return rows
 
 
-class Lanes:
+class _Lanes:
     """A stretch of the points for each worker; who has come to its end takes half of another's.
 
     Neighbours so come to one worker, and share what is known. A batch is as long as a worker did
@@ -83,7 +71,6 @@ class Lanes:
         return sum(map(len, self._stretches))
 
     def batch(self, worker: int) -> list[Task]:
-        """The next points for a worker; none when all are handed out."""
         if not self._stretches[worker]:
             longest = max(self._stretches, key=len)
             half = len(longest) // 2
@@ -111,7 +98,7 @@ def dealt_rows(
     The points of a worker that has ended are tried again once all others are done, one at a time
     with nothing beside them: it shows which it was, and one may need all of the memory.
     """
-    lanes, again, ends = Lanes(tasks, workers.lanes), list[Task](), Counter[int]()
+    lanes, again, ends = _Lanes(tasks, workers.lanes), list[Task](), Counter[int]()
     out: dict[Any, tuple[int, list[Task]]] = {}
     landed = threading.Event()
 
@@ -123,7 +110,7 @@ def dealt_rows(
     for lane in range(workers.lanes):
         send(lane, [])
     while lanes.left or again or out:
-        for lane in workers.free([lane for lane, _ in out.values()]):
+        for lane in {*range(workers.lanes)} - {lane for lane, _ in out.values()}:
             if lanes.left:
                 send(lane, lanes.batch(lane))
         if again and not out and not lanes.left:
@@ -137,8 +124,8 @@ def dealt_rows(
             lane, batch = out.pop(future)
             try:
                 rows = workers.rows(future)
-            except WorkerEnded as error:
-                ends.update(task[0] for task in batch if error.blamed)
+            except WorkerEnded:
+                ends.update(task[0] for task in batch)
                 if len(batch) == 1 and ends[batch[0][0]] >= workers.most_ends:
                     yield [Row(batch[0][0], (None,) * figures, "", 0.0, workers.why)]
                 else:
@@ -152,48 +139,31 @@ def dealt_rows(
 
 
 def process_rows(
-    setting: Setting,
-    library: Library,
-    tasks: Sequence[Task],
-    jobs: int,
-    cancel: threading.Event | None = None,
+    setting: Setting, tasks: Sequence[Task], jobs: int, cancel: threading.Event | None = None
 ) -> Generator[list[Row]]:
     """The rows of points as they come; the first, empty list when a process is ready."""
     jobs = min(jobs, len(tasks))
-    first = pickle.dumps((setting, jobs, _needed(library, setting.network)))
-    processes = _Processes([_Process(first) for _ in range(jobs)])
+    processes = _Processes(pickle.dumps((setting, jobs)), jobs)
     try:
         yield from dealt_rows(processes, tasks, len(setting.figures), cancel)
     finally:
         processes.end()
 
 
-def _needed(library: Library, network: Network) -> Library | None:
-    """The network's own modules, as a process starts in half the time without all the others.
-
-    None where a package has made the class of one at run time: a process asks that package then.
-    """
-    keys = {node.module for node in network.nodes.values()}
-    modules = {key: library[key] for key in keys if key in library}
-    for module in modules.values():
-        if getattr(sys.modules.get(module.__module__), module.__qualname__, None) is not module:
-            return None
-    return modules
-
-
 class _Processes(Workers):
     most_ends = 3
     why = f"the process that computed it stopped {most_ends} times"
 
-    def __init__(self, processes: Sequence[_Process]) -> None:
-        self.lanes = len(processes)
-        self._processes = processes
-        self._threads = ThreadPoolExecutor(len(processes))
+    def __init__(self, first: bytes, count: int) -> None:
+        self.lanes = count
+        self._processes = [_Process(first) for _ in range(count)]
+        self._threads = ThreadPoolExecutor(count)
 
     def submit(self, lane: int, batch: list[Task]) -> Future[list[Row]]:
         return self._threads.submit(self._processes[lane].rows, batch)
 
     def end(self) -> None:
+        """Let all of them end in order, where they still listen, and start none again."""
         for process in self._processes:
             process.stop()
         for process in self._processes:
@@ -209,7 +179,6 @@ class _Process:
     def __init__(self, first: bytes) -> None:
         self._first = first
         self._process: subprocess.Popen[bytes] | None = None
-        self._lock = threading.Lock()
         self._stopped = False
 
     def rows(self, batch: list[Task]) -> list[Row]:
@@ -223,10 +192,8 @@ class _Process:
         return rows
 
     def stop(self) -> None:
-        """Let it end in order, where it still listens, and start none again."""
-        with self._lock:
-            self._stopped = True
-            self._hang_up()
+        self._stopped = True
+        self._hang_up()
 
     def end(self) -> int | None:
         process = self._process
@@ -254,17 +221,15 @@ class _Process:
     def _begin(self) -> None:
         code: int | None = None
         for _ in range(_STARTS):
-            with self._lock:
-                if self._stopped:
-                    raise Cancelled("stopped on request")
-                # A group of its own: Ctrl-C, which a terminal sends to all of a group, is for
-                # the process that knows what to keep.
-                self._process = subprocess.Popen(
-                    command("app.study.worker_rows"), stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                    env={**environment(), **_VARIABLES},
-                    process_group=None if sys.platform == "win32" else 0,
-                )  # fmt: skip
+            # A group of its own: Ctrl-C, which a terminal sends to all of a group, is for the
+            # process that knows what to keep.
+            self._process = subprocess.Popen(
+                command("app.study.worker_rows"), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL, env={**environment(), **_VARIABLES},
+                process_group=None if sys.platform == "win32" else 0,
+            )  # fmt: skip
+            if self._stopped:
+                raise Cancelled("stopped on request")
             try:
                 self._answer(self._first)
             except _ENDED:

@@ -14,7 +14,7 @@ from typing import Any, BinaryIO
 
 from app.study.point_rows import Row, RowMaker, Setting, Task
 from core.errors import Cancelled, UsageError
-from core.modules.declaration import Library
+from nodes.library import standard_library
 
 _NAME = "imagechain_studies"
 _MOST = 2  # studies that a worker of a cluster remembers
@@ -42,8 +42,8 @@ def main() -> None:
             return
         if isinstance(first, Exception):
             raise first
-        setting, share, library = first
-        maker = RowMaker(setting, _all_modules() if library is None else library, share)
+        setting, share = first
+        maker = RowMaker(setting, standard_library(), share)
         answers.write(pickle.dumps(None))
         while (batch := received.get()) is not None:
             answers.write(pickle.dumps(_first_rows(maker, batch, cancel)))
@@ -94,14 +94,8 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
                 f"a worker has imagechain {version()}, and this machine has {wanted.version}: all "
                 "must have the same version"
             )
-        makers[thread] = RowMaker(wanted, _all_modules(), share)
+        makers[thread] = RowMaker(wanted, standard_library(), share)
     return [tuple(row) for row in _first_rows(makers[thread], tasks)]
-
-
-def _all_modules() -> Library:
-    from nodes.library import standard_library  # which takes as long as all else at the start
-
-    return standard_library()
 
 
 def _makers(worker: Any, key: str) -> dict[int, RowMaker]:

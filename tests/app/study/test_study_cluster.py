@@ -63,7 +63,7 @@ def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_o
 
         return rows_of_batch(setting, key, tasks, share)
 
-    monkeypatch.setattr("app.study.dask_study.rows_there", deadly)
+    monkeypatch.setattr("app.study.dask_study.rows_of_batch", deadly)
     study("--output=a.csv", alone=True)
     done = study("--output=b.csv")
     assert done.returncode == 2
