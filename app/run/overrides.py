@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from app.run.option_values import Assignment
 from app.run.shipped import Place
-from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
+from core.errors import NetworkError, ParameterError, UsageError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, in_line, shown
@@ -185,26 +185,28 @@ def named_parameter(
     return parameter
 
 
-def readings(text: str) -> list[Any]:
-    """What a text may mean, the likeliest first: JSON or a number, else itself."""
+def first_taken(text: str, take: Callable[[Any], Any]) -> Any:
+    """What a text means: JSON or a number if `take` does not refuse that, else itself."""
     values: list[Any] = [text]
     with contextlib.suppress(ValueError, RecursionError):  # no JSON, so a text
         values.insert(0, _read(text))
-    return values
+    refusals = []
+    for value in values:
+        try:
+            return take(value)
+        except ParameterError as error:
+            refusals.append(error)
+    raise refusals[0]
 
 
 def _fitting(parameter: Parameter, setting: Assignment) -> Any:
     text = setting.text.strip()
     if text.startswith("=") and parameter.kind in ("number", "integer"):
         return expression(text[1:].strip())
-    first: ImagechainError | None = None
-    for reading in readings(setting.text):
-        try:
-            return parameter.coerce(reading)
-        except ParameterError as error:
-            first = first or error.at(setting.node)
-    assert first is not None
-    raise first
+    try:
+        return first_taken(setting.text, parameter.coerce)
+    except ParameterError as error:
+        raise error.at(setting.node) from error
 
 
 def _read(text: str) -> Any:

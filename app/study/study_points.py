@@ -10,15 +10,16 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from app.run.option_values import assignment
-from app.run.overrides import behind, from_here, named_parameter, readings
+from app.run.overrides import behind, first_taken, from_here
 from app.tradeoff.tradeoff_figures import nodes_after
-from app.tradeoff.values import FORM, OPTION, Variation, one_value, taken_value, variation
+from app.tradeoff.values import OPTION, Variation, one_value, taken_value, variation
 from core.errors import FileError, ParameterError, UsageError
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
@@ -48,11 +49,8 @@ def sampled(
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
-        of_text = grid_axis if sample == GRID else span_axis
         axes = tuple(
-            of_text(f"{label}={values}", network, library=library)
-            if isinstance(values, str)
-            else values_axis(label, values, network, library=library)
+            _axis(label, values, network, library, drawn=sample == LATIN)
             for label, values in vary.items()
         )
         if sample == GRID:
@@ -138,7 +136,7 @@ def listed_points(
         for column, cell in zip(columns, line, strict=True):
             column.append(plain_cell(cell.strip()))
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):
-        node, parameter = target(name, label, network, library=library)
+        node, parameter = _target(name, label, network, library=library)
         axis = Variation(node, parameter, given=label)
         if head not in (label, axis.title):
             unit = axis.unit or "none"
@@ -147,7 +145,7 @@ def listed_points(
             from_here(_read(axis, cell, f"{name}: line {number}"), parameter, path.parent)
             for number, cell in enumerate(columns[place], 2)
         ]
-        axes.append(of_files(replace(axis, values=tuple(dict.fromkeys(columns[place])))))
+        axes.append(_of_files(replace(axis, values=tuple(dict.fromkeys(columns[place])))))
     return tuple(axes), list(zip(*columns, strict=True))
 
 
@@ -176,15 +174,12 @@ def _check_number(count: int) -> None:
 
 def _read(axis: Variation, cell: str, where: str) -> Any:
     """The value of a cell: as JSON or a number where the parameter takes that, else as text."""
-    first: ParameterError | None = None
-    for reading in readings(cell):
-        try:
-            return allowed(axis.parameter, reading, axis.node)
-        except ParameterError as error:
-            first = first or error
-    assert first is not None
-    first.message = f"{where}: {first.message}"
-    raise first
+    try:
+        return first_taken(cell, partial(taken_value, axis.parameter))
+    except ParameterError as error:
+        refused = error.at(axis.node)
+        refused.message = f"{where}: {refused.message}"
+        raise refused from error
 
 
 # What a study varies: parameters over values or ranges, and files that match a pattern.
@@ -192,60 +187,29 @@ def _read(axis: Variation, cell: str, where: str) -> Any:
 OVER = "--over"
 MOST_VALUES = 1_000_000
 _OVER_FORM = "NODE.PARAM=PATTERN, such as scene.path='scenes/*.img'"
-_SPAN = "NODE.PARAM=FROM:TO, FROM:TO:log, or a list a,b,c"
 
 
-def grid_axis(text: str, network: Network, *, library: Library) -> Variation:
-    varied = variation(text, network, library=library, most=MOST_VALUES)
-    for value in varied.values:
-        allowed(varied.parameter, value, varied.node)
-    return of_files(replace(varied, given=assignment(OPTION, text, FORM).port))
-
-
-def span_axis(text: str, network: Network, *, library: Library) -> Variation:
-    """The axis of ``--vary NODE.PARAM=FROM:TO``, from which values are drawn."""
-    setting = assignment(OPTION, text, _SPAN)
-    inner = behind(setting, network)
-    parameter = named_parameter(OPTION, inner, network, library=library)
-    parts = setting.text.split(":")
-    if parameter is None or parameter.kind not in ("number", "integer") or len(parts) == 1:
-        return grid_axis(text, network, library=library)
-    log = len(parts) == 3 and parts[2] == "log"
-    try:
-        low, high = float(parts[0]), float(parts[1])
-    except ValueError:
-        low = high = np.nan
-    if (len(parts) > 2 and not log) or not low < high:
-        raise UsageError(
-            f"{OPTION} {setting.port}={setting.text:.80}: for random points write {_SPAN}, "
-            "FROM below TO"
-        )
-    if log and low <= 0:
-        raise UsageError(f"{OPTION} {setting.port}={setting.text:.80}: log needs FROM above 0")
-    whole = parameter.kind == "integer"
-    if whole and (int(low) != low or int(high) != high):
-        raise UsageError(
-            f"{OPTION} {setting.port}={setting.text:.80}: FROM and TO must be whole numbers"
-        )
-    ends: tuple[Any, Any] = (int(low), int(high)) if whole else (low, high)
-    for end in ends:
-        allowed(parameter, end, inner.node)
-    return Variation(inner.node, parameter, (), log, setting.port, ends)
-
-
-def values_axis(
-    label: str, values: Sequence[Any], network: Network, *, library: Library
+def _axis(
+    label: str, values: Values, network: Network, library: Library, *, drawn: bool
 ) -> Variation:
-    node, parameter = target(OPTION, label, network, library=library)
-    items = (value.item() if isinstance(value, np.generic) else value for value in values)
-    taken = (from_here(allowed(parameter, item, node), parameter) for item in items)
-    distinct = tuple(dict.fromkeys(taken))
-    if not distinct:
-        raise UsageError(f"{OPTION} {label}: there are no values")
-    return of_files(Variation(node, parameter, distinct, given=label))
+    if isinstance(values, str):
+        text = f"{label}={values}"
+        axis = variation(text, network, library=library, most=MOST_VALUES, drawn=drawn)
+        for value in axis.span or axis.values:
+            _allowed(axis.parameter, value, axis.node)
+    else:
+        node, parameter = _target(OPTION, label, network, library=library)
+        items = (value.item() if isinstance(value, np.generic) else value for value in values)
+        taken = (from_here(_allowed(parameter, item, node), parameter) for item in items)
+        axis = Variation(node, parameter, tuple(dict.fromkeys(taken)))
+        if not axis.values:
+            raise UsageError(f"{OPTION} {label}: there are no values")
+    return _of_files(replace(axis, given=label))
 
 
-def target(option: str, label: str, network: Network, *, library: Library) -> tuple[str, Parameter]:
+def _target(
+    option: str, label: str, network: Network, *, library: Library
+) -> tuple[str, Parameter]:
     inner = behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
     return inner.node, one_value(option, inner, network, library)
 
@@ -275,7 +239,7 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(p), p) if "0" <= p[0] <= "9" else (1, 0, p) for p in parts)
 
 
-def allowed(parameter: Parameter, value: Any, node: str) -> Any:
+def _allowed(parameter: Parameter, value: Any, node: str) -> Any:
     """The value as a network file has it; refused where the parameter does not take it."""
     try:
         return taken_value(parameter, value)
@@ -283,7 +247,7 @@ def allowed(parameter: Parameter, value: Any, node: str) -> Any:
         raise error.at(node) from error
 
 
-def of_files(axis: Variation) -> Variation:
+def _of_files(axis: Variation) -> Variation:
     if axis.parameter.kind != "path":
         return axis
     here = Path().absolute()

@@ -47,85 +47,62 @@ from nodes.files.common.file_format import CSV
 POINT, SCENE = "point", "scene"
 
 
-@dataclass(frozen=True)
-class SavePattern:
-    save: Save  # as it was given; its text is the pattern
-    # what stands before each field, the field, and how its value is written
-    parts: tuple[tuple[str, str, str], ...]
+class _FileName(string.Formatter):
+    """Fills a pattern's fields, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
 
-    def name(self, values: dict[str, Any]) -> str:
-        words = []
-        for text, name, form in self.parts:
-            words.append(text)
-            if name:
-                words.append(self._word(name, form, values[name]))
-        return "".join(words)
+    def __init__(self, points: int) -> None:
+        self._digits = len(str(points))  # zeros lead a point's number where it has no format
 
-    def with_digits(self, digits: int) -> SavePattern:
-        forms = {POINT: f"0{digits}d"}
-        return replace(self, parts=tuple((t, n, f or forms.get(n, "")) for t, n, f in self.parts))
+    def get_field(self, field_name: str, _: Any, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
+        if field_name not in kwargs:
+            hint = close(field_name, kwargs) or f"; there are {', '.join(kwargs)}"
+            raise ValueError(f"the study has no field {shown(field_name)}{hint}")
+        return (field_name, kwargs[field_name]), field_name
 
-    def _word(self, name: str, form: str, value: Any) -> str:
+    def convert_field(self, value: Any, conversion: Any) -> Any:
+        if conversion:
+            raise ValueError("only a number format may follow a field's name")
+        return value
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        name, value = value
+        if re.search("[0-9]{4}", format_spec):
+            raise ValueError(f"{{{name}:{format_spec:.20}}}: at most 999 characters or digits")
+        form = format_spec or (f"0{self._digits}d" if name == POINT else "")
         try:
             word = format(value, form) if form else _plain_word(value)
         except (ValueError, TypeError) as error:
-            raise UsageError(f"{self.save.shown}: {{{name}:{form}}}: {error}") from error
+            raise ValueError(f"{{{name}:{form}}}: {error}") from error
         if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
-            raise UsageError(
-                f"{self.save.shown}: {name} = {shown(word)} cannot be part of a file name"
-            )
+            raise ValueError(f"{name} = {shown(word)} cannot be part of a file name")
         return word
 
 
-def save_pattern(save: Save, axes: Sequence[Variation]) -> SavePattern:
-    known = field_names(axes)
-    parts = []
-    try:
-        for text, name, form, conversion in string.Formatter().parse(save.text):
-            if name is not None and (conversion or "{" in (form or "")):
-                raise ValueError("only a number format may follow a field's name")
-            if name is not None and re.search("[0-9]{4}", form or ""):
-                raise ValueError(f"{{{name}:{form:.20}}}: at most 999 characters or digits")
-            if name is not None and name not in known:
-                hint = close(name, known) or f"; there are {', '.join(known)}"
-                raise UsageError(f"{save.shown}: the study has no field {shown(name)}{hint}")
-            parts.append((text, name or "", form or ""))
-    except ValueError as error:
-        raise UsageError(f"{save.shown}: {error}") from error
-    return SavePattern(save, tuple(parts))
-
-
-def field_names(axes: Sequence[Variation]) -> list[str]:
-    files = [axis for axis in axes if axis.is_files]
-    names = [
-        POINT,
-        *(axis.text for axis in axes),
-        *(axis.text.rpartition(".")[0] for axis in files),
-    ]
-    return list(dict.fromkeys([*names, *([SCENE] if len(files) == 1 else [])]))
-
-
 def file_names(
-    patterns: Sequence[SavePattern], axes: Sequence[Variation], points: Sequence[Point]
+    saves: Sequence[Save], axes: Sequence[Variation], points: Sequence[Point]
 ) -> list[tuple[str, ...]]:
     """The files of each point, one for each pattern, from the current folder on."""
-    # A point's number has leading zeros where the pattern does not say how.
-    patterns = [pattern.with_digits(len(str(len(points)))) for pattern in patterns]
+    formatter = _FileName(len(points))
     taken: dict[str, int] = {}
     names = []
     for number, point in enumerate(points, 1):
         values = _fields(axes, point, number)
-        row = tuple(os.path.abspath(pattern.name(values)) for pattern in patterns)  # noqa: PTH100
-        for pattern, name in zip(patterns, row, strict=True):
-            if name in taken:
-                other = taken[name]
+        row = []
+        for save in saves:
+            try:
+                name = os.path.abspath(formatter.vformat(save.text, (), values))  # noqa: PTH100
+            except ValueError as error:
+                raise UsageError(f"{save.shown}: {error}") from error
+            if other := taken.get(name):
                 whose = f"points {other} and {number}" if other != number else f"point {number}"
+                fields = ", ".join(f"{{{field}}}" for field in values)
                 raise UsageError(
-                    f"{pattern.save.shown}: two files of {whose} would be {shown(name)}; "
-                    f"name more of {', '.join('{' + name + '}' for name in field_names(axes))}"
+                    f"{save.shown}: two files of {whose} would be {shown(name)}; "
+                    f"name more of {fields}"
                 )
             taken[name] = number
-        names.append(row)
+            row.append(name)
+        names.append(tuple(row))
     return names
 
 
@@ -134,15 +111,13 @@ def folders(names: Iterable[tuple[str, ...]]) -> list[Path]:
 
 
 def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, Any]:
-    stems: dict[str, Any] = {}
-    values: dict[str, Any] = {}
+    fields: dict[str, Any] = {POINT: number}
+    stems = {}
     for axis, value in zip(axes, point, strict=True):
+        fields[axis.text] = Path(value).stem if axis.is_files else value
         if axis.is_files:
-            stem = Path(value).stem
-            stems |= {SCENE: stem, axis.text.rpartition(".")[0]: stem, axis.text: stem}
-        else:
-            values[axis.text] = value
-    return {**stems, **values, POINT: number}
+            stems[axis.text.rpartition(".")[0]] = fields[axis.text]
+    return {**fields, **stems, **({SCENE: next(iter(stems.values()))} if len(stems) == 1 else {})}
 
 
 def _plain_word(value: Any) -> str:
@@ -164,7 +139,7 @@ class Study:
     axes: tuple[Variation, ...]  # what varies
     points: tuple[Point, ...]  # A value for each axis
     figures: tuple[Figure, ...]  # the figures of each point, in the units that they have
-    saves: tuple[SavePattern, ...]  # the pictures of each point
+    saves: tuple[Save, ...]  # the pictures of each point; their texts are patterns
     files: list[tuple[str, ...]]  # their files, by point
     policy: Policy  # precision, tolerance and threads
 
@@ -184,7 +159,7 @@ class Study:
             self.folder.absolute(),
             tuple((axis.node, axis.parameter.name) for axis in self.axes),
             self.figures,
-            tuple(pattern.save for pattern in self.saves),
+            self.saves,
             policy or self.policy,
             version(),
         )
@@ -198,7 +173,7 @@ class Study:
             tuple(axis.text for axis in self.axes),
             self.points,
             tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
-            tuple((save.port, save.bounds) for save in setting.saves),
+            tuple((save.port, save.bounds) for save in self.saves),
             tuple(self.files),
             tuple(file_stamp(file) for file in self.inputs),
         )
@@ -214,9 +189,9 @@ class Study:
             taken = {str(path.absolute()) for path in (*outputs, *inputs)}
             taken |= {str(path.absolute()) + SUFFIX for path in outputs}
             for row in self.files:
-                for pattern, name in zip(self.saves, row, strict=True):
+                for save, name in zip(self.saves, row, strict=True):
                     if name in taken:
-                        raise UsageError(f"{pattern.save.shown}: {shown(name)} is already a file "
+                        raise UsageError(f"{save.shown}: {shown(name)} is already a file "
                                          "of this study")  # fmt: skip
 
 
@@ -292,7 +267,6 @@ def make_study(
     chosen = () if saves and not figures else chosen_figures(figures, network, library)
     first = _first_plan(network, folder, library, places, every[0])
     _check_saves(saves, first, network, library)
-    patterns = tuple(save_pattern(save, axes) for save in saves)
     study = Study(
         name,
         network,
@@ -301,8 +275,8 @@ def make_study(
         axes,
         every,
         tuple(_with_unit(figure, first) for figure in chosen),
-        patterns,
-        file_names(patterns, axes, every) if patterns else [],
+        tuple(saves),
+        file_names(saves, axes, every) if saves else [],
         policy,
     )
     listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []

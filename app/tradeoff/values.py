@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.run.option_values import Assignment, assignment
-from app.run.overrides import behind, from_here, named_parameter, readings
+from app.run.overrides import behind, first_taken, from_here, named_parameter
 from app.run.readout_tables import with_unit
 from core.errors import ParameterError, UsageError
 from core.modules.declaration import Library
@@ -19,11 +19,11 @@ from core.network.network import Network
 
 OPTION = "--vary"
 FORM = "NODE.PARAM=FROM:TO:COUNT, FROM:TO:COUNT:log, or a list a,b,c"
+_DRAWN = "NODE.PARAM=FROM:TO, FROM:TO:log, or a list a,b,c"
 MOST = 1000
 _MOST_VARIED = 2
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?", re.ASCII)
 _COUNT = re.compile(r"[0-9]{1,9}", re.ASCII)
-_RANGE_PARTS = (3, 4)
 
 
 @dataclass(frozen=True)
@@ -94,16 +94,18 @@ def spaced(
     return tuple(values)
 
 
-def variation(text: str, network: Network, *, library: Library, most: int = MOST) -> Variation:
+def variation(
+    text: str, network: Network, *, library: Library, most: int = MOST, drawn: bool = False
+) -> Variation:
     """The parameter and values of ``--vary``, of which there may be at most so many.
 
-    Numbers out of the parameter's range are left for the evaluation to refuse, one by one.
+    Numbers out of the parameter's range are left for the evaluation to refuse, one by one. From
+    a range, values may be `drawn` later.
     """
-    setting = behind(assignment(OPTION, text, FORM), network)
+    setting = behind(assignment(OPTION, text, _DRAWN if drawn else FORM), network)
     parameter = one_value(OPTION, setting, network, library)
-    numeric = parameter.kind in ("number", "integer")
-    if numeric and ":" in setting.text:
-        return _range(setting, parameter, most)
+    if parameter.kind in ("number", "integer") and ":" in setting.text:
+        return _range(setting, parameter, most, drawn=drawn)
     parts = setting.text.split(",")
     if len(parts) > most:
         raise UsageError(
@@ -142,44 +144,47 @@ def one_value(option: str, setting: Assignment, network: Network, library: Libra
     return parameter
 
 
-def _range(setting: Assignment, parameter: Parameter, most: int) -> Variation:
+def _range(setting: Assignment, parameter: Parameter, most: int, *, drawn: bool) -> Variation:
+    said = f"{OPTION} {setting.port}={setting.text:.80}"
     parts = setting.text.split(":")
-    log = len(parts) == 4 and parts[3] == "log"
-    fits = len(parts) in _RANGE_PARTS and (len(parts) == 3 or log)
-    if not fits or not all(_NUMBER.fullmatch(part) for part in parts[:2]):
-        raise UsageError(f"{OPTION} {setting.port}={setting.text:.80}: write {FORM}")
+    if log := parts[-1] == "log":
+        del parts[-1]
+    if len(parts) != (2 if drawn else 3) or not all(map(_NUMBER.fullmatch, parts[:2])):
+        how = f"for random points write {_DRAWN}" if drawn else f"write {FORM}"
+        raise UsageError(f"{said}: {how}")
     low, high = float(parts[0]), float(parts[1])
-    if not (np.isfinite([low, high]).all() and low != high):
-        raise UsageError(
-            f"{OPTION} {setting.port}={setting.text:.80}: FROM and TO must be two numbers"
-        )
+    whole = parameter.kind == "integer"
+    if not np.isfinite([low, high]).all() or low == high or (drawn and low > high):
+        raise UsageError(f"{said}: FROM and TO must be two numbers{', FROM below TO' * drawn}")
+    if log and (low <= 0 or high <= 0):
+        raise UsageError(f"{said}: log needs FROM and TO above 0")
+    if drawn:
+        if whole and not (low.is_integer() and high.is_integer()):
+            raise UsageError(f"{said}: FROM and TO must be whole numbers")
+        span = (int(low), int(high)) if whole else (low, high)
+        return Variation(setting.node, parameter, (), log, span=span)
     if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= most:
         raise UsageError(
             f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {most}"
         )
-    if log and (low <= 0 or high <= 0):
-        raise UsageError(
-            f"{OPTION} {setting.port}={setting.text:.80}: log needs FROM and TO above 0"
-        )
-    whole = parameter.kind == "integer"
     values = spaced(low, high, int(parts[2]), log=log, whole=whole)
     return Variation(setting.node, parameter, values, log)
 
 
 def _value(text: str, parameter: Parameter, setting: Assignment) -> Any:
-    first: ParameterError | None = None
-    for reading in readings(text):
+    def taken(reading: Any) -> Any:
         try:
             coerced = parameter.coerce(reading)
-        except ParameterError as error:
+        except ParameterError:
             if parameter.kind in ("number", "integer") and _finite(reading):
                 return reading
-            first = first or error.at(setting.node)
-        else:
-            value = reading if is_number(reading) and coerced is None else plain(coerced)
-            return from_here(value, parameter)
-    assert first is not None
-    raise first
+            raise
+        return reading if is_number(reading) and coerced is None else plain(coerced)
+
+    try:
+        return from_here(first_taken(text, taken), parameter)
+    except ParameterError as error:
+        raise error.at(setting.node) from error
 
 
 def taken_value(parameter: Parameter, value: Any) -> Any:

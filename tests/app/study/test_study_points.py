@@ -9,13 +9,11 @@ import pytest
 from app.run.option_values import save_target
 from app.study.study_points import (
     files_axis,
-    grid_axis,
-    grid_points,
     natural,
     order_of,
     sampled,
 )
-from app.study.study_request import file_names, save_pattern
+from app.study.study_request import file_names
 from core.errors import ImagechainError
 from core.network.file import load_network
 from nodes.library import standard_library
@@ -125,12 +123,10 @@ def _reading(network):
 
 def test_files_are_named_by_fields(network, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    axes = [grid_axis(f"{SIGMA}=0.5,1", network, library=LIBRARY)]
-    points = grid_points(axes)
+    axes, points = points_of(network, {SIGMA: "0.5,1"})
 
     def names(pattern):
-        made = save_pattern(save_target(f"back.image={pattern}"), axes)
-        rows = file_names([made], axes, points)
+        rows = file_names([save_target(f"back.image={pattern}")], axes, points)
         return [Path(name).relative_to(tmp_path).as_posix() for (name,) in rows]
 
     assert names("o/{point}.tif") == ["o/1.tif", "o/2.tif"]
