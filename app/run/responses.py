@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
@@ -13,8 +14,8 @@ from numpy.typing import NDArray
 from app.run.transfer_chain import Chain, Stage
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.work import Work
-from core.transfer.factors import Factor
-from nodes.analysis.lineage import Line, stage_along
+from core.transfer.factors import Factor, Part
+from nodes.analysis.lineage import HORIZONTAL, VERTICAL, Line, stage_along
 from nodes.analysis.lineage import Stage as LineStage
 from nodes.files.common.table_cells import csv_lines
 
@@ -46,12 +47,12 @@ class StageResponse:
         return bool(self.x.ptf.any() or self.y.ptf.any())
 
     @property
-    def acts(self) -> bool:
-        return self.has_phase or self.has_blur
-
-    @property
     def has_blur(self) -> bool:
         return bool((self.x.mtf != 1).any() or (self.y.mtf != 1).any())
+
+    @property
+    def acts(self) -> bool:
+        return self.has_phase or self.has_blur
 
 
 @dataclass(frozen=True)
@@ -111,20 +112,19 @@ def _products(chain: Chain) -> list[Stage]:
     return [Stage(TOTAL, "Total", before), *whole]
 
 
-def response(work: Work, factors: Iterable[Factor], frequency: Vector, axis: Axis) -> Response:
-    """Product of the MTFs and sum of the PTFs along one axis, the other frequency 0."""
-    mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
-    zero = np.zeros(1)
-    for factor in factors:
-        along_x = axis == "x"
-        plane = (
-            factor.plane(work, frequency, zero) if along_x else factor.plane(work, zero, frequency)
-        )
-        if factor.part == "mtf":
-            mtf = mtf * plane.ravel()
-        else:
-            ptf = ptf + plane.ravel()
-    return Response(mtf, ptf)
+def response(
+    work: Work, factors: Iterable[Factor], frequency: Vector, line: Axis | Line
+) -> Response:
+    """Product of the MTFs and sum of the PTFs along an axis, or a line."""
+    if not isinstance(line, Line):
+        line = HORIZONTAL if line == "x" else VERTICAL
+    factors = tuple(factors)
+
+    def along(part: Part) -> Vector:
+        stage = LineStage("", tuple(factor for factor in factors if factor.part == part))
+        return stage_along(work, stage, part, line, frequency)
+
+    return Response(along("mtf"), along("ptf"))
 
 
 def mtf_at(work: Work, factors: Iterable[Factor], frequency: float, axis: Axis) -> float:
@@ -151,7 +151,7 @@ def responses_along(
         for stage in stages:
             work.check()
             try:
-                values = response_along(work, stage.factors, line, frequency)
+                values = response(work, stage.factors, frequency, line)
             except Cancelled:
                 raise
             except ImagechainError as error:
@@ -170,18 +170,6 @@ def responses_along(
     beside = along(chain.beside)
     stages, errors = (*before, *later), tuple(failed.values())
     return Responses(frequency, np.zeros(0), stages, tuple(beside), tuple(products), errors)
-
-
-def response_along(
-    work: Work, factors: Iterable[Factor], line: Line, frequency: Vector
-) -> Response:
-    factors = tuple(factors)
-    mtfs = tuple(factor for factor in factors if factor.part == "mtf")
-    ptfs = tuple(factor for factor in factors if factor.part == "ptf")
-    return Response(
-        stage_along(work, LineStage("", mtfs), "mtf", line, frequency),
-        stage_along(work, LineStage("", ptfs), "ptf", line, frequency),
-    )
 
 
 def _product(
@@ -209,18 +197,10 @@ def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
 
 def mtf_csv(sampled: Responses) -> str:
     """One line for each frequency; the shorter axis of an oblong frame leaves cells empty."""
-    columns: list[tuple[str, Vector]] = [
-        ("xi_cyc_per_mrad", sampled.xi),
-        ("eta_cyc_per_mrad", sampled.eta),
-    ]
+    columns = [("xi_cyc_per_mrad", sampled.xi), ("eta_cyc_per_mrad", sampled.eta)]
     for stage in (*sampled.stages, *sampled.beside, *sampled.products):
-        columns += [
-            (f"{stage.name}.mtf_x", stage.x.mtf),
-            (f"{stage.name}.ptf_x_rad", stage.x.ptf),
-            (f"{stage.name}.mtf_y", stage.y.mtf),
-            (f"{stage.name}.ptf_y_rad", stage.y.ptf),
-        ]
-    cells = [[repr(value) for value in column.tolist()] for _, column in columns]
-    length = max(len(column) for column in cells)
-    filled = [column + [""] * (length - len(column)) for column in cells]
-    return csv_lines([[name for name, _ in columns], *zip(*filled, strict=True)])
+        for axis, along in (("x", stage.x), ("y", stage.y)):
+            columns.append((f"{stage.name}.mtf_{axis}", along.mtf))
+            columns.append((f"{stage.name}.ptf_{axis}_rad", along.ptf))
+    cells = ([repr(value) for value in column.tolist()] for _, column in columns)
+    return csv_lines([[name for name, _ in columns], *itertools.zip_longest(*cells, fillvalue="")])
