@@ -286,7 +286,7 @@ def solve(
     stop: Stop, asked: GivenNetwork, policy: Policy, solve_for: str, until: str, json: bool
 ) -> None:
     """Find the parameter value that gives a wanted read-out."""
-    from app.tradeoff.solved_network import solve_network
+    from app.tradeoff.solve import solve_network
 
     library, place, network = options.opened(asked, json)
     facts, lines = solve_network(

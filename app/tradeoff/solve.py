@@ -1,0 +1,388 @@
+"""Find the value of a parameter at which a read-out has a wanted value."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, suppress
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.run.option_values import Assignment, assignment, low_high
+from app.run.overrides import listed, named_parameter
+from app.run.readout_tables import warning_lines
+from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
+from app.tradeoff.tradeoff_results import shown_value, with_value
+from core.chain.engine import Engine, Plan
+from core.errors import DataError, ParameterError, UsageError
+from core.evaluation.policy import Policy
+from core.modules.declaration import Library
+from core.modules.parameters import Parameter
+from core.names import close, in_line, shown
+from core.network.network import Network
+from core.physics.numerics import brent_root
+
+FOR, UNTIL = "--for", "--until"
+_FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
+_UNTIL_FORM = "NODE.READOUT=VALUE"
+Evaluated = Callable[[float], float | None]
+Sample = tuple[float, float]
+"""A value of the parameter, and the read-out there."""
+
+
+def solve_network(
+    network: Network,
+    library: Library,
+    folder: Path,
+    *,
+    solve_for: str,
+    until: str,
+    policy: Policy,
+    cancel: threading.Event,
+    progress: Callable[[int], AbstractContextManager[Callable[[str], object]]],
+) -> tuple[dict[str, Any], list[str]]:
+    """The value that does it, as facts and in lines.
+
+    Raises a `DataError` where none does, with what the ends give.
+    """
+    sought, parameter = _sought(solve_for, network, library)
+    figure, wanted = _wanted(until, network, library)
+    engine = Engine(library)
+    plan = engine.plan(network, folder=folder)
+    present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
+    places = _search_range(parameter, present, sought.text, option=f"{FOR} {sought.port}")
+    work = engine.work(policy, cancel=cancel)
+    unit, reasons = parameter.param.unit, dict[float, str]()
+
+    def planned(value: float) -> Plan:
+        exact: Any = int(value) if places.whole else value
+        changed = with_value(plan.network, engine, sought.node, sought.name, exact)
+        return engine.plan(changed, folder=folder, previous=plan)
+
+    with progress(len(places.places())) as reached:
+
+        def evaluate(value: float) -> float | None:
+            work.check()
+            reached(f"{sought.port} {shown_value(value, unit)}")
+            try:
+                result = computed((figure,), engine, planned(value), work, {sought.node})
+            except ParameterError as error:
+                reasons[value] = str(error.at(sought.node))
+                return None
+            reasons.update((value, reason) for reason in result.reasons.values())
+            return result.figures.get(figure.text)
+
+        number = present if isinstance(present, int | float) else None
+        solution = _solve(evaluate, wanted, places, number)
+    words = _Words(sought.port, unit, figure, wanted)
+    if solution.at is None:
+        raise DataError(words.none(solution, reasons))
+    value, result = solution.at
+    final = planned(value)
+    readouts = {
+        node: engine.readouts(final, node, work)
+        for node in dict.fromkeys((figure.node, sought.node))
+        if node in final.nodes and final.nodes[node].error is None
+    }
+    cautions = engine.warnings(final, work, known_only=True)
+    facts = {
+        "parameter": sought.port,
+        "unit": unit,
+        "value": int(value) if places.whole else value,
+        "figure": {"name": figure.text, "unit": figure.unit, "value": result},
+        "wanted": wanted,
+        "others": solution.others,
+        "readouts": readouts,
+        "warnings": [asdict(caution) for caution in cautions],
+    }
+    lines = [in_line(words.found(solution, whole=places.whole)) + "\n"]
+    for node, values in readouts.items():
+        units = {r.name: final.node(node).unit(r) for r in final.node(node).declaration.readouts}
+        for name, each in values.items():
+            text = "none" if each is None else shown_value(each, units[name])
+            lines.append(in_line(f"  {node}.{name}  {text}"))
+    return facts, [*lines, *warning_lines(cautions)]
+
+
+def _sought(text: str, network: Network, library: Library) -> tuple[Assignment, Parameter]:
+    target = assignment(FOR, text if "=" in text else f"{text}=", _FOR_FORM)
+    parameter = named_parameter(FOR, target, network, library=library)
+    if parameter is None:
+        raise UsageError(f"{FOR} {target.port}: the node's module is unknown")
+    return target, parameter
+
+
+def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, float]:
+    target = assignment(UNTIL, text, _UNTIL_FORM)
+    known = figures_of(network, library)
+    figure = known.get(target.port)
+    if figure is None:
+        beside = [name for name, other in known.items() if other.node == target.node]
+        hint = listed(beside) if beside else close(target.port, known) or listed(known)
+        raise UsageError(f"{UNTIL} {shown(target.port)}: the network has no such read-out{hint}")
+    wanted = math.nan
+    with suppress(ValueError):
+        wanted = float(target.text)
+    if not math.isfinite(wanted):
+        unit = f", in {figure.unit}" if figure.unit else ""
+        raise UsageError(f"{UNTIL} {target.port}={target.text:.80}: VALUE must be a number{unit}")
+    return figure, wanted
+
+
+# The search: changes of sign along a range, of which one is closed in on.
+
+_HALVINGS = 24  # of a step, to find where the read-out's values end within it
+
+
+class _Gap(Exception):
+    """The read-out has no value between two places where it has one."""
+
+
+@dataclass(frozen=True)
+class _Solution:
+    seen: tuple[Sample, ...]  # what was looked at, from one end of the range to the other
+    # where the read-out's values end: there, and a value beside it without one
+    edges: tuple[tuple[Sample, float], ...]
+    at: Sample | None  # None where no value does it
+    beside: Sample | None = None  # of whole numbers, the neighbour beyond the wanted value
+    others: tuple[float, ...] = ()  # further values that do it, to the width of a step
+
+
+def _solve(
+    evaluate: Evaluated, wanted: float, places: _SearchRange, present: float | None
+) -> _Solution:
+    """Of several solutions the one nearest to `present`, by Brent's method or by halving.
+
+    `evaluate` gives the read-out, None where there is none.
+    """
+    line: list[tuple[float, float | None]] = []
+    edges = []
+    for value in places.places():
+        here = (value, evaluate(value))
+        if line and (line[-1][1] is None) != (here[1] is None):
+            (inside, figure), (without, _) = sorted((line[-1], here), key=lambda s: s[1] is None)
+            assert figure is not None
+            edge, without = _edge(evaluate, (inside, figure), without, places)
+            edges.append((edge, without))
+            if edge[0] != inside:
+                line.append(edge)
+        line.append(here)
+    seen = tuple((value, figure) for value, figure in line if figure is not None)
+    crossings = [
+        ((low, first), (high, second))
+        for (low, first), (high, second) in pairwise(line)
+        if first is not None and second is not None and _between(first, second, wanted)
+    ]
+    if not crossings:
+        exact = next((sample for sample in seen if sample[1] == wanted), None)
+        return _Solution(seen, tuple(edges), exact)
+
+    def distance(pair: tuple[Sample, Sample]) -> float:
+        if present is None or (places.log and present <= 0):
+            return 0.0
+        now = places.scaled(present)
+        return max(places.scaled(pair[0][0]) - now, now - places.scaled(pair[1][0]), 0.0)
+
+    chosen = min(crossings, key=distance)
+    others = tuple(pair[0][0] for pair in crossings if pair is not chosen)
+    close_in = _halved if places.whole else _brent
+    return _Solution(
+        seen, tuple(edges), *close_in(evaluate, *chosen, wanted, places), others=others
+    )
+
+
+def _edge(
+    evaluate: Evaluated, sample: Sample, without: float, places: _SearchRange
+) -> tuple[Sample, float]:
+    """Between a value of the parameter with a read-out and one without: where they meet."""
+    for _ in range(_HALVINGS):
+        middle = places.middle(sample[0], without)
+        if middle in (sample[0], without):
+            break
+        figure = evaluate(middle)
+        if figure is None:
+            without = middle
+        else:
+            sample = middle, figure
+    return sample, without
+
+
+def _between(one: float, other: float, wanted: float) -> bool:
+    first, second = one - wanted, other - wanted
+    return first == 0.0 or first * second < 0.0 or second == 0.0
+
+
+def _brent(
+    evaluate: Evaluated, one: Sample, other: Sample, wanted: float, places: _SearchRange
+) -> tuple[Sample, None]:
+    known = dict((one, other))
+    on_log = places.log and one[0] > 0
+
+    def excess(scaled: float) -> float:
+        value = places.value(scaled) if on_log else scaled
+        figure = evaluate(value)
+        if figure is None:  # a gap inside: the step that is left is as good as it gets
+            raise _Gap
+        known[value] = figure
+        return figure - wanted
+
+    ends = [places.scaled(value) if on_log else value for value in known]
+    if wanted not in known.values():
+        with suppress(_Gap):
+            brent_root(excess, low=ends[0], high=ends[1])
+    value = min(known, key=lambda place: abs(known[place] - wanted))
+    return (value, known[value]), None
+
+
+def _halved(
+    evaluate: Evaluated, low: Sample, high: Sample, wanted: float, places: _SearchRange
+) -> tuple[Sample, Sample | None]:
+    """Two neighbouring whole numbers with the wanted value between them, the nearer one first."""
+    while high[0] - low[0] > 1.0:
+        middle = places.middle(low[0], high[0])
+        figure = evaluate(middle)
+        if figure is None:
+            break
+        if _between(low[1], figure, wanted):
+            high = middle, figure
+        else:
+            low = middle, figure
+    first, second = sorted((low, high), key=lambda sample: abs(sample[1] - wanted))
+    return (first, None) if first[1] == wanted else (first, second)
+
+
+# The range in which a parameter is sought, and places in it where a read-out is looked at.
+
+_DECADES = 6.0  # about the present value, where the parameter has no end of its own
+_SMALLEST = 1e-12  # of the largest value, where zero itself is not allowed
+_LOG_FROM = 1000.0  # the end of a range over its beginning, from which on its steps are factors
+_LINEAR_STEPS, _STEPS_A_DECADE, _MOST_STEPS = 32, 3, 60
+
+
+@dataclass(frozen=True)
+class _SearchRange:
+    # the ends
+    low: float
+    high: float
+    log: bool  # whether places lie equal factors apart
+    whole: bool = False  # whether only whole numbers count
+    zero: bool = False  # whether 0 is tried beside
+
+    def places(self) -> tuple[float, ...]:
+        if self.log:
+            decades = math.log10(self.high / self.low)
+            count = min(_MOST_STEPS, max(_LINEAR_STEPS, math.ceil(decades * _STEPS_A_DECADE)))
+            spaced = np.geomspace(self.low, self.high, count + 1)
+        else:
+            spaced = np.linspace(self.low, self.high, _LINEAR_STEPS + 1)
+        values = [float(value) for value in spaced]
+        values[0], values[-1] = self.low, self.high
+        if self.whole:
+            values = [float(value) for value in dict.fromkeys(map(round, values))]
+        return (0.0, *values) if self.zero else tuple(values)
+
+    def scaled(self, value: float) -> float:
+        """On the axis of the places; zero on one of factors lies before all others."""
+        if not self.log:
+            return value
+        return math.log(value) if value > 0 else math.log(self.low) - 1.0
+
+    def value(self, scaled: float) -> float:
+        return math.exp(scaled) if self.log else scaled
+
+    def middle(self, one: float, other: float) -> float:
+        if self.whole:
+            return float((int(one) + int(other)) // 2)
+        if self.log and min(one, other) > 0:
+            return self.value(0.5 * (self.scaled(one) + self.scaled(other)))
+        return 0.5 * (one + other)
+
+
+def _search_range(
+    parameter: Parameter, present: object, given: str, *, option: str
+) -> _SearchRange:
+    """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value."""
+    if parameter.kind not in ("number", "integer"):
+        raise UsageError(
+            f"{option}: {parameter.name} is {parameter.allowed()}, not a number "
+            "that can be solved for"
+        )
+    whole = parameter.kind == "integer"
+    if given:
+        low, high = low_high(option, given)
+        return _SearchRange(low, high, low > 0 and high / low >= _LOG_FROM, whole)
+    bound_low, bound_high = parameter.param.low, parameter.param.high
+    now = float(present) if isinstance(present, int | float) and present else 1.0
+    high = bound_high if bound_high is not None else abs(now) * 10.0**_DECADES
+    if bound_low is None:
+        return _SearchRange(-high if bound_high is None else now - abs(high), high, False, whole)
+    if bound_low != 0.0 or whole:
+        log = bound_low > 0 and high / bound_low >= _LOG_FROM
+        return _SearchRange(bound_low, high, log, whole)
+    # From next to nothing on; the present value is well inside.
+    low = min(high * _SMALLEST, abs(now) * 1e-3)
+    zero = not parameter.param.above and not (parameter.empty and parameter.param.zero_is_empty)
+    return _SearchRange(low, high, True, zero=zero)
+
+
+# What was found, in words.
+
+
+@dataclass(frozen=True)
+class _Words:
+    port: str
+    unit: str
+    figure: Figure
+    wanted: float
+
+    def found(self, solution: _Solution, *, whole: bool) -> str:
+        assert solution.at is not None
+        value, figure = solution.at
+        # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
+        found = int(value) if whole else float(f"{value:.10g}")
+        text = f"{self.port} = {found!r} {self.unit}".rstrip()
+        text += f": {self.figure.text} = {self._figure(figure)}"
+        if solution.beside is not None:
+            other, gives = solution.beside
+            text += (
+                f"; no whole number gives {self._figure(self.wanted)}: "
+                f"{self._value(other)} gives {self._figure(gives)}"
+            )
+        if solution.others:
+            text += f"; so does a value near {', '.join(map(self._value, solution.others))}"
+        return text
+
+    def none(self, solution: _Solution, reasons: Mapping[float, str]) -> str:
+        name = self.figure.text
+        if not solution.seen:
+            why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
+            return f"{name} has no value for any {self.port}{why}"
+        first, last = solution.seen[0], solution.seen[-1]
+        text = (
+            f"no value of {self.port} from {self._value(first[0])} to {self._value(last[0])} makes "
+            f"{name} {self._figure(self.wanted)}: it is {self._at(first)} and {self._at(last)}"
+        )
+        by_figure = sorted(solution.seen, key=lambda sample: sample[1])
+        least, most = by_figure[0], by_figure[-1]
+        extreme, word = (most, "most") if most[1] < self.wanted else (least, "least")
+        if extreme not in (first, last):
+            text += f", at {word} {self._at(extreme)}"
+        for (inside, _), without in solution.edges:
+            side = "above" if without > inside else "below"
+            text += f"; {side} {self._value(inside)} {name} has no value"
+            text += f": {reasons[without]}" if without in reasons else ""
+        return text
+
+    def _value(self, value: float) -> str:
+        return shown_value(value, self.unit)
+
+    def _figure(self, figure: float) -> str:
+        return shown_value(figure, self.figure.unit)
+
+    def _at(self, sample: Sample) -> str:
+        return f"{self._figure(sample[1])} at {self._value(sample[0])}"
