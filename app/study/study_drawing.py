@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
@@ -18,7 +19,6 @@ from app.tradeoff.tradeoff_drawing import (
     LOG_FROM,
     abscissa,
     curves_png,
-    is_finite,
     ordinate,
     ranks_of,
     say,
@@ -43,64 +43,70 @@ def study_png(result: StudyRows) -> bytes:
     """The picture of what varies: pictures that are gone over are the curves of one parameter."""
     study = result.study
     axes = [axis for axis in study.axes if len(axis.values) > 1] or list(study.axes[:1])
-    varied = [axis for axis in axes if not axis.is_files]
     shown = _with_values(result)
+    grid = math.prod(len(axis.values) for axis in study.axes) == len(result.rows)
     if not shown:
-        return _nothing(result)
-    if len(varied) <= 1 and len(axes) <= 2:
-        return _curves(result, axes, shown)
-    if len(axes) == 2 and _is_grid(result):
-        return _maps(result, axes, shown)
-    return _scatter(result, axes[:MOST_ACROSS], shown)
+        draw: Any = _nothing
+    elif len(axes) <= 2 and sum(not axis.is_files for axis in axes) <= 1:
+        draw = _curves
+    elif len(axes) == 2 and grid and all(len(axis.values) <= 1000 for axis in axes):
+        draw = _maps
+    else:
+        draw = _scatter
+    every = len(study.figures)
+    left_out = len(shown) == MOST_FIGURES < every
+    note = f"{len(shown)} of {every} figures; choose others with --figure" if left_out else ""
+    png: bytes = draw(result, axes[:MOST_ACROSS], shown, note)
+    return png
 
 
-def _curves(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int]) -> bytes:
+def _curves(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], note: str) -> bytes:
     """Each figure over one parameter; a curve for each picture, if there are several."""
     along = next((axis for axis in axes if not axis.is_files), axes[0])
     others = [axis for axis in axes if axis is not along]
     families = others[0].values if others else (None,)
-    at, ranks = result.study.axes.index(along), ranks_of(along)
+    places, ranks = _values(result, along), ranks_of(along)
+    family = _values(result, others[0]) if others else [None] * len(result.rows)
     curves = []
     for value in families[:_MOST_CURVES]:
-        points = [
-            (result.study.points[row.place][at], row) for row in _where(result, others, value)
-        ]
-        points.sort(key=lambda point: ranks[point[0]])
-        heights = [[row.figures[place] for _, row in points] for place in shown]
+        points = [n for n, one in enumerate(family) if one == value]
+        points.sort(key=lambda number: ranks[places[number]])
+        heights = [[result.rows[number].figures[place] for number in points] for place in shown]
         name = short_text(str(others[0].shown(value))) if others else ""
-        curves.append((name, [place for place, _ in points], heights))
+        curves.append((name, [places[number] for number in points], heights))
     title = others[0].text if others else ""
     if len(families) > _MOST_CURVES:
         title += f" (the first {_MOST_CURVES} of {len(families)})"
     figures = [result.study.figures[place] for place in shown]
-    return curves_png(figures, along, curves, title, note=_left_out(result, shown))
+    return curves_png(figures, along, curves, title, note=note)
 
 
-def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int]) -> bytes:
+def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], note: str) -> bytes:
     """Each figure by its colour over two parameters; a point that has failed stays white."""
     across = min(_ACROSS, len(shown))
     down = -(-len(shown) // across)
-    x, y = axes[1], axes[0]
-    ranks = [ranks_of(x), ranks_of(y)]
-    numbers = [result.study.axes.index(x), result.study.axes.index(y)]
+    y, x = axes
+    rows, columns = ([ranks_of(axis)[value] for value in _values(result, axis)] for axis in axes)
     with figure(max(4.8, 3.9 * across), 3.0 * down + 0.3) as (drawn, out):
-        say(drawn, _left_out(result, shown))
+        say(drawn, note)
         panels = drawn.subplots(down, across, squeeze=False).ravel()
         for panel, number in zip(panels, shown, strict=False):
             heights = np.full((len(y.values), len(x.values)), np.nan)
-            for row in result.rows:
-                point = result.study.points[row.place]
-                value = row.figures[number]
-                if is_finite(value):
-                    heights[ranks[1][point[numbers[1]]], ranks[0][point[numbers[0]]]] = value
+            heights[rows, columns] = _heights(result, number)
             cells = _cells(x), _cells(y)
             mesh = panel.pcolormesh(*cells, heights, cmap="viridis", norm=_norm(heights))
             panel.grid(visible=False)
             bar = drawn.colorbar(mesh, ax=panel)
             bar.set_label(result.study.figures[number].unit, fontsize=8.5)
             set_title(panel, result.study.figures[number])
-            _map_axis(panel.xaxis, panel.set_xscale, x)
-            _map_axis(panel.yaxis, panel.set_yscale, y)
+            for ticks, set_scale, axis in (
+                (panel.xaxis, panel.set_xscale, x),
+                (panel.yaxis, panel.set_yscale, y),
+            ):
+                if not axis.is_numeric:
+                    write_names(ticks, axis, turned=axis is x)
+                elif axis.log:
+                    set_scale("log")
             panel.set_xlabel(x.title)
             panel.set_ylabel(y.title)
         for panel in panels[len(shown) :]:
@@ -108,38 +114,32 @@ def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int]) ->
     return out.getvalue()
 
 
-def _scatter(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int]) -> bytes:
+def _scatter(
+    result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], note: str
+) -> bytes:
     figures = result.study.figures
     wide, high = len(axes), len(shown)
     with figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):
-        say(drawn, _left_out(result, shown))
+        say(drawn, note)
         panels = drawn.subplots(high, wide, squeeze=False, sharex="col", sharey="row")
         for line, number in zip(panels, shown, strict=True):
-            every: list[float] = []
+            heights = _heights(result, number)
+            known = np.flatnonzero(np.isfinite(heights))
             for panel, axis in zip(line, axes, strict=True):
-                place = result.study.axes.index(axis)
-                ranks = ranks_of(axis)
-                xs, ys = [], []
-                for row in result.rows:
-                    value = row.figures[number]
-                    if not is_finite(value):
-                        continue
-                    at = result.study.points[row.place][place]
-                    xs.append(at if axis.is_numeric else ranks[at])
-                    ys.append(value)
+                values, ranks = _values(result, axis), ranks_of(axis)
+                xs = [values[at] if axis.is_numeric else ranks[values[at]] for at in known]
                 alpha = max(0.08, min(0.9, 300.0 / max(1, len(xs))))
-                panel.plot(xs, ys, ".", markersize=3, color=COLOURS[0], alpha=alpha)
-                every += ys
+                panel.plot(xs, heights[known], ".", markersize=3, color=COLOURS[0], alpha=alpha)
             words = (short_text(figures[number].node), figures[number].name, figures[number].unit)
             line[0].set_ylabel("\n".join(filter(None, words)), fontsize=8.0)
-            ordinate(line[0], every)
+            ordinate(line[0], heights[known].tolist())
         for panel, axis in zip(panels[-1], axes, strict=True):
             abscissa(panel, axis)
             panel.set_xlabel(axis.title, fontsize=8.5)
     return out.getvalue()
 
 
-def _nothing(result: StudyRows) -> bytes:
+def _nothing(result: StudyRows, *_: object) -> bytes:
     with figure(5.0, 1.6) as (drawn, out):
         panel = drawn.subplots()
         panel.set_axis_off()
@@ -148,46 +148,27 @@ def _nothing(result: StudyRows) -> bytes:
     return out.getvalue()
 
 
+def _values(result: StudyRows, axis: Variation) -> list[Any]:
+    """The value of a parameter in each row."""
+    place = result.study.axes.index(axis)
+    return [result.study.points[row.place][place] for row in result.rows]
+
+
+def _heights(result: StudyRows, figure: int) -> NDArray[np.float64]:
+    """A figure in each row; NaN where it has no finite value."""
+    heights = np.array([row.figures[figure] for row in result.rows], dtype=np.float64)
+    return np.where(np.isfinite(heights), heights, np.nan)
+
+
 def _with_values(result: StudyRows) -> list[int]:
     """The figures that have a value at some point; of many the first that vary."""
-    spread: dict[int, bool] = {}
+    flat: dict[int, bool] = {}
     for place in range(len(result.study.figures)):
-        values = [row.figures[place] for row in result.rows]
-        finite = [value for value in values if is_finite(value)]
-        if finite:
-            low, high = min(finite), max(finite)
-            spread[place] = high - low > ROUNDING * max(abs(low), abs(high))
-    if len(spread) <= MOST_FIGURES:
-        return list(spread)
-    return sorted(sorted(spread, key=lambda place: not spread[place])[:MOST_FIGURES])
-
-
-def _left_out(result: StudyRows, shown: Sequence[int]) -> str:
-    every = len(result.study.figures)
-    if not len(shown) == MOST_FIGURES < every:
-        return ""
-    return f"{len(shown)} of {every} figures; choose others with --figure"
-
-
-def _is_grid(result: StudyRows) -> bool:
-    axes = result.study.axes
-    return math.prod(len(axis.values) for axis in axes) == len(result.rows) and all(
-        len(axis.values) <= 1000 for axis in axes
-    )
-
-
-def _where(result: StudyRows, others: Sequence[Variation], value: Any) -> list[Any]:
-    if not others:
-        return list(result.rows)
-    place = result.study.axes.index(others[0])
-    return [row for row in result.rows if result.study.points[row.place][place] == value]
-
-
-def _map_axis(ticks: Any, set_scale: Any, axis: Variation) -> None:
-    if not axis.is_numeric:
-        write_names(ticks, axis, turned=ticks.axis_name == "x")
-    elif axis.log:
-        set_scale("log")
+        heights = _heights(result, place)
+        if not np.isnan(heights).all():
+            low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
+            flat[place] = high - low <= ROUNDING * max(abs(low), abs(high))
+    return sorted(sorted(flat, key=flat.__getitem__)[:MOST_FIGURES])
 
 
 def _norm(heights: Any) -> Any:
@@ -205,16 +186,10 @@ def _norm(heights: Any) -> Any:
 
 def _cells(axis: Variation) -> Any:
     """Where a map's cells end: half-way between the values."""
-    if not axis.is_numeric:
-        return np.arange(len(axis.values) + 1) - 0.5
-    places = np.sort(np.array(axis.values, dtype=float))
+    places = np.sort(axis.values) if axis.is_numeric else np.arange(len(axis.values))
     places = np.log(places) if axis.log else places
-    if len(places) == 1:
-        cells = np.array([places[0] - 0.5, places[0] + 0.5])
-    else:
-        middle = (places[1:] + places[:-1]) / 2
-        first, last = 2 * places[0] - middle[0], 2 * places[-1] - middle[-1]
-        cells = np.concatenate([[first], middle, [last]])
+    middle = (places[1:] + places[:-1]) / 2
+    cells = [2 * places[0] - middle[0], *middle, 2 * places[-1] - middle[-1]]
     return np.exp(cells) if axis.log else cells
 
 
