@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -53,17 +53,11 @@ def trade_off_content(results: Results, path: Path) -> str | bytes:
 def trade_off_png(results: Results) -> bytes:
     """The picture; gaps where figures have no value, a dashed line at the present value."""
     second = results.second
-    curves = [
-        (
-            "" if second is None else shown_value(curve.second),
-            [point.value for point in curve.points],
-            [
-                [point.figures.get(shown.text) for point in curve.points]
-                for shown in results.figures
-            ],
-        )
-        for curve in results.curves
-    ]
+    curves = []
+    for curve in results.curves:
+        heights = [[p.figures.get(shown.text) for p in curve.points] for shown in results.figures]
+        name = "" if second is None else shown_value(curve.second)
+        curves.append((name, [point.value for point in curve.points], heights))
     title = "" if second is None else second.title
     return curves_png(results.figures, results.varied, curves, title, present=results.present)
 
@@ -225,17 +219,27 @@ def page(results: Results) -> str:
     return html_page(title, blocks)
 
 
+def _columns(results: Results) -> list[tuple[Variation | Figure, list[Any]]]:
+    """What varies, and the figures, each with its value at every point."""
+    rows = list(results.rows())
+    return [
+        (results.varied, [point.value for _, point in rows]),
+        *([(results.second, [curve.second for curve, _ in rows])] if results.second else []),
+        *(
+            (shown, [point.figures.get(shown.text) for _, point in rows])
+            for shown in results.figures
+        ),
+    ]
+
+
 def _values(results: Results) -> Block:
-    heads = [with_unit(shown.text, shown.unit) for shown in _shown(results)]
-    rows = []
-    for curve, point in results.rows():
-        cells = [shown_value(point.value), *([shown_value(curve.second)] if results.second else [])]
-        rows.append([*cells, *(number(point.figures.get(f.text), f.unit) for f in results.figures)])
-    return Grid(heads, rows, numbers=range(len(heads)))
-
-
-def _shown(results: Results) -> list[Variation | Figure]:
-    return [*results.axes, *results.figures]
+    columns = _columns(results)
+    cells = [
+        [number(v, shown.unit) if isinstance(shown, Figure) else shown_value(v) for v in values]
+        for shown, values in columns
+    ]
+    heads = [with_unit(shown.text, shown.unit) for shown, _ in columns]
+    return Grid(heads, list(zip(*cells, strict=True)), numbers=range(len(heads)))
 
 
 def _listed(title: str, lines: list[tuple[str, str]]) -> list[Block]:
@@ -250,17 +254,14 @@ _MOST_REASONS = 12
 
 def table(results: Results, width: int | None = None) -> str:
     """Heads of node, name and unit above the values; broken into blocks no wider than `width`."""
-    axis_columns = [_axis_column(axis, results, place) for place, axis in enumerate(results.axes)]
-    others = [
-        [
-            *(figure.node, figure.name, figure.unit),
-            *(
-                number_text(without_rounding(point.figures.get(figure.text), figure.unit))
-                for _, point in results.rows()
-            ),
-        ]
-        for figure in results.figures
-    ]
+    every = []
+    for shown, values in _columns(results):
+        if isinstance(shown, Figure):
+            texts = [number_text(without_rounding(value, shown.unit)) for value in values]
+            every.append([shown.node, shown.name, shown.unit, *texts])
+        else:
+            every.append([shown.node, shown.parameter.name, shown.unit, *map(shown_value, values)])
+    axis_columns, others = every[: len(results.axes)], every[len(results.axes) :]
     blocks = []
     while others:
         block = [*axis_columns]
@@ -280,17 +281,15 @@ def failures(results: Results) -> list[str]:
 
 def csv_text(results: Results) -> str:
     """A row for each point in full precision; gaps are empty, reasons and warnings at the end."""
-    names = [shown.text for shown in _shown(results)]
-    lines: list[list[Any]] = [[*names, "failed", "warnings"]]
-    for curve, point in results.rows():
-        values = [point.value, *([curve.second] if results.second else [])]
-        values += [point.figures.get(figure.text) for figure in results.figures]
-        reasons = dict.fromkeys(
-            point.reasons[f.text] for f in results.figures if f.text in point.reasons
-        )
-        notes = ("; ".join(reasons), "; ".join(point.warnings))
-        lines.append([*(exact(value) for value in values), *notes])
-    return csv_lines(lines)
+    columns: list[tuple[str, Iterable[str]]] = [
+        (shown.text, map(exact, values)) for shown, values in _columns(results)
+    ]
+    points = [point for _, point in results.rows()]
+    reasons = (results.reasons(point) for point in points)
+    columns.append(("failed", map("; ".join, reasons)))
+    columns.append(("warnings", ("; ".join(point.warnings) for point in points)))
+    rows = zip(*(cells for _, cells in columns), strict=True)
+    return csv_lines([[name for name, _ in columns], *rows])
 
 
 def trade_off_facts(results: Results) -> dict[str, Any]:
@@ -322,11 +321,6 @@ def trade_off_facts(results: Results) -> dict[str, Any]:
             for curve in results.curves
         ],
     }
-
-
-def _axis_column(axis: Variation, results: Results, number: int) -> list[str]:
-    values = [(point.value, curve.second)[number] for curve, point in results.rows()]
-    return [*(axis.node, axis.parameter.name, axis.unit), *(shown_value(value) for value in values)]
 
 
 def _fits(block: Sequence[Sequence[str]], width: int | None) -> bool:

@@ -53,16 +53,13 @@ class Results:
         gaps = gaps or [r for _, point in self.rows() for r in point.reasons.values()]
         return gaps[0] if gaps else ""
 
+    def reasons(self, point: Point) -> list[str]:
+        """Why figures that are shown have no value at a point."""
+        names = (figure.text for figure in self.figures if figure.text in point.reasons)
+        return list(dict.fromkeys(point.reasons[name] for name in names))
+
     def failures(self) -> list[tuple[str, str]]:
-        gaps = []
-        for curve, point in self.rows():
-            reasons = dict.fromkeys(
-                point.reasons[figure.text]
-                for figure in self.figures
-                if figure.text in point.reasons
-            )
-            gaps += [(self._place(curve, point), reason) for reason in reasons]
-        return gaps
+        return [(self._place(c, point), r) for c, point in self.rows() for r in self.reasons(point)]
 
     def warnings(self) -> list[tuple[str, str]]:
         return [
