@@ -38,10 +38,7 @@ _EPILOG = {
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command line; stderr gets one line if it fails, else nothing.
-
-    With ``--debug`` anywhere among the words, Python's traceback comes before that line.
-    """
+    """Run a command line; if it fails, stderr gets one line, with --debug after the traceback."""
     if argv is None and "_IMAGECHAIN_COMPLETE" in os.environ:  # a shell wants the words to type
         COMMAND_LINE.main(prog_name="imagechain")
     given = list(sys.argv[1:] if argv is None else argv)
@@ -66,10 +63,7 @@ def exit_code(
     debug: bool = False,
     hints: bool = True,
 ) -> int:
-    """Call a function that a signal may stop; what goes wrong becomes a line on stderr.
-
-    `hints`: whether that line may name options, as it is read beside a command line.
-    """
+    """Call a function that a signal may stop; `hints`: its line of error may name options."""
     try:
         stop.during(carry_out, *words)
         sys.stdout.flush()

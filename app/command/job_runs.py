@@ -239,7 +239,6 @@ class _Running:
         return TimedWork(_POLICY, engine.store, self.steps.node, self.cancel)
 
     def _rules(self) -> WriteRules:
-        """What the network may write: as a run's, and what was chosen in the window's dialogs."""
         job, path = self.job, self.place.path
         record = WriteRecord(path) if job.path is None else read_record(path)
         output = real_target(job.output)

@@ -122,8 +122,6 @@ class Stage:
 
 @dataclass(frozen=True)
 class NetworkRun:
-    """What a run has made, as the command line shows it."""
-
     evaluation: Evaluation
     skipped: tuple[Skip, ...]
     figures: list[Figure]
@@ -224,7 +222,6 @@ class _Saved:
 
 
 def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
-    """Reserve early what will be written; gives what is saved."""
     frames, way, staging = stage.frames, stage.way, stage.staging
     if frames is not None and not 1 <= frames <= MOST_FRAMES:
         raise UsageError(f"--frames {frames}: give a whole number from 1 to {MOST_FRAMES}")

@@ -55,10 +55,7 @@ def _completed(
 
 
 class Option(click.Option):
-    """An option of one of the help's groups; `read` makes a value of the text behind its name.
-
-    It is given once, or `many` times; `several` takes all texts up to the next option.
-    """
+    """An option of a group of the help; `several` takes all texts up to the next option."""
 
     shell_complete = _completed
 
@@ -249,7 +246,6 @@ def one_of(*choices: str) -> Read:
 
 
 def together(*options: Callable[[Function], Function]) -> Callable[[Function], Function]:
-    """Options that are declared as a group, in this order."""
     return lambda function: functools.reduce(lambda made, one: one(made), options[::-1], function)
 
 
@@ -257,7 +253,6 @@ json_flag = flag("--json", "print the result as JSON, and nothing else", RARER)
 
 
 def json_file(about: str, read: Read | None = None) -> Callable[[Function], Function]:
-    """``--json`` of a command that writes JSON to a file, too."""
     about += "; without FILE, print the JSON alone"
     how: dict[str, Any] = {"is_flag": False, "flag_value": True}  # without FILE, True
     return option("--json", "[FILE]", about, read or ending_in(JSON), **how)
@@ -274,10 +269,7 @@ def written_outputs(about: str, formats: Sequence[Format]) -> Callable[[Function
 
 
 def network_options(function: Function) -> Function:
-    """A network and what is changed in it, as `GivenNetwork`; one that is not there is told first.
-
-    What only few need to load, such as numbers, is loaded after that.
-    """
+    """A network and what is changed in it, as `GivenNetwork`."""
 
     @functools.wraps(function)
     def given(
@@ -326,7 +318,6 @@ def _scene(option: str, text: str) -> str:
 
 
 def opened(asked: GivenNetwork, json: bool) -> tuple[Library, Place, Network]:
-    """The network with its macros written out and the command line's changes, valid."""
     from nodes.library import standard_library
 
     library = standard_library()

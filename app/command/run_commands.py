@@ -186,7 +186,6 @@ def check(
 def _folder_and_rules(
     asked: GivenNetwork, output_dir: Path | None, allowed: Sequence[Path]
 ) -> tuple[Path, WriteRules]:
-    """The output folder, and what the network may write."""
     from app.run.staging import check_folder
     from app.run.write_rules import write_rules
 

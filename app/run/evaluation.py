@@ -31,8 +31,6 @@ Readouts = dict[str, dict[str, Any]]
 
 
 class TimedWork(Work):
-    """Work that notes how long each node computes, without the time of what it waits for."""
-
     def __init__(
         self,
         policy: Policy,
@@ -89,10 +87,7 @@ def planned(engine: Engine, network: Network, folder: Path) -> Plan:
 
 
 def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evaluation:
-    """Compute the input pictures, then every unlinked output and every read-out.
-
-    What each of them is made of is made once, and dropped after the last that needs it.
-    """
+    """Compute inputs, unlinked outputs and read-outs; each recipe is held until its last use."""
     start = time.perf_counter()
     chain = find_chain(plan)
     read = _Read.of(engine, plan, chain.final)
@@ -163,11 +158,7 @@ def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
 def needed_later(
     plan: Plan, ports: Iterable[str], *, report: bool, in_blocks: bool = False
 ) -> list[Recipe]:
-    """What is needed once a network has been evaluated, to hold it until then.
-
-    With a report also the pictures, curves and tables that it shows; noises are not followed
-    through pictures that lie on disk (`in_blocks`).
-    """
+    """What is needed after the evaluation; noises are not followed through pictures on disk."""
     values = [plan.output(port) for port in ports]
     if (final := find_output(plan).port) is not None:
         values.append(plan.output(final))

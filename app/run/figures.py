@@ -80,12 +80,7 @@ class Figure:
 
 
 def main_figures(evaluation: Evaluation) -> list[Figure]:
-    """What an engineer looks for first: about ten lines; what a network lacks is left out.
-
-    The range of the output picture, the figures of the sensor that leads to it, the MTF of the
-    whole chain at the Nyquist frequency of the pixels, and what the modules that measure and judge
-    have found.
-    """
+    """What an engineer looks for first: about ten lines; what a network lacks is left out."""
     plan = evaluation.plan
     figures = _output_figures(evaluation)
     sensor = sensor_node(plan)
@@ -119,11 +114,7 @@ def figure_rows(
 
 
 def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:
-    """Id of the node whose figures are shown; None without a detector or electronics.
-
-    Of several, the preferred one, else the last one that leads to the output, else the last of
-    all; None where none of several pictures is marked as the output.
-    """
+    """The node whose figures are shown: the preferred, else the last that leads to the output."""
     named = [name for name, node in plan.network.nodes.items() if node.module in SENSOR_FIGURES]
     if not named or preferred in named:
         return preferred if named else None

@@ -42,7 +42,6 @@ class Job:
 
     @property
     def variants(self) -> tuple[Variant, ...]:
-        """The runs it consists of; a single one has no name."""
         if self.kind not in ("sweep", "files"):
             return (Variant("", ()),)
         if self.kind == "sweep" and not self.pictures:
@@ -69,12 +68,10 @@ class Variant:
 
 
 def job_text(job: Job) -> str:
-    """One line of text from which `read_job` makes the job again."""
     return base64.b64encode(pickle.dumps(job)).decode()
 
 
 def read_job(text: str) -> Job:
-    """The job of a line of text, which whoever started this process has written."""
     job: Job = pickle.loads(base64.b64decode(text))
     return job
 
@@ -152,10 +149,7 @@ class Steps:
         self._all = max(weight, 1e-9)
 
     def part(self, name: str, *, nodes: int = 0, weight: float = 1.0) -> None:
-        """A part begins; the one before is done.
-
-        Its share is counted by the nodes that have begun, of so many, or else by `piece`.
-        """
+        """A part begins; its share is counted by nodes that have begun, or by `piece`."""
         with self._lock:
             self._done += self._weight
             self._weight, self._name, self._nodes, self._seen = weight, name, nodes, set()

@@ -1,9 +1,4 @@
-"""Marks that a window has a network's file open, so that a second window on it says so.
-
-A mark is a lock file in the user's state folder, one a window. The system lets go of its lock when
-the window's process ends, however it ends, so the mark of a process that crashed counts no more.
-Nothing is ever refused because of a mark.
-"""
+"""Lock files of windows: a second window on a network says that it is open already."""
 
 from __future__ import annotations
 

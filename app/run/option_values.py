@@ -149,8 +149,6 @@ def file_path(option: str, text: str) -> Path:
 
 
 def ending_in(*formats: Format) -> Callable[[str, str], Path]:
-    """What reads the name of a file of one of these formats."""
-
     def read(option: str, text: str) -> Path:
         path = file_path(option, text)
         if not any(file_format.matches(path) for file_format in formats):
@@ -183,7 +181,6 @@ def tolerance(option: str, text: str) -> float:
 
 
 def size_in_bytes(option: str, text: str) -> int:
-    """An amount of memory, 1 kB or more."""
     size = _SIZE.fullmatch(text.strip())
     bytes_of = 0.0 if size is None else float(size[1]) * _UNITS[size[2].lower()]
     if not 1e3 <= bytes_of <= 1e18:

@@ -153,7 +153,6 @@ def _seen_or_open(plan: Plan) -> list[str]:
 
 
 def _sink_inputs(plan: Plan) -> list[tuple[str, str]]:
-    """Nodes without outputs, each with the port of the picture it takes."""
     return [
         (link.target, f"{link.source}.{link.output}")
         for link in plan.network.links
@@ -162,7 +161,6 @@ def _sink_inputs(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _is_sink(plan: Plan, name: str) -> bool:
-    """Whether a node writes files; False of one that is missing or cannot be built."""
     planned = plan.nodes.get(name)
     return planned is not None and planned.module is not None and planned.declaration.sink
 

@@ -27,8 +27,6 @@ _NUMBER = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)([eE][+-]?[0-9]+)?", re.ASCII
 
 @dataclass(frozen=True)
 class GivenNetwork:
-    """A network, and what a command line changes in it."""
-
     place: Place
     settings: tuple[Assignment, ...] = ()
     disabled: tuple[str, ...] = ()
@@ -39,7 +37,6 @@ class GivenNetwork:
     seed: int | None = None
 
     def opened(self, library: Library) -> tuple[Network, list[str]]:
-        """The network of the file, changed; lines on a new scene."""
         return self.changed(read_network(self.place.path, library=library), library)
 
     def changed(self, network: Network, library: Library) -> tuple[Network, list[str]]:
@@ -141,10 +138,7 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
 
 
 def from_here(value: Any, parameter: Parameter, folder: Path | None = None) -> Any:
-    """A file's name with all of its folders; one in a network is relative to the network's folder.
-
-    What names no file is given as it is; the folder is the current one by default.
-    """
+    """A file name with all its folders, from the current folder or the one given."""
     if parameter.kind != "path" or not isinstance(value, str) or not value:
         return value
     return (folder or Path()).joinpath(value).absolute().as_posix()

@@ -388,7 +388,6 @@ class _Replacing:
         return angle
 
     def _fov_before(self) -> Pair | None:
-        """Field of view of the network's own scene, by its own sampling or that of the camera."""
         before = self._before
         if before is None:
             return None
@@ -421,7 +420,6 @@ class _Replacing:
         return network
 
     def _on_ground(self, network: Network, name: str) -> Network:
-        """The picture over as much ground as the scene before, or of samples of a given size."""
         interval = self._own.sample_m
         if interval is None:
             if self._before is None:
@@ -438,14 +436,12 @@ class _Replacing:
         return _with(network, name, ground_interval_m=interval, ground_interval_y_m=None)
 
     def _value(self, name: str, parameter: str) -> Any:
-        """The value of a parameter of a node behind the scene; None where it has none."""
         planned = self._plan.nodes.get(name) if name in self._after else None
         return None if planned is None else getattr(planned.module, parameter, None)
 
     # The network
 
     def _wired(self, network: Network) -> Network:
-        """With its wires on the picture, or behind what makes radiance of it."""
         name, source = self._name, self._name
         nodes, layout = dict(network.nodes), dict(network.layout)
         links = list(network.links)
@@ -488,10 +484,7 @@ class _Replacing:
 
 
 def delivering(network: Network, library: Library) -> set[str]:
-    """The nodes that the delivered picture hangs on, and that picture's own.
-
-    Where none is marked, the pictures that nothing but judges hang on are taken.
-    """
+    """The nodes of the delivered picture; if none is marked, of all that analysis does not make."""
     ends: Collection[str] = network.output_nodes
     if not ends:
         making = []
@@ -544,7 +537,6 @@ def _gives_figures(node: Node, library: Library) -> bool:
 
 
 def _with(network: Network, name: str, **values: Any) -> Network:
-    """With parameters of a node; None takes one away."""
     node = network.nodes[name]
     params = {**node.params, **values}
     kept = {key: value for key, value in params.items() if value is not None or key not in values}

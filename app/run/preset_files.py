@@ -58,7 +58,6 @@ class Preset:
 
     @property
     def key(self) -> str:
-        """What it is known by where modules are known by their keys."""
         return f"{KEY}{'own' if self.own else 'shipped'}:{self.path.stem}"
 
 
@@ -68,10 +67,7 @@ def shipped_presets(library: Library) -> tuple[Preset, ...]:
 
 
 def own_presets(folder: Path, library: Library) -> tuple[Preset, ...]:
-    """Those in a folder of the person's; none where there is no such folder.
-
-    A file that cannot be used is listed with its problem.
-    """
+    """Those in the folder of a person; a file that cannot be used is listed with its problem."""
     try:
         paths = sorted(path for path in folder.glob("*.json") if path.is_file())
     except OSError:
@@ -82,10 +78,7 @@ def own_presets(folder: Path, library: Library) -> tuple[Preset, ...]:
 def placed(
     preset: Preset, network: Network, library: Library, at: Point | None, folder: Path | None = None
 ) -> tuple[str, Operation]:
-    """What puts a preset into a network, under a name that is free; and that name.
-
-    `folder` is the network's: names of the preset's files become relative to it.
-    """
+    """A free name for the preset in a network that lies in `folder`, and what puts it there."""
     problem = _preset(preset.path, library, own=preset.own).problem  # it may have changed
     if problem:
         raise NetworkError(problem)
@@ -132,11 +125,7 @@ Difference = tuple[str, Parameter, Any]
 
 
 def told_apart(presets: Iterable[Preset], library: Library) -> dict[str, list[Difference]]:
-    """In what each preset differs from its siblings, by its key.
-
-    Siblings are of one module, or macros that take the same inputs. Compared are parameters that
-    one of them sets, where another has a node of that name and module, too.
-    """
+    """How presets differ from others of their module, or with the same inputs; by their keys."""
     found: dict[str, list[Difference]] = {}
     kinds: dict[Collection[str], list[Preset]] = {}
     for preset in presets:

@@ -124,7 +124,6 @@ def usable_streams() -> Iterator[None]:
 
 
 def discard(stream: TextIO) -> None:
-    """Drop what is left in the stream's buffer, and all that follows."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 

@@ -86,7 +86,6 @@ def without_rounding(value: Any, unit: str) -> Any:
 
 
 def jsonable(value: Any) -> Any:
-    """The value as JSON can hold it; what is infinite becomes a text."""
     if hasattr(value, "tolist"):  # of numpy
         value = value.tolist()
     if isinstance(value, float) and not math.isfinite(value):

@@ -104,7 +104,6 @@ def responses(chain: Chain, work: Work) -> Responses:
 
 
 def _products(chain: Chain) -> list[Stage]:
-    """All stages together, and these with the electronics; none where they have no product."""
     if not chain.cascade:
         return []
     before = tuple(factor for stage in chain.stages for factor in stage.factors)
@@ -134,11 +133,7 @@ def mtf_at(work: Work, factors: Iterable[Factor], frequency: float, axis: Axis) 
 def responses_along(
     chain: Chain, work: Work, angle_deg: float, samples: int | None = None
 ) -> Responses:
-    """Evaluate every stage of the chain along a line; no plane is ever built.
-
-    The angle is from the xi axis (0°) towards the eta axis (90°); the line has as many points as
-    the longer axis of the spectrum, if not given.
-    """
+    """Every stage along a line at an angle from the xi axis (0°) to the eta axis (90°)."""
     grid = chain.grid
     if grid is None:
         return Responses(np.zeros(0), np.zeros(0), (), (), ())

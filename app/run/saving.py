@@ -108,10 +108,7 @@ def real_array(made: Array, work: Work) -> Array:
 
 
 def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
-    """Write a real array in the format of the suffix; integers from its least to greatest sample.
-
-    Digital numbers are written as they are, in TIFF as integers. ENVI has its header beside it.
-    """
+    """Write a real array; integers run from its least to its greatest sample."""
     kind = written_format(path)
     if ZARR.matches(path):
         write_store(path, array, metadata)
@@ -197,7 +194,6 @@ def _save_rows(path: Path, rows: Iterable[tuple[Any, ...]]) -> None:
 
 
 def _cell(value: Any) -> Any:
-    """A number in full; numpy's own would be written with the name of its type."""
     if isinstance(value, float):
         return repr(float(value))
     return "" if value is None else value
@@ -228,11 +224,7 @@ def grey_levels(low: float, high: float, samples: NDArray[Any]) -> Grey:
 
 
 def robust_limits(samples: NDArray[Any]) -> tuple[float, float]:
-    """Values for black and white that a few odd samples do not move: the 0.1 % quantiles.
-
-    Where all but a few samples are alike, as in a picture of a point, the extremes. Of a large
-    picture every n-th row and column is read.
-    """
+    """Black and white at the 0.1 % quantiles; at the extremes if nearly all samples are alike."""
     every = max(1, round((samples.size / _SAMPLES_READ) ** 0.5))
     sampled = samples[::every, ::every]
     low, high = (float(limit) for limit in np.percentile(sampled, (0.1, 99.9)))
@@ -299,10 +291,7 @@ def save_frames(
     region: Region | None = None,
     done: Callable[[int], None] | None = None,
 ) -> None:
-    """Write frames one after the other: they take the memory of a few, whatever their number.
-
-    `done` is called after each with the number of frames that are written.
-    """
+    """Write frames one after the other; `done` gets the number of frames written."""
     kind = format_for_frames(port, path)
     series = series_of(image, kind, work.policy, frames=frames, region=region)
     recipes = (at_frame(image.recipe, number) for number in range(frames))

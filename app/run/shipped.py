@@ -37,7 +37,6 @@ def published_networks() -> dict[str, Path]:
 
 
 def every_network() -> dict[str, Path]:
-    """All networks that come with the program, by name."""
     return {**published_networks(), **shipped_networks()}
 
 
@@ -47,7 +46,6 @@ def _networks(pattern: str) -> dict[str, Path]:
 
 
 def find_network(text: str) -> Place:
-    """The file of that path, else the shipped network of that name."""
     if not text:
         raise FileError("'' is not a network: give a file, or the name of an example network")
     path = Path(text)
@@ -112,10 +110,7 @@ def command(module: str, *words: str) -> list[str]:
 
 
 def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Environment of a child as a user would have it, but able to find our packages.
-
-    It has the variables given instead of this process's.
-    """
+    """Environment of a child: the variables given, or this process's, and our packages."""
     root = str(Path(__file__).resolve().parents[2])
     known = dict(os.environ if variables is None else variables)
     path = [root, *filter(None, [known.get("PYTHONPATH")])]

@@ -76,7 +76,6 @@ class Staging:
         self._led_to[target] = real
 
     def check(self, target: Path) -> None:
-        """Refuse a file that cannot be written; changes nothing."""
         real = real_target(target)
         if any(_overlap(real, path) for path in self._inputs):
             raise FileError(f"cannot write {target}: it is an input of this run")
@@ -122,7 +121,6 @@ class Staging:
         self._inputs.add(real_target(path))
 
     def drop(self, folder: Path) -> None:
-        """Give up every file below a folder: none of them is put in place."""
         real = real_target(folder)
         self._staged = [file for file in self._staged if not file.target.is_relative_to(real)]
         for target in [file for file in self._claimed if file.is_relative_to(real)]:
@@ -161,7 +159,6 @@ class Staging:
             guard(staged.given)
 
     def _check_way(self, target: Path) -> None:
-        """Refuse a file that leads to another place than when it was claimed."""
         now = real_target(target)
         if self._led_to.get(target, now) != now:
             raise FileError(

@@ -41,10 +41,7 @@ class Chain:
 
     @property
     def pixel_nyquist(self) -> tuple[float | None, float | None]:
-        """Nyquist frequencies of the pixels across and along, where these are known.
-
-        Of the combined ones where pixels are combined, else of the detector's pitch.
-        """
+        """Of the combined pixels across and along, else of the detector's pitch, if known."""
         if self.combined is not None:
             return self.combined.nyquist_x, self.combined.nyquist_y
         x, y = (0.5 / pitch if pitch else None for pitch in self.pitch_mrad)
@@ -52,12 +49,10 @@ class Chain:
 
     @property
     def factors(self) -> tuple[Factor, ...]:
-        """Those of the stages, then those of the electronics."""
         return tuple(factor for stage in (*self.stages, *self.later) for factor in stage.factors)
 
     @property
     def cascade(self) -> bool:
-        """Whether `stages` act one after the other."""
         return not self.missing
 
 

@@ -43,7 +43,6 @@ class WayOfRunning:
 
     @property
     def in_blocks(self) -> bool:
-        """Whether the pictures would take more than they may."""
         if self.memory_bytes is None or self.largest is None:
             return False
         return self.largest.memory_bytes > self.memory_bytes
@@ -129,7 +128,6 @@ def blocks_of(
 
 
 def is_streamed(image: Image, path: Path, *, on_disk: bool) -> bool:
-    """Whether a picture is written by rows, as one frame of a file of frames."""
     if ENVI_FRAMES.matches(path):
         return image.bands is None
     return on_disk and TIFF.matches(path)
@@ -167,7 +165,6 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
 
 
 def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: Policy) -> None:
-    """Refuse to save spectra and transfer functions, whose planes are made as a whole."""
     for port in ports:
         value: Any = plan.output(port)
         plane = isinstance(value, SpectrumWire | Transfer)

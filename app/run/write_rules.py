@@ -45,7 +45,6 @@ class WriteRecord:
     chosen: frozenset[Path] = frozenset()
 
     def holds(self, file: Path) -> bool:
-        """Whether a file is still as this network has written it."""
         known = self.written.get(file, ())
         with contextlib.suppress(OSError):
             status = file.lstat()
@@ -57,7 +56,6 @@ class WriteRecord:
 
 
 def read_record(network: Path) -> WriteRecord:
-    """The record of a network's file; empty where there is none."""
     real = Path(os.path.realpath(network))
     path = _place(real)
     with contextlib.suppress(*_DAMAGED):
@@ -166,10 +164,7 @@ class WriteRules:
     def refused(
         self, sinks: Mapping[str, Path], own: Sequence[Path], staging: Staging
     ) -> tuple[ImagechainError, ...]:
-        """Why these files cannot or may not be written: by their place, the rules, or one another.
-
-        Changes nothing; `run` refuses them so, and `check` lists them.
-        """
+        """Why these files cannot or may not be written: `run` refuses them, `check` lists them."""
         checks = [("", partial(self.check_own, target), target) for target in own]
         checks += [
             (node, partial(self.check, node, target), target) for node, target in sinks.items()
@@ -226,10 +221,7 @@ def write_rules(
     allowed: Sequence[Path] = (),
     given: Iterable[str] = (),
 ) -> WriteRules:
-    """The rules of a run.
-
-    `named`: the user has named the output folder; `given`: nodes whose file the user has named.
-    """
+    """The rules of a run; `given` are nodes whose file the user has named."""
     for folder in allowed:
         if not os.path.isdir(folder):  # noqa: PTH112, as Path's raises for a long name
             raise UsageError(f"{OPTION} {shown(str(folder))}: there is no such folder")

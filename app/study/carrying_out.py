@@ -89,11 +89,7 @@ def carry_out(
     cancel: threading.Event | None = None,
     summaries: Sequence[Path] = (),
 ) -> StudyRows:
-    """Compute the points that are not done yet, and write output and summaries when all are.
-
-    Beside `output` a journal keeps the rows that are done until these are written; `fresh` throws
-    away those of an earlier study. `reached` gets the number of points done.
-    """
+    """Compute the points that the journal beside `output` lacks, then write the files."""
     workers.check()
     if output is None:
         result = _collected(study, workers, {}, cancel, reached)
@@ -164,10 +160,7 @@ def run_study(
     policy: Policy | None = None,
     folder: str | Path | None = None,
 ) -> StudyRows:
-    """A study from Python, with the words of `imagechain.study`, as the command carries it out.
-
-    `folder` is what file names in a `Network` are relative to; the current one, if not given.
-    """
+    """A study as the command carries it out; `folder` is that of file names in a `Network`."""
     library = standard_library()
     name, place, read = "", Path(folder or "."), []
     if not isinstance(network, Network):

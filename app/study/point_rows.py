@@ -69,7 +69,6 @@ class RowMaker:
         self._checked: dict[str, ImagechainError | None] = {}
 
     def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
-        """The row of a point; whatever goes wrong with it is the row's error."""
         place, values, files = task
         start = time.perf_counter()
         reasons: list[str] = []

@@ -149,7 +149,6 @@ def _nothing(result: StudyRows, *_: object) -> bytes:
 
 
 def _values(result: StudyRows, axis: Variation) -> list[Any]:
-    """The value of a parameter in each row."""
     place = result.study.axes.index(axis)
     return [result.study.points[row.place][place] for row in result.rows]
 

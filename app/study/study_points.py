@@ -101,10 +101,7 @@ def latin_points(
 def listed_points(
     path: Path, network: Network, *, library: Library
 ) -> tuple[tuple[Variation, ...], list[Point]]:
-    """The points of a CSV file: columns named ``NODE.PARAM``, a row for each point.
-
-    A unit in parentheses behind the name must be the parameter's own.
-    """
+    """The points of a CSV file, a row each; a unit behind a name must be that of the parameter."""
     name = shown_path(str(path))
     if path.exists() and not path.is_file():  # a pipe would be waited for
         raise FileError(f"cannot read {name}: it is not a regular file")
@@ -150,10 +147,7 @@ def listed_points(
 
 
 def order_of(axes: Sequence[Variation], points: Sequence[Point], network: Network) -> list[int]:
-    """The points' places in the order that repeats least: what is deepest in the chain moves first.
-
-    A parameter on which few nodes hang leaves the most of the chain as it was.
-    """
+    """The places in the order that repeats least: what few nodes hang on moves first."""
     touched = [len(nodes_after(network, axis.node)) for axis in axes]
     outwards = sorted(range(len(axes)), key=lambda place: -touched[place])
     ranks = [{value: rank for rank, value in enumerate(axis.values)} for axis in axes]
@@ -173,7 +167,6 @@ def _check_number(count: int) -> None:
 
 
 def _read(axis: Variation, cell: str, where: str) -> Any:
-    """The value of a cell: as JSON or a number where the parameter takes that, else as text."""
     try:
         return first_taken(cell, partial(taken_value, axis.parameter))
     except ParameterError as error:
@@ -215,10 +208,7 @@ def _target(
 
 
 def files_axis(text: str, network: Network, *, library: Library) -> Variation:
-    """The axis of ``--over NODE.PARAM=PATTERN``: the files that match, 2 before 10.
-
-    The pattern is of the current folder, as that of a shell.
-    """
+    """The files that match ``--over NODE.PARAM=PATTERN``, 2 before 10."""
     setting = assignment(OVER, text, _OVER_FORM)
     inner = behind(setting, network)
     parameter = one_value(OVER, inner, network, library)
@@ -240,7 +230,6 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def _allowed(parameter: Parameter, value: Any, node: str) -> Any:
-    """The value as a network file has it; refused where the parameter does not take it."""
     try:
         return taken_value(parameter, value)
     except ParameterError as error:

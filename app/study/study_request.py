@@ -240,10 +240,7 @@ def make_study(
     output: Path | None = None,
     summaries: Sequence[Path] = (),
 ) -> Study:
-    """A study of every file with every sampled point.
-
-    Its files must be such as can be written, and none of those that are `read`.
-    """
+    """A study of every file with every sampled point, checked before it starts."""
     if output is not None:
         check_installed(output)
     overs = [files_axis(text, network, library=library) for text in over]

@@ -1,7 +1,4 @@
-"""A study's points dealt out in batches, and processes of this machine that compute them.
-
-These are reached over pipes that no other user can open.
-"""
+"""Points dealt out in batches, and processes of this machine, reached over private pipes."""
 
 from __future__ import annotations
 
@@ -174,8 +171,6 @@ class _Processes(Workers):
 
 
 class _Process:
-    """A process that computes batches; where it has ended, the next batch starts another one."""
-
     def __init__(self, first: bytes) -> None:
         self._first = first
         self._process: subprocess.Popen[bytes] | None = None

@@ -46,10 +46,7 @@ def solve_network(
     cancel: threading.Event,
     progress: Callable[[int], AbstractContextManager[Callable[[str], object]]],
 ) -> tuple[dict[str, Any], list[str]]:
-    """The value that does it, as facts and in lines.
-
-    Raises a `DataError` where none does, with what the ends give.
-    """
+    """The value that does it, as facts and in lines; else a `DataError` with what the ends give."""
     sought, parameter = _sought(solve_for, network, library)
     figure, wanted = _wanted(until, network, library)
     engine = Engine(library)
@@ -156,10 +153,7 @@ class _Solution:
 def _solve(
     evaluate: Evaluated, wanted: float, places: _SearchRange, present: float | None
 ) -> _Solution:
-    """Of several solutions the one nearest to `present`, by Brent's method or by halving.
-
-    `evaluate` gives the read-out, None where there is none.
-    """
+    """Of several solutions the one nearest to `present`, by Brent or by halving."""
     line: list[tuple[float, float | None]] = []
     edges = []
     for value in places.places():

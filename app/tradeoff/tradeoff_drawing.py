@@ -220,7 +220,6 @@ def page(results: Results) -> str:
 
 
 def _columns(results: Results) -> list[tuple[Variation | Figure, list[Any]]]:
-    """What varies, and the figures, each with its value at every point."""
     rows = list(results.rows())
     return [
         (results.varied, [point.value for _, point in rows]),

@@ -47,10 +47,7 @@ _TOTALS: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of merit: a node's read-out, or an MTF of the chain (`node` is then a total).
-
-    Where one that is there `by_default` has no number, a study leaves it out: no error.
-    """
+    """A node's read-out or an MTF of the chain; a study may leave it out if `by_default`."""
 
     node: str
     name: str
@@ -68,10 +65,7 @@ class Figure:
 
 
 def figures_of(network: Network, library: Library) -> dict[str, Figure]:
-    """All figures of a network by ``NODE.READOUT``: those of the chain, then those of its nodes.
-
-    Whether a read-out is a number shows only once it is computed.
-    """
+    """All figures by ``NODE.READOUT``; whether one is a number shows once it is computed."""
     figures: list[Figure] = []
     modules = {node.module for node in network.nodes.values()}
     if "back_transform" in modules:
@@ -96,7 +90,6 @@ def makes_pixels(network: Network) -> bool:
 
 
 def _has_pitch(network: Network) -> bool:
-    """Whether a network may know the Nyquist frequency of pixels."""
     return makes_pixels(network) or any(
         node.module == "init_trans" and node.params.get("detector_x_um")
         for node in network.nodes.values()
@@ -104,10 +97,7 @@ def _has_pitch(network: Network) -> bool:
 
 
 def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
-    """The figures of most use: the electronics' and the chain's MTF, of pixels if there are any.
-
-    Of a network with neither, those of its analysis, else all there is.
-    """
+    """The sensor's figures and the chain's MTF; else those of the analysis, else all."""
     known = figures_of(network, library)
     groups = {
         node.id: declaration(library[node.module])
@@ -140,10 +130,7 @@ def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> 
 
 @dataclass(frozen=True)
 class Point:
-    """The figures at one value, by ``NODE.READOUT``, and why others have none.
-
-    The `absent` ones were computed, and are a text or have no value.
-    """
+    """The figures at one value; `absent` ones were computed and have no number."""
 
     value: Any = None
     figures: Mapping[str, float] = field(default_factory=dict)

@@ -92,7 +92,6 @@ def changing_figures(figures: Sequence[Figure], curves: Sequence[Curve]) -> tupl
 
 
 def _changes(values: Sequence[float]) -> bool:
-    """Whether by more than single precision leaves of rounding."""
     return max(values) - min(values) > ROUNDING * max(map(abs, values))
 
 
@@ -107,11 +106,7 @@ def shown_value(value: Any, unit: str = "") -> str:
 
 
 class PointEvaluator:
-    """Figures of a network as some of its parameters take other values.
-
-    Each point is planned from the one before: nodes whose parameters are as they were keep their
-    plans, and what these have computed is in the engine's store.
-    """
+    """Figures at points, each planned from the one before: what is the same is not made again."""
 
     def __init__(
         self,
@@ -139,7 +134,6 @@ class PointEvaluator:
         return computed(self.figures, self.engine, plan, work, self._nodes)
 
     def at(self, values: Sequence[Any], work: Work) -> Point:
-        """The figures at a point, and its warnings; a value that is refused is their reason."""
         try:
             plan = self.planned(values)
         except ParameterError as error:
@@ -150,11 +144,7 @@ class PointEvaluator:
     def warnings_of(
         self, plan: Plan, work: Work | None = None, also: Iterable[Recipe] = ()
     ) -> tuple[str, ...]:
-        """What the nodes warn of at a planned point, one line each.
-
-        Those that look at samples come with `work`, where the figures, or what is read `also`, take
-        the same samples, whatever the store still holds.
-        """
+        """What nodes warn of; with `work` also by samples that figures or `also` take."""
         lines = []
         read: set[str] | None = None
         for check in plan.checks():
@@ -207,10 +197,7 @@ def points_at(
     places: Iterable[tuple[Any, ...]],
     figures: Sequence[Figure],
 ) -> Iterator[Point]:
-    """Evaluate place by place, each with a value for every parameter; the last is the point's.
-
-    What the parameters do not touch is made once.
-    """
+    """Evaluate place by place, each with a value for every parameter."""
     evaluator = PointEvaluator(engine, plan, targets, figures)
     for values in places:
         work.check()
@@ -229,11 +216,7 @@ def trade_off(
     by_default: bool,
     reached: Callable[[int], object],
 ) -> Results:
-    """Evaluate a planned network at every value; of default figures those that change are shown.
-
-    A value at which the network, or a figure, cannot be evaluated leaves a gap with its reason.
-    `reached` is called after each point, with how many there are.
-    """
+    """Evaluate a network at every value; a failure leaves a gap with its reason."""
     axes = [varied] if second is None else [second, varied]
     targets = [(axis.node, axis.parameter.name) for axis in axes]
     places = itertools.product(*(axis.values for axis in axes))

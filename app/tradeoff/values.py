@@ -97,11 +97,7 @@ def spaced(
 def variation(
     text: str, network: Network, *, library: Library, most: int = MOST, drawn: bool = False
 ) -> Variation:
-    """The parameter and values of ``--vary``, of which there may be at most so many.
-
-    Numbers out of the parameter's range are left for the evaluation to refuse, one by one. From
-    a range, values may be `drawn` later.
-    """
+    """The values of ``--vary``, whose range is not checked here; or a range to be `drawn` from."""
     setting = behind(assignment(OPTION, text, _DRAWN if drawn else FORM), network)
     parameter = one_value(OPTION, setting, network, library)
     if parameter.kind in ("number", "integer") and ":" in setting.text:
@@ -137,7 +133,6 @@ def variations(
 
 
 def one_value(option: str, setting: Assignment, network: Network, library: Library) -> Parameter:
-    """The parameter that is named, which takes one value and no list of numbers."""
     parameter = named_parameter(option, setting, network, library=library)
     if parameter is None or parameter.kind == "numbers":
         raise UsageError(f"{option} {setting.port}: a list of numbers cannot be varied")
