@@ -18,7 +18,6 @@ from app.editor.library_view import LibraryView
 from app.editor.session import Level, Session
 from app.editor.widgets import labelled
 from app.editor.window.recent_files import Settings
-from app.run.open_marks import OpenMark
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from app.run.preset_files import (
     KEY,
@@ -66,13 +65,11 @@ class Files(QObject):
         self._settings = settings
         self._window = window
         self._watcher = QFileSystemWatcher(self)
-        self._mark: OpenMark | None = None
         self._told = ""
         # Programs that replace a file take it away first.
         self._settled = QTimer(self, singleShot=True, interval=_SETTLED_MS)
         self._settled.timeout.connect(self._look_at_file)
-        for changed in (self._watcher.fileChanged, self._watcher.directoryChanged):
-            changed.connect(lambda _: self._settled.start())
+        self._watcher.fileChanged.connect(lambda _: self._settled.start())
         self._next: Next | None = None
         self._question: Question | None = None
 
@@ -155,24 +152,16 @@ class Files(QObject):
             following()
 
     def _watch(self) -> None:
-        """Follow the document's own file, and other windows that open it, to say so at once."""
-        self.close()
+        """Follow the document's own file, to say at once that another program changes it."""
         if self._told:
             self._session.message.emit("warning", "")  # it holds no longer
         self._told = ""
         path = self._session.document.path
-        if watched := [*self._watcher.files(), *self._watcher.directories()]:
+        if watched := self._watcher.files():
             self._watcher.removePaths(watched)
         if path is not None:
-            self._mark = OpenMark(path)
-            seen = (path, self._mark.folder)
-            self._watcher.addPaths([str(one) for one in seen if one.exists()])
+            self._watcher.addPath(str(path))
             self._settled.start()
-
-    def close(self) -> None:
-        if self._mark is not None:
-            self._mark.let_go()
-        self._mark = None
 
     def _look_at_file(self) -> None:
         document = self._session.document
@@ -183,8 +172,6 @@ class Files(QObject):
         name, said = document.path.name, ""
         if done := document.disagreement():
             said = f"another program has {done} {name}: Save asks what to do"
-        elif self._mark is not None and self._mark.is_shared:
-            said = f"another window has {name} open too: save in one of them only"
         if said != self._told:
             self._session.message.emit("warning", said)
         self._told = said

@@ -222,7 +222,6 @@ class MainWindow(QMainWindow):
         self.measuring.worker.close()
         self.fitting.close_worker()
         self.help.handbook.close()
-        self.files.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
 

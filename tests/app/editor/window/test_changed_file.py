@@ -1,15 +1,12 @@
 """Two windows on one file: whoever saves second is asked."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMessageBox, QPushButton
 
-from app.run.open_marks import OpenMark
-from app.run.shipped import environment, shipped_networks
+from app.run.shipped import shipped_networks
 from window_hands import KEY, add
 
 
@@ -112,42 +109,3 @@ def test_a_change_by_another_program_is_told_when_it_happens(make_window, file, 
     file.unlink()
     qtbot.waitUntil(lambda: bool(said), timeout=60000)
     assert said == [("warning", "another program has removed mine.json: Save asks what to do")]
-
-
-SHARED = "another window has mine.json open too: save in one of them only"
-
-
-def test_both_of_two_windows_on_one_file_say_so_and_save(make_window, file, qtbot):
-    one, other = make_window(), make_window()
-    assert one.files.open_now(str(file))
-    qtbot.wait(400)
-    assert one.status.warning == ""
-    assert other.files.open_now(str(file))
-    for window in (one, other):
-        qtbot.waitUntil(lambda window=window: window.status.warning == SHARED)
-    add(one, "jitter_mtf")
-    one.files.save()
-    assert not one.isWindowModified()
-    assert "jitter_mtf" in modules(file)
-    qtbot.waitUntil(lambda: "another program has changed" in other.status.warning)
-    other.files.new()
-    qtbot.waitUntil(lambda: one.status.warning == "")
-    assert other.status.warning == ""
-
-
-def test_a_window_that_crashed_has_the_file_open_no_longer(make_window, file, qtbot):
-    code = (
-        "import sys, time; from pathlib import Path; from app.run.open_marks import OpenMark\n"
-        "mark = OpenMark(Path(sys.argv[1])); print('open', flush=True); time.sleep(600)\n"
-    )
-    words = [sys.executable, "-P", "-c", code, str(file)]
-    window = make_window()
-    assert window.files.open_now(str(file))
-    with subprocess.Popen(words, env=environment(), stdout=subprocess.PIPE) as crashing:
-        assert crashing.stdout.readline() == b"open\n"
-        qtbot.waitUntil(lambda: window.status.warning == SHARED)
-        crashing.kill()
-    mark = OpenMark(file)
-    assert len(list(mark.folder.glob("*.lock"))) == 3  # the dead one's is still there
-    mark.let_go()
-    qtbot.waitUntil(lambda: window.status.warning == "")
