@@ -17,7 +17,10 @@ from app.command import options
 from app.command.results import Progress, say, show, written
 from app.run import option_values as values
 from app.run.process import Stop, Stopped, print_error
+from app.run.readout_tables import columns
 from core.errors import UsageError
+from core.modules.declaration import Declaration, package_of, ports_text, where_absent
+from core.modules.parameters import Parameter, plain
 from core.names import alike, close, shown
 
 if TYPE_CHECKING:
@@ -66,10 +69,7 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
     with a word in key, title or summary the summary. A word in none of these is looked for in the
     parameters' names.
     """
-    from app.command.module_text import described_module, module_text
     from app.library_index import declarations
-    from app.run.readout_tables import columns
-    from core.modules.declaration import where_absent
     from nodes.library import standard_library
     from nodes.plug_ins import missing_modules
 
@@ -95,7 +95,7 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
         hint = hint or "; imagechain modules lists them"
         raise UsageError(f"there is no module {shown(key)}{hint}")
     if json:
-        show(json, lambda: [described_module(entry) for entry in declared])
+        show(json, lambda: [_described(entry) for entry in declared])
         return
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
@@ -105,9 +105,94 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
     for group, members in groupby(declared, key=lambda entry: entry.group):
         print(f"{group}\n{'=' * len(group)}\n")
         for entry in members:
-            print(module_text(entry, whole=bool(key)), end="\n\n")
+            print(_module_text(entry, whole=bool(key)), end="\n\n")
     for line in missing_modules(library) if not key else ():
         print_error(f"warning: {line}")
+
+
+def _described(declared: Declaration) -> dict[str, Any]:
+    return {
+        "key": declared.key,
+        "title": declared.title,
+        "group": declared.group,
+        "package": package_of(declared.key),
+        "version": declared.version,
+        "summary": declared.summary,
+        "text": declared.text,
+        "formulas": [
+            {"tex": formula.tex, "where": formula.where, "when": formula.when}
+            for formula in declared.formulas
+        ],
+        "sink": declared.sink,
+        "inputs": [
+            {"name": port.name, "types": list(port.types), "required": port.required}
+            for port in declared.inputs
+        ],
+        "outputs": [{"name": port.name, "types": list(port.types)} for port in declared.outputs],
+        "parameters": [_parameter(parameter) for parameter in declared.parameters],
+        "readouts": [
+            {"name": readout.name, "unit": readout.unit, "meaning": readout.meaning}
+            for readout in declared.readouts
+        ],
+    }
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    param = parameter.param
+    described: dict[str, Any] = {
+        "name": parameter.name,
+        "kind": parameter.kind,
+        "unit": param.unit,
+        "text": param.text,
+        "required": parameter.required,
+        "empty": parameter.empty,
+        "default": None if parameter.required else plain(parameter.default),
+    }
+    if parameter.choices:
+        described["choices"] = list(parameter.choices)
+    if param.low is not None:
+        described |= {"low": param.low, "low_exclusive": param.above}
+    if param.high is not None:
+        described |= {"high": param.high, "high_exclusive": param.below}
+    return described
+
+
+def _module_text(declared: Declaration, *, whole: bool = False) -> str:
+    about = declared.text if whole else declared.summary
+    lines = [f"{declared.key} · {declared.listed}", textwrap.indent(about, "  ")]
+    ways = [ports_text(declared.inputs), ports_text(declared.outputs)]
+    lines.append(f"  ports: {' → '.join(ways).strip()}")
+    rows = [
+        (
+            f"    {parameter.name}",
+            _default(parameter),
+            parameter.param.unit,
+            parameter.allowed(),
+            parameter.param.text,
+        )
+        for parameter in declared.parameters
+    ]
+    if rows:
+        lines += ["  parameters:", columns(rows)]
+    readouts = [
+        (f"    {readout.name}", readout.unit, readout.meaning) for readout in declared.readouts
+    ]
+    if readouts:
+        lines += ["  read-outs:", columns(readouts)]
+    return "\n".join(lines)
+
+
+def _default(parameter: Parameter) -> str:
+    if parameter.required:
+        return "(required)"
+    value = plain(parameter.default)
+    if value is None:
+        return "empty"
+    return (
+        json_module.dumps(value, ensure_ascii=False)
+        if not isinstance(value, str)
+        else value or '""'
+    )
 
 
 @options.command()

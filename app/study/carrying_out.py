@@ -17,8 +17,7 @@ from app.run.process import Stopped, too_late
 from app.run.shipped import find_network
 from app.study.point_rows import Row, RowMaker, Setting, Task
 from app.study.study_journal import Journal, write_columns
-from app.study.study_points import GRID, Values
-from app.study.study_request import Study, StudyRows, make_study
+from app.study.study_request import GRID, Study, StudyRows, Values, make_study
 from app.study.worker_processes import process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install
 from core.evaluation.policy import Policy
