@@ -9,13 +9,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path, PurePath
+from typing import Any
 
 import numpy as np
 
 from app.command.network_run import KEPT_BYTES, Stage, input_files
 from app.command.results import write_content
 from app.run.evaluation import Evaluation, TimedWork, planned
-from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps, Variant
+from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps
 from app.run.option_values import Assignment, Save
 from app.run.output import find_output
 from app.run.overrides import GivenNetwork, named_parameter
@@ -142,16 +143,16 @@ class _Running:
         self.steps.expect(len(variants) + job.frames + figures * len(job.values))
         chosen = [self.place.folder / file for file in job.values if job.kind == "files"]
         with Staging(job.output, [self.place.path, *chosen]) as staging:
-            for variant in variants:
-                folder, look = job.output / variant.name, partial(made.look, variant.name)
+            for name, value in variants:
+                folder, look = job.output / name, partial(made.look, name)
                 stage = Stage(folder, staging, rules, self._frame_done, look)
                 try:
-                    made.done(variant.name, self._run(network, variant, engine, stage))
+                    made.done(name, self._run(network, name, value, engine, stage))
                 except InputError as error:
-                    if not variant.name:
+                    if not name:
                         raise
                     staging.drop(folder)
-                    made.failed(variant.name, error)
+                    made.failed(name, error)
             if variants and len(made.failures) == len(variants):
                 raise made.errors[0]
             page = self._trade_off(network, engine, staging, figures)
@@ -163,21 +164,23 @@ class _Running:
             forgotten = self._commit(rules, staging)
         if forgotten:
             made.warnings.append(f"could not record the files for the next run: {forgotten}")
-        if page is None and job.report and not variants[0].name:
+        if page is None and job.report and not variants[0][0]:
             page = job.output / REPORT
         failures, warnings = tuple(made.failures), tuple(made.warnings)
         return Result(max(1, len(variants)), failures, warnings, page, tuple(made.previews))
 
-    def _run(self, network: Network, variant: Variant, engine: Engine, stage: Stage) -> Evaluation:
+    def _run(
+        self, network: Network, name: str, value: Any, engine: Engine, stage: Stage
+    ) -> Evaluation:
         start = time.perf_counter()
-        folder, is_files = self.place.folder, self.job.kind == "files"
-        settings = (
+        settings: tuple[Assignment, ...] = ()
+        if name:
+            node, _, parameter = self.job.target.rpartition(".")
             # The window's file names are relative to the network, not to this process.
-            Assignment(node, n, json.dumps(str(folder / value) if is_files else value))
-            for node, n, value in variant.settings
-        )
+            given = str(self.place.folder / value) if self.job.kind == "files" else value
+            settings = (Assignment(node, parameter, json.dumps(given)),)
         network = self._with(network, settings)
-        if variant.name:
+        if name:
             network = _writing_to(network, self.library, stage.folder)
         plan = planned(engine, network, self.place.folder)
         for path in input_files(plan, plan.folder):
@@ -188,10 +191,10 @@ class _Running:
                 raise UsageError(
                     f"{port.missing}: press O on the node whose picture you want as frames"
                 )
-            node, _, name = port.port.rpartition(".")
-            save = Save(node, name, str(stage.folder / FRAMES))
+            node, _, picture = port.port.rpartition(".")
+            save = Save(node, picture, str(stage.folder / FRAMES))
             stage = replace(stage, frames=self.job.frames, saves=(save,))
-        self.steps.part(variant.name, nodes=len(plan.nodes))
+        self.steps.part(name, nodes=len(plan.nodes))
         reports = (stage.folder / REPORT,) if self.job.report else ()
         stage = replace(stage, reports=reports, way=way_of_running(plan, _POLICY, None))
         evaluation, _ = stage.prepare(engine, plan, self._work(engine), start=start)

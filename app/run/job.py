@@ -41,30 +41,18 @@ class Job:
     frames: int = 0  # how many frames
 
     @property
-    def variants(self) -> tuple[Variant, ...]:
+    def variants(self) -> tuple[tuple[str, Any], ...]:
+        """The runs: the name of a folder, and the target's value; a single one has neither."""
         if self.kind not in ("sweep", "files"):
-            return (Variant("", ()),)
+            return (("", None),)
         if self.kind == "sweep" and not self.pictures:
             return ()
-        node, _, name = self.target.rpartition(".")
-        texts = [self._name(value) for value in self.values]
-        return tuple(
-            Variant(folder, ((node, name, value),))
-            for folder, value in zip(_apart(texts), self.values, strict=True)
-        )
+        return tuple(zip(_apart(list(map(self._name, self.values))), self.values, strict=True))
 
     def _name(self, value: Any) -> str:
         if self.kind == "files":
             return PurePath(value).stem
         return f"{self.target}={value if isinstance(value, str) else number_text(value)}"
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One of several runs: the name of its folder; node, parameter and value of what differs."""
-
-    name: str
-    settings: tuple[tuple[str, str, Any], ...]
 
 
 def job_text(job: Job) -> str:

@@ -6,7 +6,7 @@ import contextlib
 import os
 import shutil
 import stat
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -41,8 +41,7 @@ class Staging:
     def __init__(self, folder: Path | None, inputs: Iterable[Path] = ()) -> None:
         self._folder = None if folder is None else real_target(folder)
         self._inputs = {real_target(path) for path in inputs}
-        self._claimed: dict[Path, Path] = {}
-        self._led_to: dict[Path, Path] = {}
+        self._claimed: dict[Path, Path] = {}  # by name, where links lead to
         self._staged: list[_Staged] = []
         self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
@@ -65,15 +64,14 @@ class Staging:
         place, for what has changed meanwhile.
         """
         real = real_target(target)
-        if real in self._claimed:
+        if real in self._claimed.values():
             raise FileError(f"cannot write: two outputs would be written to {target}")
         self.check(target)
         if guard is not None:
             guard(target)
             self._guards[real] = guard
         self._sweep(real.parent)
-        self._claimed[real] = target
-        self._led_to[target] = real
+        self._claimed[target] = real
 
     def check(self, target: Path) -> None:
         real = real_target(target)
@@ -103,7 +101,7 @@ class Staging:
         """
         self._check_way(target)
         real = real_target(target)
-        if real not in self._claimed:
+        if real not in self._claimed.values():
             self.claim(target, guard)
         if any(staged.target == real for staged in self._staged):
             raise FileError(f"cannot write: two outputs would be written to {target}")
@@ -123,9 +121,10 @@ class Staging:
     def drop(self, folder: Path) -> None:
         real = real_target(folder)
         self._staged = [file for file in self._staged if not file.target.is_relative_to(real)]
-        for target in [file for file in self._claimed if file.is_relative_to(real)]:
-            del self._claimed[target]
-            self._guards.pop(target, None)
+        for target, file in list(self._claimed.items()):
+            if file.is_relative_to(real):
+                del self._claimed[target]
+                self._guards.pop(file, None)
 
     def guarded(self) -> list[tuple[Path, Path]]:
         """Targets that have a guard, links resolved, each with the file prepared for it."""
@@ -160,7 +159,7 @@ class Staging:
 
     def _check_way(self, target: Path) -> None:
         now = real_target(target)
-        if self._led_to.get(target, now) != now:
+        if self._claimed.get(target, now) != now:
             raise FileError(
                 f"cannot write {target}: since the run began, it or a folder in its path has "
                 f"become a link to {now}"
@@ -183,14 +182,10 @@ class Staging:
 
     def _sweep(self, parent: Path) -> None:
         """Clear away what killed runs have left where files of this one are prepared."""
-        folders = [_existing(parent)]
-        if self._folder is not None and parent.is_relative_to(self._folder):
-            # A run that was killed while it made this folder had its own beside it, or above.
-            folders += _owned_above(self._folder)
-        for folder in folders:
-            if folder not in self._swept:
-                self._swept.add(folder)
-                sweep(folder)
+        folder = _existing(parent)
+        if folder not in self._swept:
+            self._swept.add(folder)
+            sweep(folder)
 
 
 def existing_folder(folder: Path) -> Path:
@@ -258,15 +253,6 @@ def _overlap(real: Path, path: Path) -> bool:
 
 def _existing(folder: Path) -> Path:
     return next(above for above in (folder, *folder.parents) if above.exists())
-
-
-def _owned_above(folder: Path) -> Iterator[Path]:
-    """The folders above, up to the first that is not this user's."""
-    for above in folder.parents:
-        yield above
-        with contextlib.suppress(OSError):
-            if hasattr(os, "geteuid") and above.stat().st_uid != os.geteuid():
-                return
 
 
 def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:
