@@ -14,6 +14,7 @@ from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later
 from app.run.figures import Figure, figure_rows
 from app.run.option_values import Save
 from app.run.output import find_output, how_to_choose
+from app.run.overrides import near
 from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
 from app.run.responses import mtf_csv
 from app.run.saving import (
@@ -49,7 +50,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Caution
-from core.names import close, in_line
+from core.names import in_line
 from core.network.validation import NetworkProblems
 from nodes.files.common.file_format import ZARR
 from nodes.files.frame_writing import (
@@ -291,10 +292,10 @@ def _port_value(plan: Plan, node: str, port: str) -> Any:
         return plan.nodes[name].outputs[output]
     known = plan.nodes.get(node)
     if known is None:
-        hint = close(node, plan.nodes) or f"; it has {', '.join(plan.nodes)}"
+        hint = near(node, plan.nodes)
         raise UsageError(f"--save {node}.{port}: the network has no node {node!r:.80}{hint}")
     if port not in known.outputs:
-        hint = close(port, known.outputs) or f"; it has {', '.join(known.outputs) or 'none'}"
+        hint = near(port, known.outputs)
         raise UsageError(f"--save {node}.{port}: {node} has no output {port!r:.80}{hint}")
     return known.outputs[port]
 

@@ -100,7 +100,7 @@ def with_disabled(network: Network, names: Iterable[str], *, library: Library) -
     for name in names:
         inside = [node for node in network.nodes if node.startswith(f"{name}/")]
         if name not in network.nodes and not inside:
-            known = close(name, network.nodes) or listed(network.nodes)
+            known = near(name, network.nodes)
             raise UsageError(f"--disable {shown(name)}: there is no node of this name{known}")
         for node in [name] if name in network.nodes else inside:
             module = library.get(network.nodes[node].module)
@@ -122,7 +122,7 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
         raise UsageError(f"--final {shown(port)}: write NODE.PORT")
     node = network.nodes.get(name)
     if node is None:
-        known = close(name, network.nodes) or listed(network.nodes)
+        known = near(name, network.nodes)
         raise UsageError(f"--final {port:.120}: there is no node {shown(name)}{known}")
     module = library.get(node.module)
     if module is not None:
@@ -159,10 +159,10 @@ def named_parameter(
         by_macro = [name.rpartition(".") for name in network.parameter_names]
         own = [name for macro, _, name in by_macro if macro == setting.node]
         if own:
-            known = close(setting.name, own) or listed(own)
+            known = near(setting.name, own)
             raise UsageError(f"{option} {setting.port}: the macro shows no such parameter{known}")
         nodes = dict.fromkeys([*network.nodes, *(macro for macro, _, _ in by_macro)])
-        known = close(setting.node, nodes) or listed(nodes)
+        known = near(setting.node, nodes)
         raise UsageError(f"{option} {setting.port}: there is no node {shown(setting.node)}{known}")
     module = library.get(node.module)
     if module is None:
@@ -171,7 +171,7 @@ def named_parameter(
     parameter = declared.parameter(setting.name)
     if parameter is None:
         names = [candidate.name for candidate in declared.parameters]
-        known = close(setting.name, names) or listed(names)
+        known = near(setting.name, names)
         raise UsageError(
             f"{option} {setting.port}: {declared.title} has no parameter "
             f"{shown(setting.name)}{known}"
@@ -212,5 +212,7 @@ def _read(text: str) -> Any:
     return json.loads(text)
 
 
-def listed(names: Iterable[str]) -> str:
-    return f"; it has {', '.join(names) or 'none'}"
+def near(name: str, known: Iterable[str]) -> str:
+    """The end of an error: the name that may be meant, else all there are."""
+    names = list(known)
+    return close(name, names) or f"; it has {', '.join(names) or 'none'}"

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from app.run.option_values import Save, assignment
-from app.run.overrides import behind, first_taken, from_here, listed
+from app.run.overrides import behind, first_taken, from_here, near
 from app.run.process import version
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
@@ -527,13 +527,12 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
     for save in saves:
         node, _, port = network.port_names.get(save.port, save.port).rpartition(".")
         if node not in network.nodes:
-            hint = close(save.node, network.nodes) or listed(network.nodes)
+            hint = near(save.node, network.nodes)
             raise UsageError(f"{save.shown}: the network has no node {shown(save.node)}{hint}")
         module = library.get(network.nodes[node].module)
         ports = [] if module is None else [output.name for output in declaration(module).outputs]
         if port not in ports:
-            hint = close(port, ports) or listed(ports)
-            raise UsageError(f"{save.shown}: {node} has no output {shown(port)}{hint}")
+            raise UsageError(f"{save.shown}: {node} has no output {shown(port)}{near(port, ports)}")
         try:
             value = plan.output(save.port)
         except ImagechainError:

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 
 from app.run.option_values import Assignment, assignment, low_high
-from app.run.overrides import listed, named_parameter
+from app.run.overrides import named_parameter
 from app.run.readout_tables import warning_lines
-from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
+from app.tradeoff.tradeoff_figures import Figure, computed, named_figure
 from app.tradeoff.tradeoff_results import shown_value, with_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.policy import Policy
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
-from core.names import close, in_line, shown
+from core.names import in_line
 from core.network.network import Network
 from core.physics.numerics import brent_root
 
@@ -116,12 +116,7 @@ def _sought(text: str, network: Network, library: Library) -> tuple[Assignment, 
 
 def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, float]:
     target = assignment(UNTIL, text, _UNTIL_FORM)
-    known = figures_of(network, library)
-    figure = known.get(target.port)
-    if figure is None:
-        beside = [name for name, other in known.items() if other.node == target.node]
-        hint = listed(beside) if beside else close(target.port, known) or listed(known)
-        raise UsageError(f"{UNTIL} {shown(target.port)}: the network has no such read-out{hint}")
+    figure = named_figure(UNTIL, target.port, network, library)
     wanted = math.nan
     with suppress(ValueError):
         wanted = float(target.text)

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from app.run.output import sound_part
-from app.run.overrides import listed
+from app.run.overrides import near
 from app.run.responses import SYSTEM, TOTAL, Axis, mtf_at
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, NetworkError, UsageError
 from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
-from core.names import close, shown
+from core.names import shown
 from core.network.linked_values import following
 from core.network.network import Network, reached
 
@@ -118,14 +118,16 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
 def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
     if not texts:
         return default_figures(network, library)
+    return tuple(named_figure("--figure", text, network, library) for text in dict.fromkeys(texts))
+
+
+def named_figure(option: str, text: str, network: Network, library: Library) -> Figure:
     known = figures_of(network, library)
-    for text in texts:
-        if text not in known:
-            node = text.rpartition(".")[0]
-            beside = [name for name, figure in known.items() if figure.node == node]
-            hint = listed(beside) if beside else close(text, known) or listed(known)
-            raise UsageError(f"--figure {shown(text)}: the network has no such read-out{hint}")
-    return tuple(known[text] for text in dict.fromkeys(texts))
+    if text not in known:
+        beside = [name for name in known if known[name].node == text.rpartition(".")[0]]
+        hint = near("", beside) if beside else near(text, known)
+        raise UsageError(f"{option} {shown(text)}: the network has no such read-out{hint}")
+    return known[text]
 
 
 @dataclass(frozen=True)
