@@ -90,19 +90,19 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     """Compute inputs, unlinked outputs and read-outs; each recipe is held until its last use."""
     start = time.perf_counter()
     chain = find_chain(plan)
-    read = _Read.of(engine, plan, chain.final)
-    with work.hold(read.recipes) as held:
-        for port, recipes in read.sources.items():
+    sources, outputs, figures, checks = _read(engine, plan)
+    with work.hold(_recipes(plan, chain.final, sources, outputs, figures, checks)) as held:
+        for port, recipes in sources.items():
             _check_source(plan, port, work)
             held.release(recipes)
         checked = time.perf_counter()
         cautions = tuple(engine.warnings(plan, work))
-        held.release(read.checks)
-        for (name, output), recipes in read.outputs.items():
-            _evaluate_output(plan, name, output, work)
+        held.release(checks[""])
+        for port, recipes in outputs.items():
+            _evaluate_output(plan, port, work)
             held.release(recipes)
         readouts = {}
-        for name, recipes in read.figures.items():
+        for name, recipes in figures.items():
             readouts[name] = engine.readouts(plan, name, work)
             held.release(recipes)
         chain_responses = responses(chain, work)
@@ -115,44 +115,36 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     )
 
 
-@dataclass(frozen=True)
-class _Read:
-    sources: dict[str, tuple[Recipe, ...]]
-    outputs: dict[tuple[str, str], tuple[Recipe, ...]]
-    figures: dict[str, tuple[Recipe, ...]]
-    final: tuple[Recipe, ...]
-    checks: tuple[Recipe, ...]
+Read = dict[str, tuple[Recipe, ...]]
 
-    @classmethod
-    def of(cls, engine: Engine, plan: Plan, final: str | None) -> _Read:
-        return cls(
-            {port: asked_for(plan.output(port)) for port in source_images(plan)},
-            {
-                port: asked_for(plan.nodes[port[0]].outputs.get(port[1]))
-                for port in plan.network.unlinked_outputs(engine.library)
-            },
-            {
-                name: tuple(
-                    value
-                    for value in engine.planned_readouts(plan, name).values()
-                    if isinstance(value, Recipe)
-                )
-                for name, node in plan.nodes.items()
-                if not node.node.disabled and node.declaration.readouts
-            },
-            asked_for(plan.output(final)) if final is not None else (),
-            tuple(check.recipe for check in plan.checks() if isinstance(check, PendingCheck)),
+
+def _read(engine: Engine, plan: Plan) -> tuple[Read, Read, Read, Read]:
+    """What is read: of sources, of unlinked outputs, by read-outs of nodes, and by checks."""
+    sources = {port: asked_for(plan.output(port)) for port in source_images(plan)}
+    checks = (check.recipe for check in plan.checks() if isinstance(check, PendingCheck))
+    outputs = {
+        f"{node}.{output}": asked_for(plan.nodes[node].outputs.get(output))
+        for node, output in plan.network.unlinked_outputs(engine.library)
+    }
+    figures = {
+        name: tuple(
+            value
+            for value in engine.planned_readouts(plan, name).values()
+            if isinstance(value, Recipe)
         )
+        for name, node in plan.nodes.items()
+        if not node.node.disabled and node.declaration.readouts
+    }
+    return sources, outputs, figures, {"": tuple(checks)}
 
-    @property
-    def recipes(self) -> list[Recipe]:
-        by_port = (self.sources, self.outputs, self.figures)
-        groups = [group for groups in by_port for group in groups.values()]
-        return [recipe for group in (*groups, self.final, self.checks) for recipe in group]
+
+def _recipes(plan: Plan, final: str | None, *groups: Read) -> list[Recipe]:
+    read = [recipe for group in groups for recipes in group.values() for recipe in recipes]
+    return [*read, *(asked_for(plan.output(final)) if final is not None else ())]
 
 
 def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
-    return _Read.of(engine, plan, find_output(plan).port).recipes
+    return _recipes(plan, find_output(plan).port, *_read(engine, plan))
 
 
 def needed_later(
@@ -184,7 +176,8 @@ def _check_source(plan: Plan, port: str, work: Work) -> None:
         raise error.at(node) from error
 
 
-def _evaluate_output(plan: Plan, name: str, output: str, work: Work) -> None:
+def _evaluate_output(plan: Plan, port: str, work: Work) -> None:
+    name, _, output = port.rpartition(".")
     value = plan.nodes[name].outputs.get(output)
     sampled = isinstance(value, Transfer) and value.own is not None
     try:

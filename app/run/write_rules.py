@@ -9,10 +9,9 @@ import os
 import shlex
 import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from app.run.shipped import Place
 from app.run.staging import Staging, real_target
@@ -57,16 +56,23 @@ class WriteRecord:
 
 def read_record(network: Path) -> WriteRecord:
     real = Path(os.path.realpath(network))
-    path = _place(real)
     with contextlib.suppress(*_DAMAGED):
-        content = json.loads(path.read_bytes())
-        if isinstance(content, dict) and content.get("network") == str(real):
-            return _read(real, content)
+        content = json.loads(_place(real).read_bytes())
+        kind = content["format"], content["version"], content["network"]
+        if kind == (FORMAT, VERSION, str(real)):
+            written = {
+                Path(file): tuple((int(size), str(digest)) for size, digest in prints)
+                for file, prints in content["written"].items()
+            }
+            return WriteRecord(real, written, frozenset(map(Path, content["chosen"])))
     return WriteRecord(real)
 
 
-def write_record(record: WriteRecord) -> None:
-    path = _place(record.network)
+def _add(network: Path, written: Mapping[Path, tuple[Print, ...]], chosen: Iterable[Path]) -> None:
+    """Add to the record as it is now: another run, or the editor, may have changed it."""
+    known = read_record(network)
+    there = {file: prints for file, prints in known.written.items() if os.path.lexists(file)}
+    path = _place(known.network)
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
@@ -74,9 +80,9 @@ def write_record(record: WriteRecord) -> None:
     content = {
         "format": FORMAT,
         "version": VERSION,
-        "network": str(record.network),
-        "written": {str(file): prints for file, prints in record.written.items()},
-        "chosen": sorted(map(str, record.chosen)),
+        "network": str(known.network),
+        "written": {str(file): prints for file, prints in {**there, **written}.items()},
+        "chosen": sorted(map(str, known.chosen.union(chosen))),
     }
     # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
     write_text(path, json.dumps(content, indent=1) + "\n")
@@ -84,10 +90,7 @@ def write_record(record: WriteRecord) -> None:
 
 def remember_chosen(network: Path, files: Iterable[Path]) -> None:
     with changing(network):
-        known = read_record(network)
-        chosen = known.chosen | frozenset(Path(os.path.realpath(file)) for file in files)
-        if chosen != known.chosen:
-            write_record(WriteRecord(known.network, known.written, chosen))
+        _add(network, {}, (Path(os.path.realpath(file)) for file in files))
 
 
 @contextlib.contextmanager
@@ -149,7 +152,7 @@ class WriteRules:
         if not any(real.is_relative_to(folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"
         elif (real.is_file() or is_store(real)) and not (
-            self.record.holds(real) or self._known().holds(real)
+            self.record.holds(real) or read_record(self.record.network).holds(real)
         ):
             why = "the existing file was not written by this network, or has changed since"
         else:
@@ -191,23 +194,16 @@ class WriteRules:
         except OSError as error:
             raise FileError(f"cannot read {error.filename}: {error.strerror or error}") from error
         with changing(self.record.network):
-            before = self._known().written
+            before = read_record(self.record.network).written
             both = {target: (*before.get(target, ()), entry) for target, entry in new.items()}
             problem = self._remember(both)
             staging.commit()
             return problem or self._remember({target: (entry,) for target, entry in new.items()})
 
-    def _known(self) -> WriteRecord:
-        """The record as it is now: another run, or the editor, may have added to it."""
-        return read_record(self.record.network)
-
     def _remember(self, new: Mapping[Path, tuple[Print, ...]]) -> str:
-        if not new:
-            return ""
-        known = self._known()
-        existing = {file: prints for file, prints in known.written.items() if os.path.lexists(file)}
         try:
-            write_record(replace(known, written={**existing, **new}))
+            if new:
+                _add(self.record.network, new, ())
         except FileError as error:
             return error.message
         return ""
@@ -256,13 +252,3 @@ def _own_folder(place: Place) -> tuple[Path, ...]:
 def _place(network: Path) -> Path:
     name = hashlib.sha256(os.fsencode(network)).hexdigest()[:32]
     return state_folder() / "writes" / f"{name}.json"
-
-
-def _read(network: Path, content: dict[str, Any]) -> WriteRecord:
-    if content["format"] != FORMAT or content["version"] != VERSION:
-        raise ValueError("it is of a different kind")
-    written = {
-        Path(file): tuple((int(size), str(digest)) for size, digest in prints)
-        for file, prints in content["written"].items()
-    }
-    return WriteRecord(network, written, frozenset(Path(file) for file in content["chosen"]))
