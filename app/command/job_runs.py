@@ -28,8 +28,7 @@ from app.run.staging import Staging, check_folder, real_target
 from app.run.way_of_running import way_of_running
 from app.run.write_rules import WriteRecord, WriteRules, read_record
 from app.tradeoff.tradeoff_drawing import trade_off_content
-from app.tradeoff.tradeoff_figures import default_figures
-from app.tradeoff.tradeoff_results import shown_value, trade_off
+from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
 from app.tradeoff.values import Variation
 from core.atomic import write_text
 from core.chain.engine import Engine

@@ -61,8 +61,7 @@ def tradeoff(
     from app.command.network_run import input_files
     from app.run.readout_tables import warned_points
     from app.tradeoff.tradeoff_drawing import failures, table, trade_off_content, trade_off_facts
-    from app.tradeoff.tradeoff_figures import chosen_figures
-    from app.tradeoff.tradeoff_results import Results, shown_value, trade_off
+    from app.tradeoff.tradeoff_results import Results, chosen_figures, shown_value, trade_off
     from app.tradeoff.values import OPTION, variations
     from core.chain.engine import Engine
 

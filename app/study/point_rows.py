@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 from app.run.option_values import Save
 from app.run.output import source_images
 from app.run.saving import save_value
-from app.tradeoff.tradeoff_figures import Figure
-from app.tradeoff.tradeoff_results import PointEvaluator
+from app.tradeoff.tradeoff_results import Figure, PointEvaluator
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, FileError, ImagechainError

@@ -25,8 +25,7 @@ from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
 from app.study.point_rows import Row, Setting, file_stamp, input_paths, network_key
 from app.study.study_journal import SUFFIX, Column, check_installed
-from app.tradeoff.tradeoff_figures import Figure, chosen_figures, nodes_after
-from app.tradeoff.tradeoff_results import with_value
+from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, with_value
 from app.tradeoff.values import OPTION, Variation, one_value, taken_value, variation
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image

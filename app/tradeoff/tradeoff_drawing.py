@@ -25,8 +25,7 @@ from app.run.readout_tables import (
     with_unit,
     without_rounding,
 )
-from app.tradeoff.tradeoff_figures import Figure
-from app.tradeoff.tradeoff_results import ROUNDING, Results, shown_value
+from app.tradeoff.tradeoff_results import ROUNDING, Figure, Results, shown_value
 from app.tradeoff.values import Variation, is_number
 from core.names import printable
 from nodes.files.common.file_format import CSV, JSON, PNG

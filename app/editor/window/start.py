@@ -21,7 +21,7 @@ from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.run.process import print_error
-from app.tradeoff.tradeoff_figures import SENSORS
+from app.tradeoff.tradeoff_results import SENSORS
 from app.user_folders import data_folder
 from core.atomic import write_bytes
 from core.errors import FileError, ImagechainError, UsageError

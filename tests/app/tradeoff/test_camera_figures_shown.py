@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.tradeoff.tradeoff_figures import computed, default_figures, figures_of
+from app.tradeoff.tradeoff_results import computed, default_figures, figures_of
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from linked_network import linked_network

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from app.run.transfer_chain import find_chain
-from app.tradeoff.tradeoff_figures import computed, default_figures, figures_of
+from app.tradeoff.tradeoff_results import computed, default_figures, figures_of
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from linked_network import linked_network

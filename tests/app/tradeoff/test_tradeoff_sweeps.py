@@ -6,8 +6,7 @@ from collections import Counter
 
 import pytest
 
-from app.tradeoff.tradeoff_figures import figures_of
-from app.tradeoff.tradeoff_results import points_at
+from app.tradeoff.tradeoff_results import figures_of, points_at
 from app.tradeoff.values import variation
 from core.chain.engine import Engine
 from core.errors import ImagechainError

@@ -4,7 +4,7 @@ import pytest
 
 from app.editor.docks.tradeoff_view import first_figures, listed_title
 from app.run.shipped import shipped_networks
-from app.tradeoff.tradeoff_figures import figures_of
+from app.tradeoff.tradeoff_results import figures_of
 from core.network.file import load_network
 
 
