@@ -113,7 +113,7 @@ def run(
             made, forgotten = once()
             break
         except ImagechainError as error:
-            from app.run.own_scene import without_judges
+            from app.run.output import without_judges
 
             spare = [save.node for save in saves]
             smaller = without_judges(network, error, library, spare, figures_only=not asked.scenes)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image
-from core.errors import NetworkError
+from core.errors import ImagechainError, NetworkError
+from core.modules.declaration import Library, declaration
 from core.names import shown, thaw
-from core.network.network import Network, marked_twice
+from core.network.network import Network, Node, marked_twice, reached
+from core.network.validation import NetworkProblems
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
 HOW_TO_MARK = "select the node whose picture is the output and press O"
@@ -187,3 +189,53 @@ def _image(value: Any) -> bool:
 
 def _node(port: str) -> str:
     return port.rpartition(".")[0]
+
+
+# What judges the delivered picture, and has no part in it.
+
+
+def delivering(network: Network, library: Library) -> set[str]:
+    """The nodes of the delivered picture; if none is marked, of all that analysis does not make."""
+
+    def makes_pictures(node: Node) -> bool:
+        if node.module not in library:
+            return True
+        declared = declaration(library[node.module])
+        images = any("image" in port.types for port in declared.outputs)
+        return images and declared.group != ANALYSIS
+
+    made = [name for name, node in network.nodes.items() if makes_pictures(node)]
+    ends = network.output_nodes or made
+    return {*ends, *ancestors(network, *ends)}
+
+
+def without_judges(
+    network: Network,
+    error: ImagechainError,
+    library: Library,
+    spare: Collection[str] = (),
+    *,
+    figures_only: bool = False,
+) -> tuple[Network, tuple[str, ...]] | None:
+    """The network without the judges that have errors, and a line on each.
+
+    None if the delivered picture, or one of `spare`, would go too; or with `figures_only` if
+    another module than one of analysis has an error.
+    """
+    problems = error.problems if isinstance(error, NetworkProblems) else (error,)
+    judges = set(network.nodes) - delivering(network, library)
+    gone: set[str] = set()
+    lines = []
+    for problem in problems:
+        if problem.node is None or problem.node not in judges:
+            return None
+        module = library.get(network.nodes[problem.node].module)
+        if figures_only and (module is None or declaration(module).group != ANALYSIS):
+            return None
+        gone |= reached(network.followers, [problem.node])
+        lines.append(f"{problem.node} is left out: {problem.message}")
+    if not gone <= judges or gone & set(spare):
+        return None
+    nodes = {name: node for name, node in network.nodes.items() if name not in gone}
+    links = tuple(link for link in network.links if not {link.source, link.target} & gone)
+    return replace(network, nodes=nodes, links=links), tuple(lines)

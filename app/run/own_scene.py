@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.output import ANALYSIS, ancestors
+from app.run.output import delivering
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.editing.operations import fresh_name
-from core.errors import DataError, FileError, ImagechainError, UsageError
+from core.errors import DataError, FileError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
@@ -23,7 +23,6 @@ from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.linked_values import naming
 from core.network.network import Link, Network, Node, reached
-from core.network.validation import NetworkProblems
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_ends_um, coverage
@@ -481,59 +480,6 @@ class _Replacing:
 
     def _option(self, name: str) -> str:
         return self._own._named(name)
-
-
-def delivering(network: Network, library: Library) -> set[str]:
-    """The nodes of the delivered picture; if none is marked, of all that analysis does not make."""
-    ends: Collection[str] = network.output_nodes
-    if not ends:
-        making = []
-        for name, node in network.nodes.items():
-            module = library.get(node.module)
-            declared = None if module is None else declaration(module)
-            if declared is None or (
-                declared.group != ANALYSIS
-                and any("image" in port.types for port in declared.outputs)
-            ):
-                making.append(name)
-        ends = making
-    return {*ends, *ancestors(network, *ends)}
-
-
-def without_judges(
-    network: Network,
-    error: ImagechainError,
-    library: Library,
-    spare: Collection[str] = (),
-    *,
-    figures_only: bool = False,
-) -> tuple[Network, tuple[str, ...]] | None:
-    """The network without the judges that an error belongs to, and a line on each.
-
-    None where the delivered picture hangs on a node with an error, or one of `spare` would go, or
-    with `figures_only` where an error is of another module than one that gives figures.
-    """
-    problems = error.problems if isinstance(error, NetworkProblems) else (error,)
-    judges = set(network.nodes) - delivering(network, library)
-    gone: set[str] = set()
-    lines = []
-    for problem in problems:
-        if problem.node is None or problem.node not in judges:
-            return None
-        if figures_only and not _gives_figures(network.nodes[problem.node], library):
-            return None
-        gone |= reached(network.followers, [problem.node])
-        lines.append(f"{problem.node} is left out: {problem.message}")
-    if not gone <= judges or gone & set(spare):
-        return None
-    nodes = {name: node for name, node in network.nodes.items() if name not in gone}
-    links = tuple(link for link in network.links if not {link.source, link.target} & gone)
-    return replace(network, nodes=nodes, links=links), tuple(lines)
-
-
-def _gives_figures(node: Node, library: Library) -> bool:
-    module = library.get(node.module)
-    return module is not None and declaration(module).group == ANALYSIS
 
 
 def _with(network: Network, name: str, **values: Any) -> Network:

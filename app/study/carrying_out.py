@@ -197,7 +197,7 @@ def _made(
     start = time.monotonic()
     maker = None
     for number, task in enumerate(tasks, 1):
-        maker = maker or RowMaker(_setting(study, workers, study.policy), study.library)
+        maker = maker or RowMaker(_setting(study, workers, study.setting.policy), study.library)
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
         row = maker.row(task, cancel)
@@ -215,7 +215,7 @@ def _made(
 def _by_others(
     study: Study, workers: Workers, tasks: list[Task], jobs: int, cancel: threading.Event | None
 ) -> Generator[list[Row]]:
-    policy, scheduler = study.policy, workers.scheduler
+    policy, scheduler = study.setting.policy, workers.scheduler
     if not scheduler:
         # The engine's threads beside those of the other processes would be in their way.
         threads = policy.threads or max(1, _cores() // jobs)
@@ -228,7 +228,7 @@ def _by_others(
 
 
 def _setting(study: Study, workers: Workers, policy: Policy) -> Setting:
-    return replace(study.setting(policy), memory_bytes=workers.memory_bytes)
+    return replace(study.setting, policy=policy, memory_bytes=workers.memory_bytes)
 
 
 def _lost(study: Study, row: Row) -> bool:

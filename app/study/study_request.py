@@ -352,47 +352,35 @@ def _plain_word(value: Any) -> str:
 @dataclass(frozen=True)
 class Study:
     name: str  # of the network
-    network: Network  # macros written out, changes made
-    folder: Path  # what file names in it are relative to
+    setting: Setting  # what all points have in common
     library: Library  # the modules
     axes: tuple[Variation, ...]  # what varies
     points: tuple[Point, ...]  # A value for each axis
-    figures: tuple[Figure, ...]  # the figures of each point, in the units that they have
-    saves: tuple[Save, ...]  # the pictures of each point; their texts are patterns
-    files: list[tuple[str, ...]]  # their files, by point
-    policy: Policy  # precision, tolerance and threads
+    files: list[tuple[str, ...]]  # the saved pictures, by point
+
+    @property
+    def figures(self) -> tuple[Figure, ...]:
+        return self.setting.figures
 
     @cached_property
     def order(self) -> list[int]:
-        return order_of(self.axes, self.points, self.network)
+        return order_of(self.axes, self.points, self.setting.network)
 
     @property
     def inputs(self) -> list[Path]:
-        nodes = self.network.nodes.values()
-        own = [file for node in nodes for file in input_paths(node, self.library, self.folder)]
+        nodes, folder = self.setting.network.nodes.values(), self.setting.folder
+        own = [file for node in nodes for file in input_paths(node, self.library, folder)]
         return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
-
-    def setting(self, policy: Policy | None = None) -> Setting:
-        return Setting(
-            self.network,
-            self.folder.absolute(),
-            tuple((axis.node, axis.parameter.name) for axis in self.axes),
-            self.figures,
-            self.saves,
-            policy or self.policy,
-            version(),
-        )
 
     @cached_property
     def key(self) -> str:
         """Content key: of two studies with one key all rows are the same."""
-        setting = self.setting()
         return content_key(
-            network_key(self.network, setting, self.library),
+            network_key(self.setting.network, self.setting, self.library),
             tuple(axis.text for axis in self.axes),
             self.points,
             tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
-            tuple((save.port, save.bounds) for save in self.saves),
+            tuple((save.port, save.bounds) for save in self.setting.saves),
             tuple(self.files),
             tuple(file_stamp(file) for file in self.inputs),
         )
@@ -408,7 +396,7 @@ class Study:
             taken = {str(path.absolute()) for path in (*outputs, *inputs)}
             taken |= {str(path.absolute()) + SUFFIX for path in outputs}
             for row in self.files:
-                for save, name in zip(self.saves, row, strict=True):
+                for save, name in zip(self.setting.saves, row, strict=True):
                     if name in taken:
                         raise UsageError(f"{save.shown}: {shown(name)} is already a file "
                                          "of this study")  # fmt: skip
@@ -483,18 +471,17 @@ def make_study(
     chosen = () if saves and not figures else chosen_figures(figures, network, library)
     first = _first_plan(network, folder, library, places, every[0])
     _check_saves(saves, first, network, library)
-    study = Study(
-        name,
+    setting = Setting(
         network,
-        folder,
-        library,
-        axes,
-        every,
+        folder.absolute(),
+        tuple(places),
         tuple(_with_unit(figure, first) for figure in chosen),
         tuple(saves),
-        file_names(saves, axes, every) if saves else [],
         policy,
+        version(),
     )
+    files = file_names(saves, axes, every) if saves else []
+    study = Study(name, setting, library, axes, every, files)
     listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []
     study.check_places([*filter(None, [output]), *summaries], [*read, *listed_in])
     return study

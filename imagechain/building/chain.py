@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.run.output import find_output
-from app.run.own_scene import OwnScene, without_judges
+from app.run.output import find_output, without_judges
+from app.run.own_scene import OwnScene
 from app.run.readout_tables import columns
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
