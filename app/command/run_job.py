@@ -1,8 +1,6 @@
-"""A background run of the editor, in a process of its own: ``python -m app.command.run_job``.
+"""A background run of the editor in a process of its own; the end of its input stops it.
 
-The job comes as one line on standard input, which stays open: its end, by whatever end of the
-editor, stops the run. Standard output has lines of progress and the result, standard error one line
-if the run fails; exit codes are those of the command.
+The job is one line of input; output has lines of progress and the result.
 """
 
 from __future__ import annotations

@@ -44,11 +44,9 @@ class Output:
 def find_output(plan: Plan) -> Output:
     """The picture that is marked as the output, else the one in which the network ends.
 
-    A mark is the field `final`, true in a node or ``NODE.PORT`` in the network; a node's goes
-    before the network's. Without one, it is the first picture of a node that works on something
-    and on whose picture no other such node hangs; analysis modules count only where there are no
-    others, pictures that hang on nothing only where there are none of both. Of several that
-    remain none is taken.
+    A mark is the field `final` of a node, else of the network. Without one, it is the first picture
+    of the only node at the end; analysis modules count if there are no others, pictures without
+    inputs if there are none of both.
     """
     marked = plan.network.marked
     if len(marked) > 1:

@@ -117,9 +117,7 @@ def with_own_scene(
 ) -> SceneReplaced:
     """The network with a picture in the place of its scene; wires and layout stay.
 
-    `node` is needed where the network has several scenes; `stored` is the file's name in the
-    network, its whole path by default. An `engine` keeps the range of the scene before, so that
-    the next picture finds it there.
+    `stored` is the file's name in the network. An `engine` keeps the range of the old scene.
     """
     own.check()
     name = _chosen(network, library, node, own.option)

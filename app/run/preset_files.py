@@ -1,8 +1,4 @@
-"""Parts to begin with: those that come with the program, and one's own.
-
-A preset is a network file with one node in it, a macro or a module with its values. Put into a
-network it is a copy: the file is not looked at again.
-"""
+"""Presets: network files with one node; put into a network, they are copies."""
 
 from __future__ import annotations
 

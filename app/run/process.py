@@ -17,8 +17,7 @@ _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
 class Stopped(KeyboardInterrupt):
     """Raised by a signal to stop.
 
-    A class of its own: after a plain KeyboardInterrupt inside ``exec`` (as dataclasses use it) the
-    interpreter ends by the signal, however well it was caught.
+    After a plain KeyboardInterrupt inside ``exec`` the interpreter would end by the signal.
     """
 
 
@@ -63,14 +62,10 @@ def too_late(cancel: threading.Event | None) -> None:
 
 @contextlib.contextmanager
 def stoppable(*, to_the_end: bool = False) -> Iterator[Stop]:
-    """Make Ctrl-C and the signals to end raise `Stopped`.
+    """Make Ctrl-C and the signals to end raise `Stopped`, and set the event.
 
-    Yields an event that is set then: code that swallows every exception (a module being imported,
-    a callback) may hide the exception from the caller.
-
-    Where the process ends after it (`to_the_end`), Ctrl-C then ends what is left of it without
-    output, where Python would print a traceback. A signal to end that comes once more changes
-    nothing: the process is ending, with the exit code of its stop.
+    Code that swallows every exception may hide it from the caller. If the process ends after it
+    (`to_the_end`), Ctrl-C ends the rest without a traceback, and a second signal changes nothing.
     """
     stop = Stop()
     previous: dict[signal.Signals, Any] = {}

@@ -76,10 +76,7 @@ def with_unit(name: str, unit: str) -> str:
 
 
 def without_rounding(value: Any, unit: str) -> Any:
-    """The value; 0 for what rounding leaves of 0 where values are of order 1.
-
-    That is so of ratios and of phases in radians, not of quantities with other units.
-    """
+    """The value; of ratios and radians, 0 for what rounding leaves of 0."""
     if unit in ("", "rad") and _is_real(value):
         return 0.0 if abs(float(value)) < _ROUNDING else value
     return value

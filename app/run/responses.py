@@ -57,15 +57,10 @@ class StageResponse:
 
 @dataclass(frozen=True)
 class Responses:
-    """All stages at the plain FFT's frequencies from 0 to Nyquist.
+    """All stages at the plain FFT's frequencies from 0 to Nyquist, or along a line (then in `x`).
 
-    `beside` has the transfer functions that do not lead to the final picture. `products` has the
-    total of the stages before pixels are combined and, where electronics follow, that times
-    theirs; it is empty where the stages do not follow one another.
-
-    Along a line, `xi` and every stage's `x` are those of the line, and the others empty. Stages
-    that cannot be evaluated are in `failed`, each error once; a product that needs one of them is
-    left out.
+    `products` has the total before pixels are combined, and with the electronics; it is empty
+    where the stages do not follow one another.
     """
 
     xi: Vector

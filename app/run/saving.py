@@ -68,11 +68,8 @@ def save_value(
 ) -> None:
     """Write the computed value: arrays as they are, curves as columns, tables as rows.
 
-    Of an image, only the region is computed and written; its bands, where it has any, into an ENVI
-    file, whose header is that of `cube_of`, and their sum into any other.
-
-    A ``.png`` runs from black at the least to white at the greatest sample, in 8 bits. A pupil
-    with a wavefront is written as its amplitude.
+    Of an image only the region is computed; its bands go into an ENVI file, their sum into others.
+    A pupil with a wavefront is written as its amplitude.
     """
     if isinstance(value, Image) and is_cube(value, path):
         cube_of(value, work.policy, region).write(path, work, name=port)

@@ -32,10 +32,8 @@ class _Staged:
 class Staging:
     """Collects files in hidden folders beside their targets; `commit` puts them in place.
 
-    Used as a context manager: whatever was not committed is gone at its end. What a killed process
-    left behind is removed by the next one that writes beside it.
-
-    `folder` alone may be missing still; no output may replace one of the `inputs`.
+    Whatever was not committed is gone at its end as a context manager. `folder` alone may be
+    missing still; no output may replace one of the `inputs`.
     """
 
     def __init__(self, folder: Path | None, inputs: Iterable[Path] = ()) -> None:
@@ -60,8 +58,7 @@ class Staging:
     def claim(self, target: Path, guard: Guard | None = None) -> None:
         """Reserve `target` for writing, so that a bad one is refused before any work.
 
-        A `guard` raises if it may not be; it is called now, and again before any file is put in
-        place, for what has changed meanwhile.
+        A `guard` raises if it may not be written: now, and before any file is put in place.
         """
         real = real_target(target)
         if real in self._claimed.values():
@@ -95,10 +92,7 @@ class Staging:
             raise FileError(f"cannot write {target}: no permission to write in {folder}")
 
     def write(self, target: Path, writer: Writer, guard: Guard | None = None) -> None:
-        """Have `writer` make the file under a temporary name of the same suffix.
-
-        The `guard` is for a file that was not claimed before.
-        """
+        """Have `writer` make the file under a temporary name of the same suffix."""
         self._check_way(target)
         real = real_target(target)
         if real not in self._claimed.values():

@@ -31,10 +31,9 @@ Print = tuple[int, str]
 
 @dataclass(frozen=True)
 class WriteRecord:
-    """The record of one network file, in a file of the user's state folder.
+    """What one network file has written, in a file of the user's state folder.
 
-    It is there and not beside the network, because a network that came from elsewhere could
-    bring a record of its own. One that is lost or damaged counts as empty.
+    There, because a network could bring a record of its own; one that is damaged counts as empty.
     """
 
     network: Path  # the network's file, links resolved
@@ -119,10 +118,8 @@ def fingerprint(file: Path) -> Print:
 class WriteRules:
     """What the nodes of one network may write.
 
-    A file in the network's folder or the output folder, links resolved, unless one is there that
-    this network has not written. Allowed in any case are files below the folders of
-    ``--allow-writes-to``, those whose name was given by ``--set``, and those that the user has
-    chosen in a dialog of the editor.
+    Files in its folder or the output folder, unless one is there that it has not written; and in
+    any case what is `allowed`, `given`, or chosen in a dialog of the editor.
     """
 
     # where it may make files, and where it may replace any; links resolved
@@ -182,12 +179,9 @@ class WriteRules:
         return (*errors, *_twice(sinks, own))
 
     def commit(self, staging: Staging) -> str:
-        """Put the files in place, and record those that nodes have written.
+        """Put the files in place, and record what nodes have written; gives why that failed, or "".
 
-        They are recorded before, too: a process that is killed meanwhile leaves files that are
-        known, whether they are the old ones or the new ones.
-
-        Gives why they could not be recorded; empty where they were.
+        Before, too: whatever a process leaves that is killed meanwhile is known.
         """
         try:
             new = {target: fingerprint(file) for target, file in staging.guarded()}

@@ -33,10 +33,9 @@ _DIGITS = 16
 
 
 class Journal:
-    """One line for each row that is done, each with a checksum; a torn last line is cut off.
+    """One line for each row that is done, with a checksum; a torn last line is cut off.
 
-    Used as a context manager. It holds a lock, so that two studies do not write one output.
-    `fresh` throws away what an earlier study has left.
+    A lock keeps two studies from writing one output; `fresh` discards an earlier study's rows.
     """
 
     def __init__(self, output: Path, key: str, points: int, *, fresh: bool = False) -> None:

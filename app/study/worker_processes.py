@@ -54,8 +54,7 @@ class Workers:
 class _Lanes:
     """A stretch of the points for each worker; who has come to its end takes half of another's.
 
-    Neighbours so come to one worker, and share what is known. A batch is as long as a worker did
-    of the last one in the time it has, or twice that if it did all of it.
+    So neighbours share what is known. A batch grows as long as a worker does all of it in time.
     """
 
     def __init__(self, tasks: Sequence[Task], workers: int) -> None:

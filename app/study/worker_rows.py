@@ -25,8 +25,7 @@ _GRACE_S = 3.0  # for a point that is stopped to remove what it has half written
 def main() -> None:
     """Compute what comes by standard input, rows to standard output, until that ends.
 
-    Both are pipes to the process that started this one, and to no other. They end with it, however
-    it ends, and so does this process then, even within a point.
+    Both are pipes to the process that started this one; it ends with them, even within a point.
     """
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a library prints is no row
