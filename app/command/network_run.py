@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -94,8 +93,9 @@ class Stage:
         staging, place, way = self.staging, plan.folder, self.way
         writers = _claim(plan, self, work.policy)
         if not self.only_report:
-            own, sinks = own_files(plan, self.folder), sink_targets(plan, place)
-            _claim_guarded(own, sinks, self.rules, staging)
+            sinks = sink_targets(plan, place)
+            if refused := self.rules.claim(sinks, own_files(plan, self.folder), staging):
+                raise NetworkProblems(refused) from refused[0]
         work.check()
         ports = [saved.port for saved in writers]
         how: dict[str, Any] = {"ports": ports, "report": bool(self.reports)}
@@ -255,21 +255,6 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
     for path in stage.reports:
         staging.claim(path)
     return saves
-
-
-def _claim_guarded(
-    own: list[Path], sinks: dict[str, Path], rules: WriteRules, staging: Staging
-) -> None:
-    refused = rules.refused(sinks, own, staging)
-    if refused:
-        raise NetworkProblems(refused) from refused[0]
-    for path in own:
-        staging.claim(path, rules.check_own if os.path.islink(path) else None)  # noqa: PTH114
-    for node, path in sinks.items():
-        try:
-            staging.claim(path, partial(rules.check, node))
-        except ImagechainError as error:
-            raise error.at(node) from error
 
 
 def own_files(plan: Plan, folder: Path) -> list[Path]:

@@ -158,7 +158,7 @@ def check(
         written.append(f"run writes {', '.join(map(str, own))}")
         written += [f"{node}: run writes {target}" for node, target in sinks.items()]
         staging = Staging(folder, [place.path, *input_files(plan, place.folder)])
-        if refused := rules.refused(sinks, own, staging):
+        if refused := rules.claim(sinks, own, staging):
             raise NetworkProblems(refused)
     except InputError as error:
         problems = error.problems if isinstance(error, NetworkProblems) else (error,)

@@ -63,10 +63,10 @@ class Staging:
         real = real_target(target)
         if real in self._claimed.values():
             raise FileError(f"cannot write: two outputs would be written to {target}")
-        self.check(target)
         if guard is not None:
             guard(target)
             self._guards[real] = guard
+        self.check(target)
         self._sweep(real.parent)
         self._claimed[target] = real
 

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 from app.run.shipped import Place
-from app.run.staging import Staging, real_target
+from app.run.staging import Guard, Staging, real_target
 from app.user_folders import state_folder
 from core.atomic import write_text
 from core.errors import FileError, ImagechainError, UsageError
@@ -156,27 +156,28 @@ class WriteRules:
             return
         raise FileError(f"cannot write {target}{leads}: {why}; {lift}", node=node or None)
 
-    def check_own(self, target: Path) -> None:
+    def _check_own(self, target: Path) -> None:
         """Refuse one of the run's own files where it is a link to what a node may not write."""
         if os.path.islink(target):  # noqa: PTH114, as Path's raises for a name that is too long
             self.check("", target)
 
-    def refused(
-        self, sinks: Mapping[str, Path], own: Sequence[Path], staging: Staging
+    def claim(
+        self, sinks: Mapping[str, Path], own: Iterable[Path], staging: Staging
     ) -> tuple[ImagechainError, ...]:
-        """Why these files cannot or may not be written: `run` refuses them, `check` lists them."""
-        checks = [("", partial(self.check_own, target), target) for target in own]
-        checks += [
-            (node, partial(self.check, node, target), target) for node, target in sinks.items()
+        """Reserve what a run writes; gives why some of it cannot or may not be written."""
+        wanted: list[tuple[str, Path, Guard | None]] = [
+            # Only a link may lead to what is not the run's own.
+            ("", target, self._check_own if os.path.islink(target) else None)  # noqa: PTH114
+            for target in own
         ]
+        wanted += [(node, target, partial(self.check, node)) for node, target in sinks.items()]
         errors: list[ImagechainError] = []
-        for node, allow, target in checks:
+        for node, target, guard in wanted:
             try:
-                allow()
-                staging.check(target)
-            except FileError as error:
+                staging.claim(target, guard)
+            except ImagechainError as error:
                 errors.append(error.at(node) if node else error)
-        return (*errors, *_twice(sinks, own))
+        return tuple(errors)
 
     def commit(self, staging: Staging) -> str:
         """Put the files in place, and record what nodes have written; gives why that failed, or "".
@@ -225,15 +226,6 @@ def write_rules(
         given=frozenset(given),
         record=read_record(place.path),
     )
-
-
-def _twice(sinks: Mapping[str, Path], own: Iterable[Path]) -> Iterator[FileError]:
-    taken = {os.path.realpath(target) for target in own}
-    for node, target in sinks.items():
-        real = os.path.realpath(target)
-        if real in taken:
-            yield FileError(f"cannot write: two outputs would be written to {target}", node=node)
-        taken.add(real)
 
 
 def _own_folder(place: Place) -> tuple[Path, ...]:
