@@ -91,6 +91,3 @@ def test_of_several_solutions_the_one_nearest_to_the_present(works, small, write
 )  # fmt: skip
 def test_what_cannot_be_solved_is_one_line(fails, camera, words, line):
     assert line in fails("solve", camera, *words)
-
-
-"""Exposure that fills the well, 61.8 ms: there NETD is at its least, 6.22 mK."""
