@@ -39,6 +39,7 @@ def cluster_rows(
 class _Cluster(Workers):
     """The workers of a scheduler, which gives the batches of a lost one to another."""
 
+    lanes = 1  # whoever is free takes the next points: each worker keeps what neighbours share
     most_ends = 2  # of what the scheduler gives up, each time after several workers
     why = "the workers that computed it stopped again and again"
 
@@ -54,7 +55,10 @@ class _Cluster(Workers):
         for info in workers:
             hosts[info.get("host", "")] += info["nthreads"]
         self._share = max(hosts.values(), default=1)
-        self.lanes = max(_FEWEST, _AHEAD * hosts.total())
+        self._most = max(_FEWEST, _AHEAD * hosts.total())
+
+    def free(self, busy: Sequence[int]) -> list[int]:
+        return [0] * (self._most - len(busy))
 
     def submit(self, _lane: int, batch: list[Task]) -> Any:
         self._check()

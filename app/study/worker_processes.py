@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -38,6 +38,10 @@ class Workers:
     lanes: int  # how many stretches the points are parted into
     most_ends: int  # of workers within a point, before it is the point's own fault
     why: str  # the error of such a point
+
+    def free(self, busy: Sequence[int]) -> Iterable[int]:
+        """Lanes that can take one more batch; `busy` has the lane of each that is out."""
+        return {*range(self.lanes)} - {*busy}
 
     def submit(self, lane: int, batch: list[Task]) -> Any:
         """A future of the rows of the batch's first points."""
@@ -106,7 +110,7 @@ def dealt_rows(
     for lane in range(workers.lanes):
         send(lane, [])
     while lanes.left or again or out:
-        for lane in {*range(workers.lanes)} - {lane for lane, _ in out.values()}:
+        for lane in workers.free([lane for lane, _ in out.values()]):
             if lanes.left:
                 send(lane, lanes.batch(lane))
         if again and not out and not lanes.left:
