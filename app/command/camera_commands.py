@@ -127,9 +127,6 @@ def measure(
     "--report", "FILE",
     "write an .html page of the fit: patches side by side, edges overlaid, residuals",
     values.ending_in(HTML))  # fmt: skip
-@options.flag(
-    "--known-scene",
-    "the network's source is the scene that the camera saw: fit the whole picture")  # fmt: skip
 @options.option("--band", "N", "band or colour to fit to, counted from 0", values.whole_number)
 @options.numerical_options
 def fit(
@@ -141,7 +138,6 @@ def fit(
     json: Path | bool | None,
     output: Path | None,
     report: Path | None,
-    known_scene: bool,
     band: int | None,
 ) -> None:
     """Fit parameters of a network to pictures of a camera.
@@ -160,7 +156,7 @@ def fit(
     from app.command.network_run import input_files
     from app.fit.fit_page import fit_facts, fit_page, fit_text
     from app.fit.free_parameter import free_parameters
-    from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
+    from app.fit.picture_fit import fit_pictures, read_pictures
     from app.run.readout_tables import json_text
     from app.tradeoff.tradeoff_results import with_value
     from core.chain.engine import Engine
@@ -175,7 +171,7 @@ def fit(
 
     def made() -> FitResult:
         with Progress(3) as progress:
-            return (fit_known_scene if known_scene else fit_pictures)(
+            return fit_pictures(
                 engine, plan, work, free=fitted_parameters,
                 pictures=read_pictures(pictures, band=band), report=progress,
             )  # fmt: skip

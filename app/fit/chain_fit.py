@@ -74,7 +74,7 @@ class Misfit:
     noise_degrees: int = 0
     # what is left near the edge that is worst, beyond noise, as a share of its step
     material: float = 0.0
-    edges: int = 0  # how many were fitted; 0 for a whole picture
+    edges: int = 0  # how many were fitted
 
     @property
     def chi2_per_degree(self) -> float:
@@ -159,8 +159,8 @@ class ChainFit:
     # derivatives of the residuals, shape (samples, parameters), over the root of their misfit
     jacobian: Matrix
     patches: tuple[Patch, ...]  # the edges' samples
-    edges: EdgesAt | None  # all as fitted; None where a whole picture was
-    table: SpreadTable | None  # their spreads
+    edges: EdgesAt  # all as fitted
+    table: SpreadTable  # their spreads
     misfit: Misfit  # how well it fits
     # for each parameter ``low`` or ``high`` where it lies at that end of its range, else empty
     at_end: tuple[str, ...]

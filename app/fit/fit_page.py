@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.edge_fit import EdgesAt
 from app.fit.fit_result import FitResult, NoiseComparison
-from app.fit.scene_match import SceneFit
 from app.measure.measurement_text import with_error
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
@@ -51,8 +49,6 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
 
 
 def _fitted(result: FitResult) -> str:
-    if result.scene is not None:
-        return "The whole picture"
     count = len(result.fit.patches)
     shape = short(result.fit.misfit.shape_per_degree)
     edges = "1 edge" if count == 1 else f"{count} edges"
@@ -60,12 +56,6 @@ def _fitted(result: FitResult) -> str:
 
 
 def _pictures(result: FitResult) -> list[Block]:
-    if result.scene is not None:
-        caption = (
-            "The picture, the fitted network's picture over the same area, and the difference "
-            "in standard deviations of the noise."
-        )
-        return [Heading(2, "Picture"), Drawn(scene_png(result.scene), caption, "pictures compared")]
     return [
         Heading(2, "Edges"),
         Drawn(
@@ -121,7 +111,7 @@ def _table(result: FitResult) -> list[Block]:
     drawn = set(drawn_edges(result))
     rows = []
     for index, patch in enumerate(result.fit.patches):
-        chi2 = float(edges_of(result).residual[index] @ edges_of(result).residual[index])
+        chi2 = float(result.fit.edges.residual[index] @ result.fit.edges.residual[index])
         rows.append(
             (
                 f"{index + 1}{'' if index in drawn else ' (not drawn)'}",
@@ -129,7 +119,7 @@ def _table(result: FitResult) -> list[Block]:
                 f"{patch.edge.y:.1f}",
                 f"{patch.edge.angle_deg:.1f}",
                 str(len(patch.value)),
-                short(float(edges_of(result).step[index])),
+                short(float(result.fit.edges.step[index])),
                 f"{chi2 / len(patch.value):.3f}",
             )
         )
@@ -170,36 +160,12 @@ def drawn_edges(result: FitResult) -> list[int]:
     return [int(order[place]) for place in places]
 
 
-def edges_of(result: FitResult) -> EdgesAt:
-    assert result.fit.edges is not None
-    return result.fit.edges
-
-
-def scene_png(scene: SceneFit) -> bytes:
-    rows, columns = scene.real.shape
-    with figure(10.0, min(3.6 * rows / columns, 8.0) + 0.5) as (drawn, out):
-        axes = drawn.subplots(1, 3)
-        low, high = (float(v) for v in np.quantile(scene.real, (0.001, 0.999)))
-        left = (scene.real - scene.simulated) / scene.noise_sigma
-        for axis, values, ends, words in (
-            (axes[0], scene.real, (low, high), "real"),
-            (axes[1], scene.simulated, (low, high), "simulated"),
-            (axes[2], left, (-_WIDE, _WIDE), "difference, ±4 σ"),
-        ):
-            axis.imshow(values, cmap="gray", vmin=ends[0], vmax=ends[1], interpolation="nearest")
-            axis.set_title(words, fontsize=10)
-            axis.set_xticks([])
-            axis.set_yticks([])
-            axis.grid(visible=False)
-    return out.getvalue()
-
-
 def patches_png(result: FitResult) -> bytes:
     edges = drawn_edges(result)
     with figure(1.7 * len(edges) + 0.8, 5.6) as (drawn, out):
         axes = drawn.subplots(3, len(edges), squeeze=False)
         for column, edge in enumerate(edges):
-            patch, at = result.fit.patches[edge], edges_of(result)
+            patch, at = result.fit.patches[edge], result.fit.edges
             count = len(patch.value)
             model, left = at.model[edge, :count], at.residual[edge, :count]
             low, high = float(patch.value.min()), float(patch.value.max())
@@ -226,7 +192,7 @@ def spreads_png(result: FitResult) -> bytes:
     with figure(10.0, 2.1 * len(edges) + 0.6) as (drawn, out):
         axes = drawn.subplots(len(edges), 2, squeeze=False, sharex=True)
         for row, edge in enumerate(edges):
-            patch, at = result.fit.patches[edge], edges_of(result)
+            patch, at = result.fit.patches[edge], result.fit.edges
             count = len(patch.value)
             distance, spread = at.distance[edge, :count], at.spread[edge, :count]
             rest = at.residual[edge, :count] / at.weight[edge, :count] / at.step[edge]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from app.fit.chain_fit import ChainFit
 from app.fit.identifiability import Combination, Identified, identified
 from app.fit.parameter_search import Refit, profiled_spread
-from app.fit.scene_match import SceneFit
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]
@@ -64,7 +63,6 @@ class FitResult:
     notes: tuple[str, ...] = ()  # what was assumed
     noise: NoiseComparison | str = ""  # the noise, or why it was not compared
     refused: tuple[str, ...] = ()  # why other candidates for edges were not used
-    scene: SceneFit | None = None  # the whole pictures, where a known scene was fitted
 
     @property
     def chi2_per_degree(self) -> float:
@@ -108,13 +106,12 @@ def result_of(
         )
         for i, p in enumerate(fit.free)
     )
-    seen = "edges" if fit.patches else "picture"
     warnings = (
         *_unknown(fit, known),
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: its sign has no effect on the {seen}; it is given as positive"
+            f"{fit.free[i].port}: its sign has no effect on the edges; it is given as positive"
             for i in fit.unsigned
             if i not in undetermined
         ),
@@ -317,10 +314,9 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
             "from all residuals if they are larger; blur that all edges share, "
             "such as softness of the scene, is treated as blur of the chain",
         ]
-    what = "these edges" if fit.patches else "this picture"
     return [
         *lines,
-        f"the chain does not reproduce {what}: the residuals are {left} the noise; the "
+        f"the chain does not reproduce these edges: the residuals are {left} the noise; the "
         "standard errors are widened to match, but the values may be off by more: add the "
         "missing effect to the chain and fit again",
     ]

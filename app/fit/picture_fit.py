@@ -14,9 +14,8 @@ from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_know
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
-from app.fit.parameter_search import Refit, middle_of, refit_beside
+from app.fit.parameter_search import Refit, refit_beside
 from app.fit.patch import Patch, patch_of
-from app.fit.scene_fit import SceneProblem, fit_scene
 from app.measure.measurement_text import file_warnings, in_words, repeated_words
 from app.measure.measuring import measured_file, refuse_small
 from app.measure.picture_loading import PictureFile, common_limits, is_repeated, open_picture
@@ -24,19 +23,16 @@ from app.measure.picture_measurement import WITH_LOSS
 from app.tradeoff.tradeoff_results import with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import Cancelled, DataError, ImagechainError, UsageError
+from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
 from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.picture_checks import missing_samples, why_no_picture
-from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
+from core.physics.measurement.edges.picture_checks import missing_samples
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Matrix = NDArray[np.float64]
 
 _MOST_LEVELS = 24
-_CLIPPED = 0.02  # of a picture's samples, as of an edge's
-_TWO_LEVELS = 2
 _SAME_SIZE = 0.02  # of a sample's size, within which two are the same
 _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
@@ -178,35 +174,6 @@ def refit_of(problem: EdgeProblem, values: NDArray[np.float64]) -> Refit:
     )
 
 
-def fit_known_scene(
-    engine: Engine,
-    plan: Plan,
-    work: Work,
-    *,
-    free: Sequence[FreeParameter],
-    pictures: FittedPictures,
-    report: Callable[[str], None] = lambda _text: None,
-) -> FitResult:
-    """As `fit_pictures`, with one picture of the network's own scene as a whole."""
-    if len(pictures.samples) != 1:
-        raise UsageError(
-            f"a known scene is fitted to one picture, not {len(pictures.samples)}: each would show "
-            "another part of the scene",
-            hint="leave out --known-scene to fit their edges",
-        )
-    reason = why_no_picture(picture=pictures.samples[0]) or _why_clipped(pictures)
-    if reason:
-        raise DataError(f"{pictures.text}: {reason}")
-    report("noise")
-    chain = ChainAt(engine, plan, [parameter.target for parameter in free])
-    problem = SceneProblem(chain, work, free, pictures.samples[0])
-    report("parameters")
-    result = fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
-    of_chain = _of_chain(engine, plan, free, result)
-    known = pictures.warnings_beside(final_image(plan))
-    return replace(result, warnings=(*known, *result.warnings, *of_chain))
-
-
 def _of_chain(
     engine: Engine, plan: Plan, free: Sequence[FreeParameter], result: FitResult
 ) -> list[str]:
@@ -216,24 +183,6 @@ def _of_chain(
             network = with_value(network, engine, parameter.node, parameter.name, one.used)
     fitted = engine.plan(network, folder=plan.folder, previous=plan)
     return [str(caution) for caution in fitted.warnings()]
-
-
-def _why_clipped(pictures: FittedPictures) -> str:
-    """Why a picture as a whole is taken as clipped; empty if it is not."""
-    picture = pictures.samples[0]
-    low, high = pictures.clip_levels or (None, None)
-    if pictures.clip_levels is None:
-        # Steps of a converter give one value again and again where the noise is finer.
-        stepped = rounding_step(picture=picture) is not None
-        if not stepped or len(np.unique(picture)) <= _TWO_LEVELS:
-            low, high = clipped_ends(picture=picture)
-    at_limit = np.zeros(picture.shape, bool)
-    if low is not None:
-        at_limit |= picture <= low
-    if high is not None:
-        at_limit |= picture >= high
-    share = float(at_limit.mean())
-    return f"clipped: {share:.0%} of its samples are at a limit" if share > _CLIPPED else ""
 
 
 def _noise(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from app.fit.fit_page import fit_facts, fit_text
 from app.fit.fit_result import FitResult
 from app.fit.free_parameter import free_parameters
-from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures, read_pictures
+from app.fit.picture_fit import FittedPictures, fit_pictures, read_pictures
 from app.run.readout_tables import json_text
 from core.atomic import write_text
 from core.errors import ParameterError, UsageError
@@ -85,7 +85,6 @@ def fit(
     *,
     to: Picture | Sequence[Picture],
     free: str | Sequence[str] | Mapping[str, tuple[float, float] | None],
-    known_scene: bool = False,
     band: int | None = None,
     precision: Precision = "single",
     tolerance: float | None = None,
@@ -103,8 +102,6 @@ def fit(
     free : str, sequence of str, or mapping
         Parameters to fit: ``NODE.PARAM`` in its own range; or a mapping of these to ranges (low,
         high), None for its own range.
-    known_scene : bool
-        Whether the chain's source is the scene in the picture; then the whole picture is fitted.
     band : int, optional
         Band or colour to use, if the files have several.
     precision, tolerance, threads
@@ -114,8 +111,7 @@ def fit(
     engine, plan = own.planned()
     parameters = free_parameters(_texts(free), plan.network, engine.library, option="free")
     names, pictures = _pictures(to, band)
-    carried_out = fit_known_scene if known_scene else fit_pictures
-    result = carried_out(
+    result = fit_pictures(
         engine, plan, engine.work(Policy(precision, tolerance, threads)), free=parameters,
         pictures=pictures,
     )  # fmt: skip

@@ -78,23 +78,6 @@ def test_parameters_with_one_effect_have_a_combination(folder):
     assert "not determined" in repr(fitted)
 
 
-def test_a_scene_from_an_array_and_a_known_scene(folder):
-    """Where the chain's own source is the scene, the picture's gain and offset are its own."""
-    scene = np.random.default_rng(3).uniform(1.0, 2.0, (64, 64))
-    chain = ic.Chain("own", seed=1)
-    chain.add(ic.scene(scene, fov_x_deg=1.0, fov_y_deg=1.0))
-    chain.add(ic.modules.init_trans(f_number=2, focal_length_mm=100))
-    chain.add(ic.modules.gaussian_mtf(sigma_x_mrad=0.2, sigma_y_mrad=0.2), name="blur")
-    chain.add(ic.modules.back_transform())
-    picture = 100.0 + 50.0 * chain.run(precision="double").image()
-    picture += np.random.default_rng(4).normal(0.0, 0.05, picture.shape)
-    chain.set("blur.sigma_x_mrad", 0.5)
-    fitted = ic.fit(chain, to=picture, free="blur.sigma_x_mrad", known_scene=True)
-    one = fitted.parameters["blur.sigma_x_mrad"]
-    assert one.value == pytest.approx(0.2, abs=4.0 * one.sigma)
-    assert one.sigma < 0.01
-
-
 @pytest.mark.parametrize(
     ("how", "line"),
     [

@@ -233,7 +233,6 @@ class FitTask:
     folder: Path
     numbers: tuple[FreeNumber, ...]  # those that are free
     pictures: Pictures
-    known_scene: bool = False  # whether the network's source is the scene of the picture
 
 
 class DrawnEdge(NamedTuple):
@@ -280,7 +279,7 @@ def fit_to_picture(
     task: FitTask, check: Callable[[], None], report: Callable[[str], None], watch: Watch
 ) -> FitOutcome:
     # Imported where it is used: the window opens without it.
-    from app.fit.picture_fit import fit_known_scene, fit_pictures
+    from app.fit.picture_fit import fit_pictures
     from core.chain.engine import Engine
     from core.network.validation import check_network
 
@@ -292,13 +291,10 @@ def fit_to_picture(
     report("picture")
     pictures = _pictures(task.pictures)
     check()
-    if not task.known_scene:
-        seen = _Paced(check, watch)
-        result = fit_pictures(
-            engine, plan, work, free=free, pictures=pictures, report=report, watch=seen
-        )
-        return _outcome(task, result)
-    result = fit_known_scene(engine, plan, work, free=free, pictures=pictures, report=report)
+    seen = _Paced(check, watch)
+    result = fit_pictures(
+        engine, plan, work, free=free, pictures=pictures, report=report, watch=seen
+    )
     return _outcome(task, result)
 
 
@@ -373,7 +369,7 @@ def _outcome(task: FitTask, result: FitResult) -> FitOutcome:
         for number, one in zip(task.numbers, result.parameters, strict=True)
     )
     noise = (result.noise,) if isinstance(result.noise, str) and result.noise else ()
-    edges = () if fit.edges is None else drawn_edges(fit.patches, fit.edges)
+    edges = drawn_edges(fit.patches, fit.edges)
     return FitOutcome(
         numbers,
         result.chi2_per_degree,

@@ -42,7 +42,7 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import columns_text, have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, toggle_button, tool_button
+from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
 from app.fit.fit_result import hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
@@ -53,7 +53,6 @@ from core.network.network import Network
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel and choose Free for a fit"
 _SAID_HERE = "Fit reports here how well the chain matches the picture"
-_NO_EDGES = "The picture was fitted as a whole, not edge by edge"
 _TAKE = "Write all fitted values into the network, as one step that you can undo"
 
 
@@ -78,7 +77,6 @@ class FitView(WorkerView):
         self._default, self._finish_typing = default_pictures, finish_typing
         self._own: Pictures | None = None
         self._fitted_to: Pictures | None = None
-        self._fitted_known = False
         self._run: object | None = None
         self._failed_with: object = None
         self._fits: list[Network] = []  # as fitted, and as the values were taken
@@ -109,14 +107,7 @@ class FitView(WorkerView):
         if pictures is None:
             self._say("choose a picture first", failed=True)
             return
-        task = FitTask(
-            session.plain,
-            session.library,
-            session.folder,
-            session.free.all,
-            pictures,
-            known_scene=self.known.isChecked(),
-        )
+        task = FitTask(session.plain, session.library, session.folder, session.free.all, pictures)
         run = self._run = object()
 
         def watch(edges: tuple[DrawnEdge, ...]) -> None:
@@ -127,7 +118,6 @@ class FitView(WorkerView):
 
         self._show_outcome(None)
         self._fits, self._fitted_to = [session.document.network], pictures
-        self._fitted_known = task.known_scene
         self._say(f"Fitting to {pictures_name(pictures)} …")
         self.worker.start(job)
         self._show_buttons()
@@ -188,14 +178,6 @@ class FitView(WorkerView):
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
         self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
-        self.known = toggle_button(
-            "fit.known",
-            "Known Scene",
-            "Tick this if the network's source is the scene of the picture: the picture is "
-            "then fitted as a whole. Otherwise ideal edges replace the source where the "
-            "picture has edges",
-            self,
-        )
         self.remove = tool_button(
             "fit.remove", "Remove", "Fix the selected parameter again (Del)", self
         )
@@ -205,7 +187,7 @@ class FitView(WorkerView):
         self.which.setToolTip("Choose which of the picture's edges is plotted")
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         bar = QWidget(self)
-        buttons = (self.file, self.known, self.fit, self.stop, self.taking, self.remove)
+        buttons = (self.file, self.fit, self.stop, self.taking, self.remove)
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("fit.notices", "Warnings of the fit", self)
@@ -229,7 +211,6 @@ class FitView(WorkerView):
     def _connect(self) -> None:
         self.file.clicked.connect(self._choose_file)
         self.fit.clicked.connect(self.begin)
-        self.known.toggled.connect(self.show_state)
         self.stop.clicked.connect(self.cancel)
         self.taking.clicked.connect(self.take)
         self.remove.clicked.connect(self.table.remove_marked)
@@ -262,7 +243,7 @@ class FitView(WorkerView):
     @property
     def _given(self) -> object:
         """What a fit is made of: as long as it is the same, the reason why one failed stays."""
-        return self.pictures, tuple(self._session.free.all), self.known.isChecked()
+        return self.pictures, tuple(self._session.free.all)
 
     def _network_changed(self, *_: object) -> None:
         self.table.write()
@@ -309,8 +290,7 @@ class FitView(WorkerView):
         self._show_edge()
 
     def _show_edge(self, _index: int = 0) -> None:
-        why_none = _NO_EDGES if self.outcome is not None and self._fitted_known else ""
-        self.chart.show_edge(self._edges.get(self.which.currentText()), why_none)
+        self.chart.show_edge(self._edges.get(self.which.currentText()))
 
     def _show_on_the_way(self, run: object, drawn: object) -> None:
         """Edges as the values change: the chosen one, if it is among them."""
@@ -346,8 +326,6 @@ class FitView(WorkerView):
             return "to the network before an edit"
         if self._fitted_to is not None and self.pictures != self._fitted_to:
             return f"to {pictures_name(self._fitted_to)}"
-        if self.known.isChecked() != self._fitted_known:
-            return f"with the scene {'' if self._fitted_known else 'not '}taken as known"
         if fitted != {one.place for one in session.free.all}:
             return "while other parameters were free"
         return ""
@@ -400,11 +378,10 @@ class SpreadChart(ChartWidget):
             "picture's samples and the chain's edge spread"
         )
         self.edge: DrawnEdge | None = None
-        self._why_none = ""
 
-    def show_edge(self, edge: DrawnEdge | None, why_none: str = "") -> None:
-        """Draw an edge; None draws an empty chart, with the reason if there is one."""
-        self.edge, self._why_none = edge, why_none
+    def show_edge(self, edge: DrawnEdge | None) -> None:
+        """Draw an edge; None draws an empty chart."""
+        self.edge = edge
         self.update()
 
     def numbers(self) -> str:
@@ -421,12 +398,6 @@ class SpreadChart(ChartWidget):
         chart = Chart(painter, area, x, y, self.theme)
         if edge is not None:
             self._paint(painter, chart, edge, x, y)
-        elif self._why_none:
-            painter.setPen(QColor(self.theme.faint_text))
-            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(
-                chart.frame.adjusted(6, 4, -6, -4).toRect(), int(flags), self._why_none
-            )
 
     def _paint(self, painter: QPainter, chart: Chart, edge: DrawnEdge, x: Axis, y: Axis) -> None:
         samples, line = self.theme.faint_text, self.theme.curves[0]
