@@ -148,7 +148,6 @@ def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
         **({"picture": edge.picture} if of_several else {}),
         **{name: getattr(edge.found, name) for name in _PLACE},
         **_given(**figures),
-        **({} if curve is None or curve.tail is None else {"long_tail": asdict(curve.tail)}),
         "used": edge.used,
         "why_not": edge.why_not,
     }

@@ -35,7 +35,6 @@ _MOST_REASONS = 8
 _ABOVE_ONE, _LEAST_ABOVE = 3.0, 0.02  # standard errors, and of an MTF
 _FEW = 2  # edges, that others do not confirm
 _SCATTERED = 1.5  # times their own errors
-_LEAST_TAIL, _LEAST_BEYOND = 0.01, 0.003  # of all light
 _PLACES = 7  # after the point, or before it: beyond, powers of ten
 Row = tuple[str, str, str, str]
 
@@ -210,7 +209,6 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     lines = [f"measured in {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]
-    lines += _tail_lines(measured)
     if measured.repeated:
         lines.append(f"warning: {repeated_words(len(measured.repeated))}")
     for words, curve, reason in (
@@ -261,32 +259,6 @@ def remarks(measured: PictureMeasurement) -> list[str]:
         lines.append(f"temporal noise not measured: {measured.frames_reason}")
     if measured.flats is None and measured.flats_reason:
         lines.append(f"no photon transfer curve: {measured.flats_reason}")
-    return lines
-
-
-def _tail_lines(measured: PictureMeasurement) -> list[str]:
-    tails = {
-        edge.picture: edge.curve.tail
-        for edge in measured.edges
-        if edge.used and edge.curve is not None and edge.curve.tail is not None
-    }
-    lines = []
-    for picture, tail in tails.items():
-        if tail.share < max(_LEAST_TAIL, tail.error):
-            continue
-        line = (
-            f"{measured.picture_name(picture)}: "
-            f"{with_error(100 * tail.share, 100 * tail.error)} % of the light lies in long "
-            "tails (veiling glare, a scintillator or similar): the MTF includes them"
-        )
-        if tail.beyond > _LEAST_BEYOND:
-            line += (
-                f"; {tail.seen:.0f} samples from the edges, where the frame ends or something "
-                "else begins, the brightness beside them is not level yet: "
-                f"{100 * tail.beyond:.2g} % may lie beyond, and the error is widened "
-                "accordingly"
-            )
-        lines.append(line)
     return lines
 
 

@@ -40,7 +40,6 @@ from core.physics.measurement.edges.edge_mtf import (
 )
 from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.found_edge import FoundEdge
-from core.physics.measurement.edges.long_tails import LongTails, long_tails
 from core.physics.measurement.edges.picture_checks import missing_samples, why_interpolated
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
@@ -414,24 +413,17 @@ def edges_of(
     check: Callable[[], None] = lambda: None,
 ) -> tuple[MeasuredEdge, ...]:
     seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
-    used = [edge for edge in seen if edge.used]
-    missing = missing_samples(picture=picture) if used else None
-    tails = long_tails(picture=picture, edges=used, missing=missing, check=check)
-    return tuple(_measured(picture, number, edge, tails, check) for edge in seen)
+    return tuple(_measured(picture, number, edge, check) for edge in seen)
 
 
 def _measured(
-    picture: Matrix,
-    number: int,
-    edge: FoundEdge,
-    tails: LongTails | None,
-    check: Callable[[], None],
+    picture: Matrix, number: int, edge: FoundEdge, check: Callable[[], None]
 ) -> MeasuredEdge:
     if not edge.used:
         return MeasuredEdge(number, edge, None, edge.why_not)
     try:
         curve = measure_edge(
-            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), tails=tails, check=check
+            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), check=check
         )
     except DataError as error:
         return MeasuredEdge(number, edge, None, error.message)

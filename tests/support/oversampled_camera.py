@@ -28,8 +28,7 @@ class Camera:
     the wave aberration at the pupil's margin in waves; `electronics` the time constant of a
     low-pass along the rows (one pole, causal), in samples; `field_shift` what the scene moves
     across from the even rows to the odd ones; `periodic` an amplitude in DN, and cycles per sample
-    across and down; `tail` its kind, the share of the light in it, and the samples beyond which
-    about a third of that lies (see `tail_transfer`).
+    across and down.
     """
 
     cutoff: float | None = None
@@ -51,7 +50,6 @@ class Camera:
     periodic: tuple[float, float, float] = (0.0, 0.0, 0.0)
     bits: int | None = None
     jpeg_quality: int | None = None
-    tail: tuple[str, float, float] | None = None
 
     def dn(self, electrons):
         """The mean that many electrons give."""
@@ -100,26 +98,6 @@ def pupil_transfer(radius, obscuration=0.0, defocus=0.0, lines=1201):
     return value.reshape(np.shape(radius))
 
 
-def tail_transfer(kind, samples, radius):
-    """Transfer function of a round tail, radius in cycles per sample.
-
-    Its line spread falls exponentially (`scintillator`), as a Gaussian (`halo`), or as a Lorentzian
-    that is faded out at four times the samples (`veil`), which is summed by the midpoint rule.
-    """
-    radius = np.asarray(radius, float)
-    if kind == "scintillator":
-        return 1 / (1 + (2 * math.pi * samples * radius) ** 2)
-    if kind == "halo":
-        return np.exp(-2 * (math.pi * samples * radius) ** 2)
-    table = np.append(0, np.geomspace(1e-4, 4, 1500))
-    place = (np.arange(4000) + 0.5) / 4000 * 4 * samples
-    spread = (1 - (place / (4 * samples)) ** 2) ** 2 / (1 + (2 * place / samples) ** 2)
-    values = np.cos(2 * math.pi * np.outer(table, place)) @ spread / spread.sum()
-    # Beyond a frequency the sum's own steps would show, where nothing is left of the tail.
-    values[table > 40 / samples] = 0.0
-    return np.interp(radius, table, values)
-
-
 def _along(camera, frequency, axis):
     """Factors of one axis: pixel, Gaussian, jitter, and electronics across."""
     blur = camera.gaussian[axis] ** 2 + camera.jitter**2
@@ -141,10 +119,6 @@ def _joint(camera, fx, fy):
         angle = math.radians(camera.motion_deg)
         moved = np.sinc(camera.motion * (fx * math.cos(angle) + fy * math.sin(angle)))
         factor = moved if factor is None else factor * moved
-    if camera.tail is not None:
-        kind, share, samples = camera.tail
-        spread = 1 - share + share * tail_transfer(kind, samples, np.hypot(fx, fy))
-        factor = spread if factor is None else factor * spread
     return factor
 
 
@@ -202,7 +176,7 @@ def sampled(fine, camera):
         passed[within, :last] = spectrum[within, :last]
         passed[within, :last] *= _joint(camera, fx[:last], fy[within])
         spectrum = passed
-    elif camera.motion or camera.tail:
+    elif camera.motion:
         spectrum *= _joint(camera, fx, fy)
     spectrum *= down
     # Every K-th row is the sum over the K repetitions of the spectrum down.

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.physics.measurement.edges.found_edge import EdgeSamples, FoundEdge, edge_samples
-from core.physics.measurement.edges.long_tails import LongTails, TailShare
 from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.edges.spread_fit import (
     TAIL,
@@ -54,8 +53,6 @@ class EdgeMtf:
     # does not in `frequency`
     mtf50: float | None
     mtf50_sigma: float | None
-    # light in long tails, that is taken into account; None where none was seen
-    tail: TailShare | None = None
 
 
 def measure_edge(
@@ -63,7 +60,6 @@ def measure_edge(
     picture: NDArray[np.floating],
     edge: FoundEdge,
     frequency: Vector,
-    tails: LongTails | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> EdgeMtf:
     """Measure the MTF across an edge of any direction.
@@ -72,8 +68,6 @@ def measure_edge(
     ----------
     frequency : ndarray
         Cycles per sample along the edge's normal, ascending from 0.
-    tails : LongTails, optional
-        What the picture shows of light far from the edge, beyond its reach.
 
     Raises
     ------
@@ -106,19 +100,7 @@ def measure_edge(
     check()
     transform = line_transform(spline=fit.basis.spline, frequency=np.append(0.0, frequency))
     mtf, sigma, shared = _modulus(samples, fit, transform, edge, frequency)
-    if tails is not None:
-        moved, doubt = _with_tails(samples, fit, transform, edge, frequency, tails)
-        mtf = np.maximum(mtf + moved, 0.0)
-        sigma, shared = np.hypot(sigma, doubt), np.hypot(shared, doubt)
-    return EdgeMtf(
-        edge,
-        frequency,
-        mtf,
-        sigma,
-        shared,
-        *_half(frequency, mtf, sigma),
-        tail=None if tails is None else tails.share,
-    )
+    return EdgeMtf(edge, frequency, mtf, sigma, shared, *_half(frequency, mtf, sigma))
 
 
 def _modulus(
@@ -150,42 +132,6 @@ def _modulus(
     others = longer + blurred**2 + textured + beside**2 + _MODEL**2
     shared = np.hypot(effect.real @ fit.prior[TAIL], beside)
     return modulus, np.asarray(np.sqrt(along + others), np.float64), shared
-
-
-def _with_tails(
-    samples: EdgeSamples,
-    fit: SpreadFit,
-    transform: Complex,
-    edge: FoundEdge,
-    frequency: Vector,
-    tails: LongTails,
-) -> tuple[Vector, Vector]:
-    """What long tails add to the modulus, and the standard error of that.
-
-    Notes
-    -----
-    The fit is linear in the samples: without what a tail brings to each of them it is that of the
-    core alone, C(f). With b of the light of the core in the tail, whose transfer function is T, the
-    whole is (C + b·T) / (1 + b).
-    """
-    (across_x, across_y), half = edge.normal, edge.length / 2.0
-    off = samples.distance + edge.bend * (samples.along / half) ** 2
-    x = edge.x + off * across_x - samples.along * across_y
-    y = edge.y + off * across_y + samples.along * across_x
-    whole = transform @ fit.coefficients
-    parts, transfers = [], []
-    for tail in range(len(tails.form)):
-        brought = tails.at(tail, x, y)
-        fitted = fit.inverse @ fit.basis.onto(brought - brought.mean())
-        parts.append(transform @ fitted)
-        transfers.append(tails.transfer(tail, frequency))
-    ratio = tails.ratio[:, np.newaxis]
-    core = whole - ratio * np.array(parts)[tails.which]
-    core = core[:, 1:] / core[:, :1]
-    modulus = np.abs(core + ratio * np.array(transfers)[tails.which]) / (1.0 + ratio)
-    mean = tails.weight @ modulus
-    doubt = np.sqrt(tails.weight @ (modulus - mean) ** 2)
-    return mean - np.abs(whole[1:] / whole[0]), np.asarray(doubt, np.float64)
 
 
 def _lost_to_neighbours(frequency: Vector, reach: float) -> Vector:

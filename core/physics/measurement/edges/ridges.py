@@ -287,8 +287,8 @@ def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
     row, column = np.nonzero(inner)
     here = strength[row, column]
     unit_x, unit_y = slope_x[row, column] / here, slope_y[row, column] / here
-    before = between(strength, row - unit_y, column - unit_x)
-    after = between(strength, row + unit_y, column + unit_x)
+    before = _between(strength, row - unit_y, column - unit_x)
+    after = _between(strength, row + unit_y, column + unit_x)
     ridge = (here >= before) & (here > after)
     row, column, unit_x, unit_y = row[ridge], column[ridge], unit_x[ridge], unit_y[ridge]
     here, before, after = here[ridge], before[ridge], after[ridge]
@@ -299,7 +299,7 @@ def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
     return RidgePoints(x, y, column, row, angle.astype(np.float64), here.astype(np.float64))
 
 
-def between(field: Picture, row: Vector, column: Vector) -> Vector:
+def _between(field: Picture, row: Vector, column: Vector) -> Vector:
     """Values between samples, by linear interpolation."""
     top = np.minimum(np.floor(row).astype(np.intp), field.shape[0] - 2)
     left = np.minimum(np.floor(column).astype(np.intp), field.shape[1] - 2)
