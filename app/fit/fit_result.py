@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
 from app.fit.identifiability import Combination, Identified, identified
-from app.fit.parameter_search import Refit, profiled_spread
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]
@@ -20,7 +19,6 @@ Matrix = NDArray[np.float64]
 _UNCERTAIN = 0.5  # of a value: with a larger error it is hardly measured
 _CORRELATED = 0.98
 _FEW = 1.5  # edges: less is one that has four fifths of what is known, and nothing checks it
-_NEAR_ZERO, _FIRST = 5.0, 0.2  # standard errors: near 0, and a first step away
 _RIVAL = 4.0  # standard errors, from which on a value is another one
 
 
@@ -69,15 +67,9 @@ class FitResult:
         return self.fit.misfit.chi2_per_degree
 
 
-def result_of(
-    fit: ChainFit, cost: Callable[[Vector], float], refit: Refit | None = None
-) -> FitResult:
-    """Standard errors, correlations and warnings of a fit; `cost` is its sum of squares.
-
-    `refit`, where given, fits all others beside a parameter that is held.
-    """
+def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
+    """Standard errors, correlations and warnings of a fit; `cost` is its sum of squares."""
     known = identified(fit, cost)
-    known, curved = (known, []) if refit is None else _profiled(fit, known, refit, cost)
     rivals = _rivals(fit, known)
     undetermined = known.undetermined | set(rivals)
     if fit.misfit.is_hopeless:
@@ -115,8 +107,7 @@ def result_of(
             for i in fit.unsigned
             if i not in undetermined
         ),
-        *_weak(parameters, correlation, profiled=bool(curved)),
-        *curved,
+        *_weak(parameters, correlation),
         *_misfit(fit, lone),
     )
     return FitResult(fit, parameters, correlation, known.combinations, tuple(warnings))
@@ -134,44 +125,6 @@ def _rivals(fit: ChainFit, known: Identified) -> tuple[int, ...]:
             for other in fit.rivals
         )
     )
-
-
-def _profiled(
-    fit: ChainFit, known: Identified, refit: Refit, cost: Callable[[Vector], float]
-) -> tuple[Identified, list[str]]:
-    """Errors as far as the others go while a parameter near 0 takes what values it may have."""
-    covariance, lines = known.covariance.copy(), []
-    sure = [i for i in range(len(fit.free)) if i not in known.undetermined]
-    for index in sure if len(sure) > 1 else []:
-        parameter, value = fit.free[index], float(fit.values[index])
-        sigma = math.sqrt(covariance[index, index])
-        if not parameter.low <= 0.0 <= value < min(_NEAR_ZERO * sigma, parameter.high):
-            continue
-        spread = profiled_spread(
-            refit=refit, index=index, values=fit.values, least=cost(fit.values),
-            unit=max(fit.misfit.excess, fit.misfit.noise_excess),
-            first=max(min(sigma, value), _FIRST * sigma), high=parameter.high,
-        )  # fmt: skip
-        if spread is None:
-            continue
-        wider = []
-        for i in sure:
-            was = math.sqrt(covariance[i, i])
-            # With what the others leave of it where this one is held.
-            rest = covariance[i, index] ** 2 / covariance[index, index]
-            now = math.sqrt(spread[i] ** 2 + (max(was**2 - rest, 0.0) if i != index else 0.0))
-            if now > was > 0.0:
-                covariance[i, :] *= now / was
-                covariance[:, i] *= now / was
-                wider.append(fit.free[i].port)
-        others = [name for name in wider if name != parameter.port]
-        if others:
-            lines.append(
-                f"{parameter.port} may also be 0: the standard errors of "
-                f"{' and '.join(others)} are widened to include the fit with it at 0 and with it "
-                "as large as the edges allow"
-            )
-    return replace(known, covariance=covariance), lines
 
 
 def _lone(fit: ChainFit) -> tuple[int, ...]:
@@ -247,10 +200,8 @@ def hardly_determined(value: float | None, sigma: float | None) -> bool:
     return value is not None and sigma is not None and sigma > _UNCERTAIN * abs(value)
 
 
-def _weak(
-    parameters: tuple[FittedParameter, ...], correlation: Matrix, *, profiled: bool
-) -> list[str]:
-    lines, many = [], len(parameters) > 1 and not profiled
+def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[str]:
+    lines, many = [], len(parameters) > 1
     for one in parameters:
         if one.value is None or one.sigma is None:
             continue

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import EdgeProblem, Watch, fit_chain, scales_of
+from app.fit.chain_fit import EdgeProblem, Watch, fit_chain
 from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
-from app.fit.parameter_search import Refit, refit_beside
 from app.fit.patch import Patch, patch_of
 from app.measure.measurement_text import file_warnings, in_words, repeated_words
 from app.measure.measuring import measured_file, refuse_small
@@ -147,7 +146,7 @@ def fit_pictures(
     problem = EdgeProblem(chain, work, free, choice.patches, noise)
     problem.watch = watch
     fit = fit_chain(problem)
-    result = result_of(fit, problem.cost, refit_of(problem, fit.values))
+    result = result_of(fit, problem.cost)
     comparison: NoiseComparison | str = why_none
     if noise is not None:
         comparison = _compared(noise, chain.plan([float(v) for v in fit.values]), problem)
@@ -161,16 +160,6 @@ def fit_pictures(
             *_of_chain(engine, plan, free, result),
         ),
         notes=(*result.notes, *_notes(choice, final, passed_area=has_area(passed))),
-    )
-
-
-def refit_of(problem: EdgeProblem, values: NDArray[np.float64]) -> Refit:
-    return refit_beside(
-        residual=problem.residual,
-        jacobian=lambda v: problem.jacobian(v, scales_of(problem.free, v)),
-        values=values,
-        lows=np.array([parameter.low for parameter in problem.free]),
-        highs=np.array([parameter.high for parameter in problem.free]),
     )
 
 

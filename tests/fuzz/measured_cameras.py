@@ -223,7 +223,7 @@ def fitted(network, picture, free, clip_levels=None):
     from app.fit.chain_transfer import ChainAt
     from app.fit.fit_result import result_of
     from app.fit.free_parameter import free_parameters
-    from app.fit.picture_fit import edges_in, refit_of
+    from app.fit.picture_fit import edges_in
     from core.chain.engine import Engine
     from core.errors import DataError
     from core.evaluation.policy import Policy
@@ -241,7 +241,7 @@ def fitted(network, picture, free, clip_levels=None):
     work = engine.work(Policy("single", None, 1))
     problem = EdgeProblem(chain, work, parameters, choice.patches)
     fit = fit_chain(problem)
-    return result_of(fit, problem.cost, refit_of(problem, fit.values))
+    return result_of(fit, problem.cost)
 
 
 def _fit(camera, picture, rng):
