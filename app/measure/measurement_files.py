@@ -126,17 +126,8 @@ def _numbers(values: np.ndarray[Any, Any]) -> list[float]:
 def _noise(noise: NoiseFigures | None, reason: str) -> Json:
     if noise is None:
         return {"reason": reason}
-    lines = [
-        {
-            "frequency_x_cyc_per_sample": line.across,
-            "frequency_y_cyc_per_sample": line.down,
-            "amplitude": line.amplitude,
-            "amplitude_error": line.amplitude_error,
-        }
-        for line in noise.lines
-    ]
-    content = asdict(noise) | {"lines": lines, "reason": noise.reason or None}
-    return _given(**content | {"remarks": list(noise.remarks) or None})
+    rest = {"reason": noise.reason or None, "remarks": list(noise.remarks) or None}
+    return _given(**asdict(noise) | rest)
 
 
 def _edge(edge: MeasuredEdge, of_several: bool) -> Json:

@@ -100,10 +100,6 @@ def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
         if value:
             text = number_text(float(f"{value:.3g}"))
             rows.append((name, text, unit, f"noise of whole {words}"))
-    for line in noise.lines:
-        where = f"{line.across:.4f} cycles/sample horizontally and {line.down:.4f} vertically"
-        amplitude = with_error(line.amplitude, line.amplitude_error)
-        rows.append(("line", amplitude, unit, f"amplitude of a wave of {where}"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
         rows.append(("gain", gain, "e-/DN", f"electrons per digital number{alone}"))

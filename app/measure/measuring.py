@@ -333,7 +333,7 @@ def pooled_noise(
         sigma, error, gain, gain_error, read, read_error, offset_dn,
         math.fsum(one.mean_level for one in noises) / len(noises),
         _lines(one.rows for one in noises), _lines(one.columns for one in noises),
-        min(steps) if steps else None, next((one.lines for one in noises if one.lines), ()),
+        min(steps) if steps else None,
         tuple(level for one in noises for level in one.levels),
         tuple(_once(line for one in noises for line in one.remarks)),
         _missing(_first(no_gain), _first(no_read)),
@@ -346,7 +346,6 @@ def with_frames(
     """The noise of what changes in frames of a scene that stands still.
 
     In one frame, fine texture and a fixed pattern look like noise; of them nothing is left here.
-    Periodic lines are those of the single pictures.
     """
     if frames.sigma is None or frames.sigma_error is None:
         return noise, reason
@@ -357,7 +356,7 @@ def with_frames(
     return NoiseFigures(
         frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
         frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
-        frames.step, () if noise is None else noise.lines, frames.levels,
+        frames.step, frames.levels,
         ("noise means changes from frame to frame, without fixed patterns",), missing,
     ), ""  # fmt: skip
 

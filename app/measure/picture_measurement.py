@@ -21,7 +21,6 @@ from core.physics.measurement.edges.found_edge import FoundEdge
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.measurement.noise.frames_noise import FramesNoise
-from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Gamma = Literal["", "possible", "usual"]
@@ -97,7 +96,6 @@ class NoiseFigures:
     row_sigma: float | None
     column_sigma: float | None
     step: float | None  # of the converter; None where the samples show none
-    lines: tuple[PeriodicLine, ...]  # sine waves of the first picture that has any
     levels: tuple[LevelVariance, ...]
     remarks: tuple[str, ...]
     reason: str  # why what is missing could not be measured

@@ -1,1 +1,1 @@
-"""Noise of a camera from a picture of its scene: flat areas, levels, rows, columns and lines."""
+"""Noise of a camera from a picture of its scene: flat areas, levels, rows and columns."""

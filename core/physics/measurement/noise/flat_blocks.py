@@ -59,11 +59,6 @@ class PictureBlocks:
     place: NDArray[np.intp]
     grid: tuple[int, int]  # rows and columns of blocks of the picture
 
-    def axis_power(self) -> Vector:
-        """Mean square of the waves along one axis alone, of a block: edges along the axes too."""
-        squares = np.square(self.rows).sum(axis=1) + np.square(self.columns).sum(axis=1)
-        return np.asarray(squares / (2.0 * WAVES), np.float64)
-
     def mean_power(self, coefficients: Mask) -> Vector:
         """Mean square of these coefficients of a block."""
         chosen = np.flatnonzero(coefficients)

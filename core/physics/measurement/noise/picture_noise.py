@@ -1,7 +1,7 @@
 """Noise of a camera from one picture: of a sample, over the level, by its kinds.
 
 What counts as noise of a sample is random from sample to sample: shot noise, read noise, and what
-rounding adds. What rows, columns and periodic lines have of their own is not in it.
+rounding adds. What rows and columns have of their own is not in it.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from core.physics.measurement.noise.flat_blocks import (
     SIDE,
     FlatBlocks,
     PictureBlocks,
+    flat_blocks,
     picture_blocks,
 )
-from core.physics.measurement.noise.periodic_lines import Lines, flat_without_lines
 from core.physics.measurement.noise.variance_levels import (
     SampleNoise,
     gain_and_read_noise,
@@ -45,7 +45,6 @@ _COMPRESSED = (
 )
 _LEAST_BLOCKS = 24
 _COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding does not add 1/12
-_STRONG = 5.0  # amplitude over sigma, beyond which a line may be the scene's
 _HIDDEN_SHARE = 0.4  # of the blocks of noise that differs from place to place
 _STILL, _STILL_SHARE = 1e-11, 0.05  # of the power: what single precision leaves; of the blocks
 _SMALLEST, _LARGEST = 1e-12, 1e15  # numbers whose squares single precision holds
@@ -79,7 +78,6 @@ class PictureNoise(SampleNoise):
     # offsets of rows, and of columns, that hold across the picture; None with too few flat areas
     rows: LineNoise | None = None
     columns: LineNoise | None = None
-    lines: Lines = ()  # sine waves all over the picture, the strongest first
     remarks: tuple[str, ...] = ()  # what to know of the figures
 
 
@@ -138,20 +136,10 @@ def noise_of_picture(
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step)
-    lines: Lines = ()
     flat = None
     if enough:
         hidden = 0.0 if step is None else (_COARSE_STEPS**2 + 1.0 / 12.0) * step**2
-        blocks, flat, lines = flat_without_lines(
-            picture=picture,
-            good=good,
-            blocks=blocks,
-            at=mean,
-            least=hidden,
-            low=low,
-            high=high,
-            check=check,
-        )
+        flat = flat_blocks(blocks=blocks, at=mean, least=hidden, low=low, high=high)
     if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
         return _nothing(
             f"{0 if flat is None else np.count_nonzero(flat.chosen)} blocks of {SIDE} × {SIDE} "
@@ -160,7 +148,7 @@ def noise_of_picture(
             mean,
             step,
         )
-    return _measured(blocks, flat, lines, mean, step, offset, check)
+    return _measured(blocks, flat, mean, step, offset, check)
 
 
 def _still(blocks: PictureBlocks) -> bool:
@@ -179,7 +167,6 @@ def _hidden(step: float | None) -> str:
 def _measured(
     blocks: PictureBlocks,
     flat: FlatBlocks,
-    lines: Lines,
     mean: float,
     step: float | None,
     offset: float,
@@ -194,10 +181,6 @@ def _measured(
     else:
         at_mean, error = flat.mean()
     refusal = _refusal(blocks, flat)
-    strong = bool(lines) and lines[0].amplitude > _STRONG * math.sqrt(max(at_mean, 0.0))
-    if not refusal and strong and not flat.even:
-        amplitude = f"{lines[0].amplitude:.3g}"
-        refusal = f"a pattern of amplitude {amplitude} all over the picture hides the noise"
     if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
         known = "no value"
         if at_mean > 0.0:
@@ -227,11 +210,6 @@ def _measured(
         )
         figures = {"gain_reason": reason, "read_noise_reason": reason}
     sigma = math.sqrt(at_mean)
-    if strong:
-        remarks.append(
-            f"a periodic line of amplitude {lines[0].amplitude:.3g} is far above the noise: it "
-            "may be a pattern of the scene"
-        )
     down, across = np.divmod(blocks.place[flat.chosen], blocks.grid[1])
     model = flat.line.over(level)
     rows = line_noise(waves=blocks.rows[flat.chosen], noise=model, line=down)
@@ -251,7 +229,6 @@ def _measured(
         levels=level_variances(level=level, variance=variance),
         rows=rows,
         columns=columns,
-        lines=lines,
         remarks=tuple(remarks),
         **figures,
     )
@@ -272,7 +249,7 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
         return (
             "the noise of the flattest areas rises towards high frequencies (middle and high "
             f"frequencies have power {1 + structure.middle:.2f} : 1): it was sharpened, or a "
-            "fine pattern that was not found covers the picture"
+            "fine pattern covers the picture"
         )
     if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):
         return (

@@ -50,40 +50,16 @@ def test_rows_and_columns(scene):
     assert not without.columns.significant
 
 
-def test_periodic_lines(scene):
-    waves = ((8.0, 0.35, -0.27), (5.0, 0.25, 0.0), (3.0, 0.2131, 0.1))
-    sensor = Sensor(read_e=40.0, lines=waves, rows=2.0)
-    noise = noise_of_picture(picture=sensor.picture(scene, seed=12))
-    assert noise.sigma == pytest.approx(sensor.sigma(scene.mean()), rel=0.03)
-    assert len(noise.lines) == 3
-    for line, (amplitude, across, down) in zip(noise.lines, waves, strict=True):
-        assert abs(line.amplitude - amplitude) < 4 * line.amplitude_error
-        assert line.across == pytest.approx(across, abs=0.1 / 320)
-        assert line.down == pytest.approx(down, abs=0.1 / 240)
-    y, x = np.indices((60, 70))
-    first = noise.lines[0]
-    true = 8.0 * np.cos(2 * math.pi * (0.35 * x - 0.27 * y) + 1.0)
-    assert np.abs(first.at(y, x) - true).max() < 1.0
-
-
-def test_a_grating_in_the_scene_is_no_periodic_line():
-    y, x = np.indices((240, 320))
-    bars = np.where(x < 160, 700 + 300 * np.sign(np.sin(0.7 * x + 0.1 * y)), 700)
-    picture = bars + 5 * np.random.default_rng(13).standard_normal(bars.shape)
-    assert noise_of_picture(picture=picture).lines == ()
-    square = 500 + 900 * np.sign(np.sin(0.7 * x + 0.1 * y)) + (picture - bars)
-    assert noise_of_picture(picture=square).sigma is None
-    everywhere = noise_of_picture(picture=500 + 60 * np.sin(0.7 * x + 0.1 * y) + (picture - bars))
-    assert everywhere.sigma == pytest.approx(5.0, rel=0.03)
-    assert "may be a pattern of the scene" in everywhere.remarks[0]
-
-
-def test_tails_of_squares_are_no_periodic_line():
-    y, x = np.indices((300, 400)) / 24.0
-    one, other = np.sin(math.pi * (x + 0.3 * y)), np.sin(math.pi * (y - 0.3 * x))
-    checks = np.tanh(8 * one) * np.tanh(8 * other)
-    picture = 500 + 60 * checks + 5 * np.random.default_rng(19).standard_normal(x.shape)
-    assert noise_of_picture(picture=picture).lines == ()
+@pytest.mark.parametrize("wave", [(0.35, -0.27), (0.43, 0.36), (0.2131, 0.1)])
+def test_a_wave_all_over_the_picture(scene, wave):
+    """A strong one leaves no noise to measure; a weak one does not change it."""
+    strong = Sensor(read_e=40.0, lines=((20.0, *wave),))
+    noise = noise_of_picture(picture=strong.picture(scene, seed=12))
+    assert noise.sigma is None
+    assert "frequencies" in noise.sigma_reason
+    weak = Sensor(read_e=40.0, lines=((2.0, *wave),))
+    noise = noise_of_picture(picture=weak.picture(scene, seed=12))
+    assert noise.sigma == pytest.approx(weak.sigma(scene.mean()), rel=0.01)
 
 
 def test_flat_areas_far_from_the_mean_level():
