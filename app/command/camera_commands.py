@@ -43,11 +43,6 @@ if TYPE_CHECKING:
     "--pitch-um", "UM", "pixel pitch of the detector, for frequencies in cycles/mm",
     values.finite_number)  # fmt: skip
 @options.option(
-    "--flats", "FILE...",
-    "frames of flat fields, one file per level, for the photon transfer curve (see imagechain "
-    "photon-transfer --help)",
-    values.file_path, several=True, many=True, group=options.RARER)  # fmt: skip
-@options.option(
     "--dark", "FILE", "frames without light, with the same exposure, for the read noise",
     values.file_path, group=options.RARER)  # fmt: skip
 @options.option(
@@ -62,7 +57,6 @@ def measure(
     band: int | None,
     fov_x_deg: float | None,
     pitch_um: float | None,
-    flats: tuple[Path, ...],
     dark: Path | None,
     offset_dn: float | None,
 ) -> None:
@@ -84,18 +78,12 @@ def measure(
     Example: imagechain measure picture.tif --report measured.html --csv mtf.csv
     """
     from app.measure.measurement_files import measurement_json, measurement_text
-    from app.measure.measurement_text import (
-        figure_rows,
-        flat_rows,
-        frame_rows,
-        refused_lines,
-        remarks,
-    )
+    from app.measure.measurement_text import figure_rows, frame_rows, refused_lines, remarks
     from app.measure.measuring import MeasurePlan, measure_files
     from app.run.readout_tables import columns
 
-    plan = MeasurePlan(pictures, band, fov_x_deg, flats, dark, offset_dn, pitch_um)
-    inputs = [*pictures, *flats, *([dark] if dark is not None else [])]
+    plan = MeasurePlan(pictures, band, fov_x_deg, dark, offset_dn, pitch_um)
+    inputs = [*pictures, *([dark] if dark is not None else [])]
 
     def made() -> PictureMeasurement:
         with Progress(len(inputs)) as progress:
@@ -103,7 +91,7 @@ def measure(
 
     outputs = [path for path in (json, csv, report) if isinstance(path, Path)]
     measured = written(outputs, inputs, stop, made, measurement_text)
-    rows = [*figure_rows(measured), *frame_rows(measured), *flat_rows(measured)]
+    rows = [*figure_rows(measured), *frame_rows(measured)]
     lines = map(in_line, (*remarks(measured), *refused_lines(measured)))
     facts = partial(json_module.loads, measurement_json(measured))
     show(json, facts, columns(rows, right=(1,)), *lines)

@@ -11,13 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from app.measure.measurement_text import TEMPORAL, file_warnings, transfer_rows
-from app.measure.picture_measurement import (
-    FlatCurve,
-    MeasuredEdge,
-    NoiseFigures,
-    PictureMeasurement,
-)
+from app.measure.measurement_text import TEMPORAL, file_warnings
+from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement
 from core.atomic import write_text
 from core.errors import DataError, UsageError
 from core.names import printable
@@ -63,8 +58,6 @@ def measurement_json(measured: PictureMeasurement) -> str:
         content["warnings"] = warnings
     if measured.repeated:
         content["repeated"] = list(measured.repeated)
-    if measured.flats is not None or measured.flats_reason:
-        content["flats"] = _flats(measured.flats, measured.flats_reason)
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -153,28 +146,6 @@ def _frames(frames: FramesNoise | None, reason: str) -> Json:
         **_given(sigma=frames.sigma, sigma_error=frames.sigma_error),
         **{f"sigma_{name}": components.variances.sigma(name) for name in TEMPORAL},
         **{f"variance_{name}_error": components.errors.variance(name) for name in TEMPORAL},
-    }
-
-
-def _flats(flats: FlatCurve | None, reason: str) -> Json:
-    if flats is None:
-        return {"reason": reason}
-    curve = flats.curve
-    return {
-        **_given(**{name: value for name, value, _, _ in transfer_rows(curve)}),
-        "levels": [
-            {
-                "file": str(path),
-                "mean_dn": field.mean_dn,
-                "temporal_dn2": field.temporal_dn2,
-                "fixed_dn2": field.fixed_dn2,
-                "used": used,
-                "saturated": saturated,
-            }
-            for (path, field), used, saturated in zip(
-                flats.files, curve.used, curve.saturated, strict=True
-            )
-        ],
     }
 
 

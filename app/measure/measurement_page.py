@@ -14,7 +14,6 @@ from app.measure.measurement_text import (
     USED,
     counted,
     figure_rows,
-    flat_rows,
     frame_rows,
     remarks,
     with_error,
@@ -48,7 +47,6 @@ def measurement_page(measured: PictureMeasurement) -> str:
         *_mtf(measured),
         *_levels(measured),
         *_noise(measured),
-        *_flats(measured),
         *_edge_tables(measured),
     ]
     return html_page(title, blocks)
@@ -130,27 +128,8 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
         Grid(heads, frame_rows(measured), numbers=(1,)),
         Text(
             "What stays from frame to frame includes the scene: to measure fixed patterns, "
-            "give frames of a uniform field with --flats."
+            "give frames of a uniform field to imagechain photon-transfer."
         ),
-    ]
-
-
-def _flats(measured: PictureMeasurement) -> list[Block]:
-    flats = measured.flats
-    if flats is None:
-        return []
-    curve = flats.curve
-    levels = [
-        (path.name, number(_short(field.mean_dn)), number(_short(field.temporal_dn2)),
-         "saturated" if saturated else "" if used else "not used for the line")
-        for (path, field), used, saturated in zip(
-            flats.files, curve.used, curve.saturated, strict=True
-        )
-    ]  # fmt: skip
-    return [
-        Heading(2, "Photon transfer of the flat fields"),
-        Grid(("figure", "value", "unit", "meaning"), flat_rows(measured), numbers=(1,)),
-        Grid(("file", "mean (DN)", "temporal σ² (DN²)", ""), levels, numbers=(1, 2)),
     ]
 
 

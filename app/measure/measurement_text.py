@@ -17,7 +17,6 @@ from app.measure.picture_measurement import (
 )
 from app.run.readout_tables import number_text
 from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
-from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
@@ -60,8 +59,7 @@ def figure_rows(measured: PictureMeasurement) -> list[Row]:
         *_mtf_rows("y", "vertical", measured.y, measured.interval_y_mrad, measured.pitch_um),
     ]
     if measured.noise is not None:
-        alone = "" if measured.flats is None else ", from the picture alone"
-        rows += _noise_rows(measured.noise, measured.unit, alone)
+        rows += _noise_rows(measured.noise, measured.unit)
     return rows
 
 
@@ -92,7 +90,7 @@ def _mtf_rows(
     return rows
 
 
-def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
+def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
     rows = [("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample")]
     for name, words, value in (
         ("row_sigma", "rows", noise.row_sigma), ("column_sigma", "columns", noise.column_sigma),
@@ -102,7 +100,7 @@ def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
             rows.append((name, text, unit, f"noise of whole {words}"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
-        rows.append(("gain", gain, "e-/DN", f"electrons per digital number{alone}"))
+        rows.append(("gain", gain, "e-/DN", "electrons per digital number"))
     if noise.read_noise_dn is not None:
         read = with_error(noise.read_noise_dn, noise.read_noise_error)
         rows.append(
@@ -110,7 +108,7 @@ def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
                 "read_noise",
                 read,
                 unit or "DN",
-                f"noise without light, at {noise.offset_dn:.6g}{alone}",
+                f"noise without light, at {noise.offset_dn:.6g}",
             )
         )
     return rows
@@ -126,54 +124,6 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
         text = number_text(float(f"{sigma:.4g}"))
         rows.append((f"sigma_{name}", text, measured.unit, meaning))
     return rows
-
-
-def flat_rows(measured: PictureMeasurement) -> list[Row]:
-    """The figures of the photon transfer curve of flat fields; what they do not show is absent."""
-    if measured.flats is None:
-        return []
-    return [
-        (name, number_text(float(f"{value:.6g}")), unit, meaning)
-        for name, value, unit, meaning in transfer_rows(measured.flats.curve)
-        if value is not None
-    ]
-
-
-def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, str]]:
-    emva, ratio = curve.emva, None
-    if curve.full_well_e and curve.read_noise_e:
-        ratio = curve.full_well_e / curve.read_noise_e
-    return [
-        ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons per digital number"),
-        ("gain_error", curve.gain_error, "e-/DN", "its standard error"),
-        ("offset_dn", curve.offset_dn, "DN", "digital number without electrons"),
-        ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, without "
-                                                   "rounding"),
-        ("read_noise_error", curve.read_noise_error, "e-", "its standard error"),
-        ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
-        ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
-        ("dynamic_range_dB", _decibels(ratio), "dB", "full well divided by read noise"),
-        ("dsnu_e", curve.dsnu_e, "e-", "fixed pattern in the dark"),
-        ("prnu_percent", curve.prnu_percent, "%", "fixed pattern that grows with the signal"),
-        # Where EMVA 1288 defines a figure otherwise, or has one more.
-        ("system_gain_dn_per_e", emva.system_gain_dn_per_e, "DN/e-", "K of EMVA 1288: 1/gain"),
-        ("saturation_capacity_e", emva.saturation_capacity_e, "e-",
-         "µe.sat of EMVA 1288: level of the largest temporal variance"),
-        ("sensitivity_threshold_e", emva.sensitivity_threshold_e, "e-",
-         "µe.min of EMVA 1288: signal at SNR 1"),
-        ("emva_dynamic_range_dB", _decibels(emva.dynamic_range), "dB", "µe.sat over µe.min"),
-        ("snr_max_dB", _decibels(emva.snr_max), "dB", "√µe.sat"),
-        ("dsnu_row_e", emva.dsnu_row_e, "e-", "DSNU of whole rows"),
-        ("dsnu_column_e", emva.dsnu_column_e, "e-", "DSNU of whole columns"),
-        ("dsnu_pixel_e", emva.dsnu_pixel_e, "e-", "DSNU of single pixels"),
-        ("prnu_row_percent", emva.prnu_row_percent, "%", "PRNU of whole rows"),
-        ("prnu_column_percent", emva.prnu_column_percent, "%", "PRNU of whole columns"),
-        ("prnu_pixel_percent", emva.prnu_pixel_percent, "%", "PRNU of single pixels"),
-    ]  # fmt: skip
-
-
-def _decibels(ratio: float | None) -> float | None:
-    return 20.0 * math.log10(ratio) if ratio else None
 
 
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
@@ -242,19 +192,15 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     else:
         lines += measured.noise.remarks
         if measured.noise.reason:
-            # The flat fields' figures stand beside.
-            alone = "" if measured.flats is None else "from the picture alone, "
-            lines.append(f"{alone}{measured.noise.reason}")
+            lines.append(measured.noise.reason)
         known = (measured.noise.gain_e_per_dn, measured.noise.read_noise_dn)
-        if None in known and measured.flats is None:
+        if None in known:
             lines.append(
-                "to get gain and read noise, give `imagechain measure` frames of flat fields at "
-                "several levels, and frames without light"
+                "to get gain and read noise, give `imagechain photon-transfer` frames of flat "
+                "fields at several levels, and frames without light"
             )
     if measured.picture_count > 1 and measured.frames is None:
         lines.append(f"temporal noise not measured: {measured.frames_reason}")
-    if measured.flats is None and measured.flats_reason:
-        lines.append(f"no photon transfer curve: {measured.flats_reason}")
     return lines
 
 

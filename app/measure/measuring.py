@@ -23,7 +23,6 @@ from app.measure.picture_measurement import (
     BY_HAND,
     FREQUENCIES,
     WITH_LOSS,
-    FlatCurve,
     MeasuredEdge,
     MeasuredFile,
     NoiseFigures,
@@ -41,8 +40,6 @@ from core.physics.measurement.edges.edge_mtf import (
 from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.found_edge import FoundEdge
 from core.physics.measurement.edges.picture_checks import missing_samples, why_interpolated
-from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
-from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
 from core.physics.measurement.noise.picture_noise import LineNoise, PictureNoise, noise_of_picture
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -64,7 +61,6 @@ class MeasurePlan:
     pictures: tuple[Path, ...]  # pictures, or files of frames, of one camera
     band: int | None = None  # band of files that have several
     fov_x_deg: float | None = None  # field of view across, in place of the header's
-    flats: tuple[Path, ...] = ()  # files of frames of flat fields, each of another level
     dark: Path | None = None  # frames without light
     offset_dn: float | None = None  # the number of no electrons
     pitch_um: float | None = None  # from one pixel to the next
@@ -104,11 +100,7 @@ def measure_files(
         _offset(plan, (first.rows, first.columns), check),
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
-    measured = replace(measured, pitch_um=pitch)
-    if not plan.flats:
-        return measured
-    flats, reason = _flat_curve(plan, check, report)
-    return replace(measured, flats=flats, flats_reason=reason)
+    return replace(measured, pitch_um=pitch)
 
 
 def checked_pitch(pitch_um: float | None, name: str) -> float | None:
@@ -260,21 +252,6 @@ def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | 
     return measured, ""
 
 
-def _flat_curve(
-    plan: MeasurePlan, check: Callable[[], None], report: Report
-) -> tuple[FlatCurve | None, str]:
-    fields = []
-    for path in plan.flats:
-        report(path.name)
-        fields.append(_field(path, check))
-    dark = None if plan.dark is None else _field(plan.dark, check)
-    try:
-        curve = photon_transfer(levels=fields, dark=dark, offset_dn=plan.offset_dn)
-    except DataError as error:
-        return None, error.message
-    return FlatCurve(tuple(zip(plan.flats, fields, strict=True)), curve), ""
-
-
 def _offset(plan: MeasurePlan, size: tuple[int, int], check: Callable[[], None]) -> float | None:
     """The level without light: of the dark frames, or as given."""
     if plan.dark is None:
@@ -290,17 +267,6 @@ def _offset(plan: MeasurePlan, size: tuple[int, int], check: Callable[[], None])
         check()
         means.append(float(np.mean(frame, dtype=np.float64)))
     return sum(means) / len(means)
-
-
-def _field(path: Path, check: Callable[[], None]) -> FlatField:
-    file = open_frames(path)
-    if file.frames < 2:
-        raise DataError(f"{path}: holds a single frame; a flat field needs 2 or more")
-    taken = FlatFrames(file.rows, file.columns)
-    for frame in file.each():
-        check()
-        taken.add(frame)
-    return taken.measured()
 
 
 # Noise in the flat areas of pictures of one camera, taken together.

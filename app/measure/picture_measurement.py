@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -18,8 +17,6 @@ from core.physics.measurement.edges.edge_mtf import (
     pooled_mtf,
 )
 from core.physics.measurement.edges.found_edge import FoundEdge
-from core.physics.measurement.levels.flat_field import FlatField
-from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.measurement.noise.frames_noise import FramesNoise
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
@@ -102,12 +99,6 @@ class NoiseFigures:
 
 
 @dataclass(frozen=True)
-class FlatCurve:
-    files: tuple[tuple[Path, FlatField], ...]
-    curve: PhotonTransfer
-
-
-@dataclass(frozen=True)
 class MeasuredFile:
     """A file that was measured: its name, how many pictures, and what of it was taken.
 
@@ -143,9 +134,6 @@ class PictureMeasurement:
     noise_reason: str  # why there is none
     frames: FramesNoise | None = None  # noise from frame to frame
     frames_reason: str = ""  # why there are none
-    # the photon transfer curve of flat fields, where they were given
-    flats: FlatCurve | None = None
-    flats_reason: str = ""  # why there is none
     previews: tuple[Preview, ...] = ()  # the first pictures
     # numbers of pictures that are the same as one before, whose edges and noise do not count
     repeated: tuple[int, ...] = ()

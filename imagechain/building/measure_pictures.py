@@ -85,7 +85,6 @@ def measure(
     pitch_um: float | None = None,
     offset_dn: float | None = None,
     dark: File | None = None,
-    flats: Sequence[File] = (),
 ) -> MeasuredPictures:
     """Measure edges, MTF and noise of one camera's pictures, as `imagechain measure` does.
 
@@ -104,20 +103,17 @@ def measure(
         Digital number without light, for the read noise; by default 0.
     dark : path, optional
         File of dark frames, instead of `offset_dn`.
-    flats : sequence of path
-        Files of flat-field frames, each at another level, for the photon transfer curve.
     """
     if not pictures:
         raise UsageError("measure needs a picture: give a file or an array")
     plan = MeasurePlan(
-        (), band, fov_x_deg, tuple(Path(fspath(one)) for one in flats),
-        None if dark is None else Path(fspath(dark)), offset_dn, pitch_um,
-    )  # fmt: skip
+        (), band, fov_x_deg, None if dark is None else Path(fspath(dark)), offset_dn, pitch_um
+    )
     if all(isinstance(one, str | PathLike) for one in pictures):
         paths = tuple(Path(fspath(one)) for one in pictures)  # type: ignore[arg-type]
         return MeasuredPictures(measure_files(replace(plan, pictures=paths)))
-    if plan.flats or plan.dark is not None or band is not None:
-        raise UsageError("band, dark and flats apply to files only, not to arrays")
+    if plan.dark is not None or band is not None:
+        raise UsageError("band and dark apply to files only, not to arrays")
     measured = _of_arrays(pictures, fov_x_deg, offset_dn)
     return MeasuredPictures(replace(measured, pitch_um=checked_pitch(pitch_um, "pitch_um")))
 
