@@ -16,11 +16,14 @@ from growth import judge_steps
 from scanning import Scanner
 
 
-def test_the_command_measures_the_part_that_is_named():
+def test_the_command_measures_the_parts_that_are_named():
     words = [sys.executable, "tests/benchmarks/run.py", "--quick", "--size", "64"]
-    done = finished([*words, "--only", "scanning"], folder=ROOT)
+    for part in ("scanning", "study_loops", "measured_pictures"):
+        words += ["--only", part]
+    done = finished(words, folder=ROOT)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "Line scanner" in done.stdout
+    for title in ("Line scanner", "Study of 64 points", "Fitting a network to a picture"):
+        assert title in done.stdout
 
 
 def grown(*ratios, spread=0.01, first=512):
