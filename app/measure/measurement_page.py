@@ -154,16 +154,12 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
         ]
     if refused:
         kinds = counted(edge.why_not for _, edge in refused)
-        most = sorted(kinds.items(), key=lambda item: -item[1])
         shown = refused[:_MOST_REFUSED]
         whys = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
         blocks += [
             Heading(2, "Edges not used"),
-            Grid(
-                ("edges", "why not", "what helps"),
-                [(str(count), kind.words, kind.helps) for kind, count in most],
-                numbers=(0,),
-            ),
+            Grid(("edges", "why not"), [(str(n), kind) for kind, n in kinds], numbers=(0,)),
+            Text("imagechain handbook edge_pictures says what helps."),
             Grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
         ]
         if len(refused) > len(shown):

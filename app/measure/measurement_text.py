@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -206,14 +205,10 @@ def remarks(measured: PictureMeasurement) -> list[str]:
 
 def refused_lines(measured: PictureMeasurement) -> list[str]:
     kinds = counted(edge.why_not for edge in measured.edges if not edge.used)
-    most = sorted(kinds.items(), key=lambda item: -item[1])[:_MOST_REASONS]
-    lines = [f"{count} not used: {kind.words}" for kind, count in most]
-    if any(edge.used for edge in measured.edges):
-        return lines
-    return [
-        f"{line}; what helps: {kind.helps}" if kind.helps else line
-        for line, (kind, _) in zip(lines, most, strict=True)
-    ]
+    lines = [f"{count} not used: {kind}" for kind, count in kinds[:_MOST_REASONS]]
+    if lines and not any(edge.used for edge in measured.edges):
+        lines.append("what helps: imagechain handbook edge_pictures")
+    return lines
 
 
 # How edges look on a picture, everywhere.
@@ -223,86 +218,19 @@ USED, REFUSED, REMOVED = "#e69f00", "#56b4e9", "#f0e442"
 which all kinds of sight tell apart, on grey too. The lines differ as well: full, dashed, dotted."""
 
 
-# Why edges are not used, in a few words of each kind, and what helps against it.
+# Why edges are not used: the reason, and its figures behind a colon.
 
-
-class Refusal(NamedTuple):
-    part: str  # of the reasons' texts, which have an edge's figures beside
-    words: str  # the reason without figures
-    helps: str  # what to photograph, or store, instead; empty where nothing is wrong
-
-
-_ROOM = "larger areas: about 20 clear samples on both sides of the edge"
-_EVEN = "plain surfaces in even light on both sides"
-_TURNED = "an edge tilted by about 5° from rows and columns"
-_LOSSLESS = "raw numbers, TIFF or PNG instead of JPEG"
-REFUSALS = (
-    Refusal("compressed", "compressed with loss", _LOSSLESS),
-    Refusal("interlaced", "interlaced", "the odd rows or the even rows alone"),
-    Refusal(
-        "clipped",
-        "clipped at black or white",
-        "another exposure, so that neither side is at the end of the range",
-    ),
-    Refusal(
-        "too little contrast",
-        "too little contrast for its length and the noise",
-        "more contrast or light, a longer edge, or the mean of several frames",
-    ),
-    Refusal(
-        "frame's border", "too close to the edge of the frame", "an edge further inside the frame"
-    ),
-    Refusal(
-        "the edge spread", "the edge spread is wider than the clear area around the edge", _ROOM
-    ),
-    Refusal(
-        "not straight",
-        "not straight",
-        "a flat edge that is cut, ruled or printed; a shorter edge if the lens bends lines",
-    ),
-    Refusal("not slanted", "not slanted enough", _TURNED),
-    Refusal("cannot be supersampled", "not slanted enough", _TURNED),
-    Refusal(
-        "soft in the scene",
-        "softer than other edges of the picture",
-        "edges that are sharp in the scene and in focus: no shadows, nothing moving, all at "
-        "one distance",
-    ),
-    Refusal("another edge", "another edge too close", _ROOM),
-    Refusal(
-        "sides or its contrast vary", "its brightness or contrast varies along its length", _EVEN
-    ),
-    Refusal("a side is not level", "one side is not level", _EVEN),
-    Refusal("samples beside it", "too little clear area beside it", _ROOM),
-    Refusal("samples lie near", "too short", "a longer edge"),
-    Refusal("weaker than", "weaker than other edges, none of which can be used", ""),
-    Refusal("not examined", "not examined, because stronger edges came first", ""),
-)  # fmt: skip
-_NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 _MOST = 3
 
 
-def refusal_of(why_not: str) -> Refusal:
-    what = why_not.partition(":")[0]
-    for one in REFUSALS:
-        if one.part in what:
-            return one
-    return Refusal(what, _NUMBER.sub("…", what), "")
-
-
-def counted(reasons: Iterable[str]) -> dict[Refusal, int]:
-    """Kinds of reasons in the order in which they come first, and how often each does."""
-    kinds: dict[str, tuple[Refusal, int]] = {}
-    for why_not in reasons:
-        kind = refusal_of(why_not)
-        first, count = kinds.get(kind.words, (kind, 0))
-        kinds[kind.words] = first, count + 1
-    return dict(kinds.values())
+def counted(reasons: Iterable[str]) -> list[tuple[str, int]]:
+    """Reasons without their figures, the most frequent first, and how often each comes."""
+    return Counter(why_not.partition(":")[0] for why_not in reasons).most_common()
 
 
 def in_words(reasons: Iterable[str]) -> str:
-    """The first kinds of reasons, each with how many edges it stands for, in one line."""
-    kinds = list(counted(reasons).items())
-    words = ", ".join(f"{kind.words} ({count})" for kind, count in kinds[:_MOST])
+    """The most frequent reasons, each with how many edges it stands for, in one line."""
+    kinds = counted(reasons)
+    words = ", ".join(f"{kind} ({count})" for kind, count in kinds[:_MOST])
     left = sum(count for _, count in kinds[_MOST:])
     return f"{words}, other reasons ({left})" if left else words

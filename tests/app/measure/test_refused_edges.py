@@ -1,10 +1,10 @@
-"""Reasons why edges are not used: each kind in words, with what helps against it."""
+"""Reasons why edges are not used, in words that the handbook has too."""
 
 import numpy as np
 import pytest
 
 from app.handbook.module_examples import PAGES
-from app.measure.measurement_text import REFUSALS, refusal_of, refused_lines
+from app.measure.measurement_text import refused_lines
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
 from core.physics.measurement.edges.edge_search import find_edges
@@ -37,38 +37,33 @@ def uneven():
 
 
 @pytest.mark.parametrize(
-    ("picture", "words", "helps"),
+    ("picture", "words"),
     [
-        (np.clip(edge(), 60.0, 190.0), "clipped at black or white", "exposure"),
-        (edge(levels=(50.0, 62.0), noise=3.0, shape=(24, 96)), "too little contrast", "light"),
-        (edge(0.0), "not slanted enough", "5°"),
-        (edge(0.5, middle=(92.5, 48.0)), "too close to the edge of the frame", "inside"),
-        (two_edges(), "another edge too close", "larger areas"),
-        (interlaced(), "interlaced", "rows alone"),
-        (uneven(), "its brightness or contrast varies along its length", "even light"),
-        (edge(sigma=(5.0, 5.0)), "the edge spread is wider", "larger areas"),
+        (np.clip(edge(), 60.0, 190.0), "clipped"),
+        (edge(levels=(50.0, 62.0), noise=3.0, shape=(24, 96)), "too little contrast"),
+        (edge(0.0), "not slanted enough"),
+        (edge(0.5, middle=(92.5, 48.0)), "too close to the frame's border"),
+        (two_edges(), "another edge too close"),
+        (interlaced(), "interlaced"),
+        (uneven(), "its brightness or contrast varies along its length"),
+        (edge(sigma=(5.0, 5.0)), "the edge spread is wider than the clear area around the edge"),
     ],
 )
-def test_the_clearest_edge_is_refused_with_what_helps(picture, words, helps):
+def test_the_clearest_edge_is_refused(picture, words):
     seen = find_edges(picture=picture)
     assert seen
     assert not seen[0].used
-    refusal = refusal_of(seen[0].why_not)
-    assert refusal.words.startswith(words)
-    assert helps in refusal.helps
+    assert seen[0].why_not.partition(":")[0] == words
+    assert words in (PAGES / "edge_pictures.md").read_text(encoding="utf-8")
 
 
-def test_what_helps_is_told_where_no_edge_is_used():
+def test_what_helps_is_named_where_no_edge_is_used():
     def lines(picture):
         file = MeasuredFile("p.npy", 1, "")
         return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
 
-    assert "1 not used: not slanted enough; what helps: an edge tilted" in lines(edge(0.0))[0]
+    told = ["1 not used: not slanted enough", "what helps: imagechain handbook edge_pictures"]
+    assert lines(edge(0.0)) == told
     both = np.concatenate([edge(0.0), edge()], axis=1)
     assert lines(both)
-    assert not [line for line in lines(both) if "what helps" in line]
-
-
-def test_the_handbook_names_every_kind():
-    page = (PAGES / "edge_pictures.md").read_text(encoding="utf-8")
-    assert not [one.words for one in REFUSALS if one.words not in page]
+    assert told[1] not in lines(both)

@@ -204,7 +204,7 @@ def _enough(used: int, examined: int) -> str:
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
-        return f"weaker than {examined} others, none of which can be used"
+        return f"weaker than others, none of which can be used: {examined} were examined"
     return (
         f"not examined: weaker than {examined} others, of which {used} can be used, or too "
         "close to them"
@@ -263,8 +263,8 @@ def _settled(
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
         return replace(
             edge,
-            why_not=f"the edge spread, {edge.softness:.2g} samples wide, is wider than the "
-            f"clear area of {edge.reach:g} samples around the edge",
+            why_not="the edge spread is wider than the clear area around the edge: "
+            f"{edge.softness:.2g} samples, in an area of {edge.reach:g} samples",
         )
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
     if radius < _BENT_REACH * edge.reach:
@@ -384,7 +384,7 @@ def _within_surroundings(
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "its sides or its contrast vary along its length, by "
+                    "its brightness or contrast varies along its length: by "
                     f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
                     "the contrast"
                 )
@@ -467,7 +467,7 @@ def _sides(
         inner = value[(away > 0.5 * reach) & (away <= 0.75 * reach)]
         outer = value[(away > 0.75 * reach) & (away <= reach)]
         if len(inner) < 8 or len(outer) < 8:
-            return "too few samples beside it"
+            return "too little clear area beside it"
         error = math.sqrt(inner.var() / len(inner) + outer.var() / len(outer))
         levels.append(float(np.mean(np.concatenate([inner, outer]))))
         variances.append(float((inner.var() + outer.var()) / 2.0))
@@ -491,10 +491,10 @@ def _sides(
     inside = np.maximum(part - 1.0, -part)[np.abs(place) <= reach / 2.0]
     neighbour = off[np.abs(place) > reach]
     if neighbour.max(initial=0.0) > _NEIGHBOUR + doubt:
-        return f"another edge about {reach + _BEYOND} samples away"
+        return f"another edge too close: about {reach + _BEYOND} samples away"
     if beyond.max() > _ALIKE + doubt or inside.max() > _OVERSHOOT + doubt:
         farthest = int(np.abs(place[off > _ALIKE + doubt]).max())
-        return f"another edge about {farthest} samples away"
+        return f"another edge too close: about {farthest} samples away"
     return levels[0], levels[1], noise
 
 
