@@ -155,23 +155,17 @@ def _unknown(fit: ChainFit, known: Identified) -> list[str]:
         "determined, and keeps its value"
         for i in known.without_effect
     ]
-    groups: dict[frozenset[int], list[Combination]] = {}
-    for one in known.combinations:
-        shared = next((g for g in groups if g & set(one.members)), frozenset(one.members))
-        before = groups.pop(shared, [])
-        groups[shared | set(one.members)] = [*before, one]
-    for members, combinations in groups.items():
-        names = " and ".join(fit.free[i].port for i in sorted(members))
+    for members in known.together:
+        names = " and ".join(fit.free[i].port for i in members)
         texts = [
             f"{one.text} = {one.value:.6g} ± {one.sigma:.2g} {one.unit}".rstrip()
-            for one in combinations
+            for one in known.combinations
+            if set(one.members) <= set(members)
         ]
-        effects = "one effect" if len(combinations) == 1 else f"{len(combinations)} effects"
-        known_are = "is" if len(combinations) == 1 else "are"
+        only = f": only {' and '.join(texts)} {'is' if len(texts) == 1 else 'are'} determined"
         lines.append(
-            f"{names} have {effects} on the edges and cannot be separated: only "
-            f"{' and '.join(texts)} {known_are} determined; fix one of them, or measure it in "
-            "another way"
+            f"{names} cannot be separated by the edges{only if texts else ''}; fix one of them, "
+            "or measure it in another way"
         )
     return lines
 

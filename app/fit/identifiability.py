@@ -5,7 +5,8 @@ parameters do the same to the samples (Belsley, Kuh and Welsch 1980, Regression 
 What then stays the same along the line on which nothing changes is looked for among the
 combinations that there are in such chains: the root of the sum of squares (widths of blurs), the
 sum, and the product or ratio; each is walked along a good way, and the one that changes nothing is
-the one that is known.
+the one that is known. Of parameters that share several directions none is given, unless they have
+one effect.
 """
 
 from __future__ import annotations
@@ -52,12 +53,13 @@ class Identified:
     # standard error is how far they may be from it
     limited: tuple[int, ...]
     without_effect: tuple[int, ...]  # parameters of which the edges show nothing
-    combinations: tuple[Combination, ...]  # of those that are not told apart
+    # of those that are not told apart: groups, and what is known of a group with one effect
+    together: tuple[tuple[int, ...], ...] = ()
+    combinations: tuple[Combination, ...] = ()
 
     @property
     def undetermined(self) -> frozenset[int]:
-        together = {index for one in self.combinations for index in one.members}
-        return frozenset(together | set(self.without_effect))
+        return frozenset(self.without_effect).union(*self.together)
 
 
 def identified(fit: ChainFit, cost: Cost) -> Identified:
@@ -75,7 +77,7 @@ def identified(fit: ChainFit, cost: Cost) -> Identified:
             covariance[i, i] = reach**2 * max(fit.misfit.excess, fit.misfit.noise_excess)
     limited = tuple(i for i in flat if reaches[i] is not None)
     if not seen:
-        return Identified(covariance, limited, none, ())
+        return Identified(covariance, limited, none)
     unit = fit.jacobian[:, seen] / lengths[seen]
     _, singular, rows = np.linalg.svd(unit, full_matrices=False)
     good = singular >= _ALIKE * singular[0]
@@ -92,9 +94,12 @@ def identified(fit: ChainFit, cost: Cost) -> Identified:
     combinations: list[Combination] = []
     for group in groups:
         inside = blind[:, group][np.linalg.norm(rows[~good][:, group], axis=1) > 0.5]
-        members = [seen[a] for a in group]
-        combinations += _combinations(fit, cost, members, inside, inverse[np.ix_(group, group)])
-    return Identified(covariance, limited, none, tuple(combinations))
+        if len(inside) == 1 or len(group) - len(inside) == 1:
+            members = [seen[a] for a in group]
+            own = inverse[np.ix_(group, group)]
+            combinations += _combinations(fit, cost, members, inside, own)
+    together = tuple(tuple(seen[a] for a in group) for group in groups)
+    return Identified(covariance, limited, none, together, tuple(combinations))
 
 
 def _reach(fit: ChainFit, cost: Cost, index: int) -> float | None:
@@ -132,92 +137,46 @@ def _groups(blind: Matrix) -> list[list[int]]:
 def _combinations(
     fit: ChainFit, cost: Cost, members: list[int], blind: Matrix, inverse: Matrix
 ) -> list[Combination]:
-    """What is known of a group: combinations that stay the same in its blind directions.
+    """What stays the same in the blind directions of a group.
 
-    The first parameters, as many as there are such directions, take part in the combination of
-    every other one.
+    In one direction the first parameter makes up for each of the others, so that it takes part in a
+    combination with each. In more, all are in one combination.
     """
-    count = len(blind)
-    order = _order(blind)
-    values = fit.values[members]
-    names = [fit.free[i].port for i in members]
-    units = {fit.free[i].unit for i in members}
+    values, alone = fit.values[members], len(blind) == 1
+    # The one whose sign differs from all others, so that sums and not differences are known.
+    signs = [int(np.sum(np.sign(blind[0]) == sign)) for sign in np.sign(blind[0])]
+    first = int(np.argmin(signs)) if alone else 0
+    others = [i for i in range(len(members)) if i != first]
     candidates = []
-    for power in (2, 1, 0):
+    for power in (2, 1, 0):  # of the values' squares, of themselves, or of their logarithms
         if power != 1 and not np.all(values > 0.0):
             continue
-        # of the values' squares, of themselves, or of their logarithms
         steps = blind / values if power == 0 else blind * values ** (power - 1)
-        # Factors of the first ones that undo what a blind direction does to another one.
-        solved, *_ = np.linalg.lstsq(steps[:, order[:count]], steps[:, order[count:]], rcond=None)
-        factors = np.asarray(-solved, np.float64)
-        form = _Form(power, tuple(order), count, factors)
-        candidates.append((_change(fit, cost, members, form, values), form))
-    form = min(candidates, key=lambda pair: pair[0])[1]
-    unit = units.pop() if len(units) == 1 and form.power else ""
+        still = np.linalg.svd(steps)[2][-1]
+        # Weight of the first one over that of each other.
+        ratios = -steps[0, others] / steps[0, first] if alone else still[first] / still[others]
+        ratios = np.array([_whole(float(ratio)) for ratio in ratios])
+        by_other = dict(zip(others, map(float, ratios), strict=True))
+        moves = [by_other] if alone else [{other: ratio} for other, ratio in by_other.items()]
+        worst = max(_change(fit, cost, members, power, first, move) for move in moves)
+        candidates.append((worst, power, ratios))
+    _, power, ratios = min(candidates, key=lambda one: one[0])
+    weights = np.zeros((len(others) if alone else 1, len(members)))
+    if alone:
+        weights[:, first] = ratios
+        weights[np.arange(len(others)), others] = 1.0
+    else:
+        weights[0, first], weights[0, others] = 1.0, 1.0 / ratios
+    names = [fit.free[i].port for i in members]
+    units = {fit.free[i].unit for i in members}
+    unit = units.pop() if len(units) == 1 and power else ""
     made = []
-    for number in range(len(members) - count):
-        weights = form.weights(number)
-        text, value, gradient = _written(form.power, weights, names, values)
+    for row in weights:
+        text, value, gradient = _written(power, row, names, values)
         variance = float(gradient @ inverse @ gradient)
-        taken = tuple(i for i, w in zip(members, weights, strict=True) if w != 0.0)
+        taken = tuple(i for i, w in zip(members, row, strict=True) if w != 0.0)
         made.append(Combination(taken, text, value, math.sqrt(max(variance, 0.0)), unit))
     return made
-
-
-def _order(blind: Matrix) -> list[int]:
-    """The parameters that blind directions move, those first that take part in all combinations."""
-    if len(blind) == 1:
-        row = blind[0]
-        # The one whose sign differs from all others, so that sums and not differences are known.
-        signs = [int(np.sum(np.sign(row) == np.sign(value))) for value in row]
-        first = int(np.argmin(signs))
-        return [first, *(i for i in range(len(row)) if i != first)]
-    chosen: list[int] = []
-    left = blind.copy()
-    for _ in range(len(blind)):
-        lengths = np.linalg.norm(left, axis=0)
-        lengths[chosen] = -1.0
-        chosen.append(int(np.argmax(lengths)))
-        axis = left[:, chosen[-1]] / max(float(np.linalg.norm(left[:, chosen[-1]])), 1e-300)
-        left = left - np.outer(axis, axis @ left)
-    return [*chosen, *(i for i in range(blind.shape[1]) if i not in chosen)]
-
-
-@dataclass(frozen=True)
-class _Form:
-    """Σ of others and first ones times factors, of values to a power, or of logarithms (0)."""
-
-    power: int
-    order: tuple[int, ...]
-    firsts: int
-    factors: Matrix
-
-    def weights(self, number: int) -> Vector:
-        """Of each member in one combination."""
-        weights = np.zeros(len(self.order))
-        weights[self.order[self.firsts + number]] = 1.0
-        for place, factor in enumerate(self.factors[:, number]):
-            weights[self.order[place]] = _whole(float(factor))
-        return weights
-
-    def moved(self, values: Vector, factor: float) -> Vector | None:
-        """The first parameters multiplied, the others so that every combination stays."""
-        changed = values.copy()
-        firsts, others = list(self.order[: self.firsts]), list(self.order[self.firsts :])
-        changed[firsts] *= factor
-        if self.power == 0:
-            rise = np.log(factor) * self.factors.sum(axis=0)
-            changed[others] *= np.exp(-rise)
-            return changed
-        rise = (changed[firsts] ** self.power - values[firsts] ** self.power) @ self.factors
-        left = values[others] ** self.power - rise
-        if self.power == 2:
-            if np.any(left < 0.0):
-                return None
-            left = np.sqrt(left)
-        changed[others] = left
-        return changed
 
 
 def _whole(factor: float) -> float:
@@ -244,19 +203,24 @@ def _written(
     return f"sqrt({text})", root, weights * values / root
 
 
-def _change(fit: ChainFit, cost: Cost, members: list[int], form: _Form, values: Vector) -> float:
-    """How much the sum of squares changes along the form, a good way to both sides."""
-    before = cost(fit.values)
+def _change(
+    fit: ChainFit, cost: Cost, members: list[int], power: int, first: int, ratios: dict[int, float]
+) -> float:
+    """How much the sum of squares changes where the others make up for the first, to both sides."""
+    before, values = cost(fit.values), fit.values[members]
     worst, walked = 0.0, False
     for factor in (1.0 - _FAR, 1.0 + 0.3 * _FAR):
-        moved = form.moved(values, factor)
-        free = [fit.free[i] for i in members]
-        if moved is None or any(
-            not p.low <= value <= p.high for p, value in zip(free, moved, strict=True)
-        ):
-            continue
+        moved = values.copy()
+        moved[first] *= factor
+        for other, ratio in ratios.items():
+            if power == 0:
+                moved[other] *= factor**-ratio
+                continue
+            left = values[other] ** power - ratio * (moved[first] ** power - values[first] ** power)
+            moved[other] = left if power == 1 else math.sqrt(left) if left >= 0.0 else math.nan
         changed = fit.values.copy()
         changed[members] = moved
-        walked = True
-        worst = max(worst, abs(cost(changed) - before))
+        if all(p.low <= v <= p.high for p, v in zip(fit.free, changed, strict=True)):
+            walked = True
+            worst = max(worst, abs(cost(changed) - before))
     return worst if walked else math.inf
