@@ -166,7 +166,12 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
         if noise:
             axis = axes.pop(0)
             names = _distinct([source_title(source["name"]) for source in sources], sources)
-            _stacked(axis, names, sources)
+            kinds = [
+                ([100.0 * source[f"share_{kind}"] for source in sources], colour, kind)
+                for kind, colour in _KINDS.items()
+                if any(source[kind] is not None for source in sources)
+            ]
+            _bars(axis, names, kinds)
             axis.set_title("Noise")
             axis.set_xlabel("share of the variance (%)")
             _legend(axis)
@@ -187,17 +192,6 @@ def _legend(axis: Any) -> None:
     axis.legend(
         loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, fontsize=8.5
     )
-
-
-def _stacked(axis: Any, names: list[str], sources: list[Fact]) -> None:
-    ends = [0.0] * len(sources)
-    for kind, colour in _KINDS.items():
-        values = [100.0 * source[f"share_{kind}"] for source in sources]
-        if any(source[kind] is not None for source in sources):
-            bars = axis.barh(range(len(sources)), values, 0.5, ends, color=colour, label=kind)
-            ends = [end + value for end, value in zip(ends, values, strict=True)]
-    axis.bar_label(bars, [_percent(source["share"]) for source in sources], padding=3, fontsize=7.5)
-    _dress(axis, names, ends)
 
 
 def _bars(axis: Any, names: list[str], series: list[tuple[list[float], str, str]]) -> None:

@@ -477,20 +477,42 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
 
 # The section on what was not computed, and why.
 
+# Of each kind: what is saved, why, and what is told of each node.
 _KINDS = {
-    "disabled": ("the node", "it is disabled"),
-    "identity": ("the node", "its settings make it change nothing"),
-    "below_budget": ("a stage", "it changes less than the error budget, {budget} of the range"),
-    "wavelengths": ("Fourier transforms of every band", "a few wavelengths represent all bands"),
-    "pupil_centre": ("the pupil's OTF beyond the band", "it does not affect the picture"),
+    "disabled": ("the node", "it is disabled", ""),
+    "identity": ("the node", "its settings make it change nothing", ""),
+    "below_budget": (
+        "a stage",
+        "it changes less than the error budget, {budget} of the range",
+        "at most {bound}",
+    ),
+    "wavelengths": (
+        "Fourier transforms of every band",
+        "a few wavelengths represent all bands",
+        "{share} % of them, at most {bound} of the contrast",
+    ),
+    "pupil_centre": (
+        "the pupil's OTF beyond the band",
+        "it does not affect the picture",
+        "{share} % of it evaluated",
+    ),
     "mirrored_edges": (
         "padding of the frame's edges",
         "cosine transforms mirror the frame already",
+        "{share} % of its samples transformed",
     ),
-    "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
-    "region": ("pictures outside a region", "only the region is used"),
-    "unchanged": ("values computed before", "their inputs have not changed"),
-    "unseen": ("whole output arrays", "they are not used"),
+    "folded": (
+        "the picture before its pixels are combined",
+        "the spectrum is folded instead",
+        "inverse of {share} % of its samples",
+    ),
+    "region": ("pictures outside a region", "only the region is used", "{share} % computed"),
+    "unchanged": (
+        "values computed before",
+        "their inputs have not changed",
+        "{share} % of its steps computed",
+    ),
+    "unseen": ("whole output arrays", "they are not used", "{ports}"),
 }
 
 
@@ -498,9 +520,9 @@ def economy(facts: Fact) -> list[Block]:
     """The section; empty where all there is was computed."""
     budget = short(facts["run"]["tolerance"], 2)
     rows = []
-    for kind, (what, why) in _KINDS.items():
+    for kind, (what, why, detail) in _KINDS.items():
         where = [
-            node + _detail(fact)
+            node + _detail(detail, fact)
             for node, listed in facts["skipped"].items()
             for fact in listed
             if fact["kind"] == kind and fact["share"] != 1  # a region may take the whole picture
@@ -526,19 +548,8 @@ def state(listed: list[Fact]) -> str:
     return ""
 
 
-def _detail(fact: Fact) -> str:
-    template = {
-        "below_budget": "at most {bound}",
-        "wavelengths": "{share} % of them, at most {bound} of the contrast",
-        "pupil_centre": "{share} % of it evaluated",
-        "mirrored_edges": "{share} % of its samples transformed",
-        "folded": "inverse of {share} % of its samples",
-        "region": "{share} % computed",
-        "unchanged": "{share} % of its steps computed",
-        "unseen": "{ports}",
-    }.get(fact["kind"])
-    if template is None:
-        return ""
+def _detail(template: str, fact: Fact) -> str:
     bound = short(fact["bound"], 2)
     share = short(None if fact["share"] is None else 100 * fact["share"], 2)
-    return f" ({template.format(bound=bound, share=share, ports=', '.join(fact['ports']))})"
+    told = template.format(bound=bound, share=share, ports=", ".join(fact["ports"]))
+    return f" ({told})" if told else ""

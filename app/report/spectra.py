@@ -6,9 +6,8 @@ from itertools import cycle
 from typing import Any
 
 from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, number, short
-from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
+from app.report.html_page import Block, Drawn, Grid, Heading, of_many
 from app.run.evaluation import Evaluation
-from core.chain.back_transformed import Delivered
 from core.chain.band_stack import BandStack
 from core.chain.wires import Image
 from core.modules.declaration import NodeContext
@@ -18,7 +17,7 @@ _FEW = 40  # bands up to which every one has a dot
 
 
 def spectrum_facts(evaluation: Evaluation) -> Fact:
-    """Mean spectra, responses, and what stands for all wavelengths; empty lists without bands."""
+    """Mean spectra and responses; empty lists without bands."""
     spectra: dict[str, Fact] = {}
     for port, image in _with_bands(evaluation):
         assert image.bands is not None
@@ -30,7 +29,6 @@ def spectrum_facts(evaluation: Evaluation) -> Fact:
     return {
         "means": list(spectra.values()),
         "responses": _responses(evaluation) if spectra else [],
-        "transformed": _transformed(evaluation),
     }
 
 
@@ -41,19 +39,6 @@ def _with_bands(evaluation: Evaluation) -> list[tuple[str, Image]]:
         for port, value in planned.outputs.items()
         if not planned.node.disabled and isinstance(value, Image) and value.bands is not None
     ]
-
-
-def _transformed(evaluation: Evaluation) -> list[Fact]:
-    """Of filtered pictures: how many wavelengths stand for all bands, and what that changes."""
-    transformed: dict[Any, Fact] = {}
-    for port, image in _with_bands(evaluation):
-        rank = image.recipe.rank(evaluation.work) if isinstance(image.recipe, Delivered) else None
-        if rank is None:
-            continue
-        alike = tuple(rank.chosen), rank.bound
-        fact = {"ports": [], "wavelengths": len(rank.chosen), "bands": rank.shares.shape[1]}
-        transformed.setdefault(alike, {**fact, "bound": rank.bound})["ports"].append(port)
-    return list(transformed.values())
 
 
 def _spectrum(bands: BandStack, means: Any, unit: str) -> Fact:
@@ -105,7 +90,7 @@ def spectrum(facts: Fact) -> list[Block]:
         caption + of_many(len(spectra), "spectra"),
         "mean spectra and responses",
     )
-    return [Heading(2, "Spectrum"), drawn, _table(spectra), *_transformed_table(facts)]
+    return [Heading(2, "Spectrum"), drawn, _table(spectra)]
 
 
 def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
@@ -169,22 +154,3 @@ def _table(spectra: list[Fact]) -> Block:
         *("highest at (µm)", "mean there", "unit"),
     )
     return Grid(heads, rows, numbers=(1, 3, 4, 5))
-
-
-def _transformed_table(facts: Fact) -> list[Block]:
-    rows = [
-        (", ".join(one["ports"]), f"{one['wavelengths']} of {one['bands']}", short(one["bound"]))
-        for one in facts["spectra"]["transformed"]
-    ]
-    if not rows:
-        return []
-    heads = (
-        "filtered picture",
-        "wavelengths transformed",
-        "largest change, relative to the contrast",
-    )
-    words = (
-        "Wavelengths that are not transformed are computed from the others, where the "
-        "optics allow it."
-    )
-    return [Text(words), Grid(heads, rows, numbers=(1, 2))]

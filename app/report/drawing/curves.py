@@ -19,8 +19,6 @@ from core.chain.wires import Curve
 
 MOST = 12
 _BESIDE = 2
-_DASH = 3  # widths of the line, of a curve on top of another
-_ALIKE = 5e-3  # of its value: closer curves hide each other
 _DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
 _LINE = 0.21  # inches that a bar or a row of a legend is high
 Named = tuple[str, CurveData]
@@ -86,17 +84,6 @@ def draw_on(axis: Any, data: CurveData) -> None:
     (_draw_bars if data.bars else _draw_curves)(axis, data)
 
 
-def _coincide(one: Series, other: Series) -> bool:
-    if len(one.x) < 2 or len(other.x) < 2 or not np.allclose(_ends(one), _ends(other)):
-        return False
-    below = np.interp(one.x, other.x, other.y)  # they may be sampled at other places
-    return np.allclose(one.y, below, rtol=_ALIKE, atol=0.0, equal_nan=True)
-
-
-def _ends(series: Series) -> tuple[float, float]:
-    return float(series.x[0]), float(series.x[-1])
-
-
 def _height(data: CurveData) -> float:
     """Inches: of bars as many as there are, and of a legend its rows."""
     series = min(len(data.series), MOST_DRAWN + 1)
@@ -108,16 +95,14 @@ def _height(data: CurveData) -> float:
 def _draw_curves(axis: Any, data: CurveData) -> None:
     styles = ((colour, dash) for dash in cycle(_DASHES) for colour in COLOURS)
     shown = _drawn_series(data)
-    for place, (series, (colour, dash)) in enumerate(zip(shown, styles, strict=False)):
+    for series, (colour, dash) in zip(shown, styles, strict=False):
         total = series.label.startswith("Total")
-        below = sum(_coincide(series, other) for other in shown[:place])
         y = _drawn(series.y, data.log_y)
         axis.plot(
             series.x,
             y,
             color="black" if total else colour,
-            # in its gaps every one of the curves below is seen
-            ls=(0, (_DASH, _DASH * (2**below - 1))) if below else "-" if total else dash,
+            ls=(0, (3, 3)) if total else dash,  # in its gaps a curve below is seen
             lw=1.8 if total else 1.2,
             marker="o" if len(y) == 1 else None,
             label=series.label or data.y_label,

@@ -231,44 +231,26 @@ def load_matplotlib() -> Any:
     """
     if "matplotlib" not in sys.modules:
         logging.getLogger("matplotlib").setLevel(logging.CRITICAL + 1)
-        own = _own_settings()
-        with _environment(MPLBACKEND="Agg", MATPLOTLIBRC=str(own)), _within(own.parent):
-            import matplotlib.backends.backend_agg
-            import matplotlib.figure
+        spec = find_spec("matplotlib")
+        assert spec is not None
+        assert spec.submodule_search_locations is not None
+        own = Path(spec.submodule_search_locations[0]) / "mpl-data"
+        wanted = {"MPLBACKEND": "Agg", "MATPLOTLIBRC": str(own / "matplotlibrc")}
+        before = {name: os.environ.get(name) for name in wanted}
+        os.environ.update(wanted)
+        # A settings file in the current folder goes before any other.
+        here = Path("matplotlibrc").exists()
+        try:
+            with contextlib.chdir(own) if here else contextlib.nullcontext():
+                import matplotlib.backends.backend_agg
+                import matplotlib.figure
+        finally:
+            for name, value in before.items():
+                os.environ.pop(name)
+                os.environ |= {} if value is None else {name: value}
     import matplotlib as mpl
 
     return mpl
-
-
-def _own_settings() -> Path:
-    spec = find_spec("matplotlib")
-    assert spec is not None
-    assert spec.submodule_search_locations is not None
-    return Path(spec.submodule_search_locations[0]) / "mpl-data" / "matplotlibrc"
-
-
-@contextlib.contextmanager
-def _environment(**variables: str) -> Iterator[None]:
-    before = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-@contextlib.contextmanager
-def _within(folder: Path) -> Iterator[None]:
-    """Go to a folder: a matplotlibrc in the current one goes before any other."""
-    if not Path("matplotlibrc").exists():
-        yield
-        return
-    with contextlib.chdir(folder):
-        yield
 
 
 # Texts of a figure as they are written: a dollar sign is a dollar sign, and begins no formula.

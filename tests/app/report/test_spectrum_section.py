@@ -45,10 +45,6 @@ def test_the_facts(reported):
     assert (response["node"], response["name"]) == ("fpa", "quantum efficiency")
     values = np.interp([3.3, 3.5, 4.0, 4.5], response["wavelength_um"], response["values"])
     assert values == pytest.approx([0.0, 0.6, 0.8, 0.5], abs=1e-9)
-    (transformed,) = facts["spectra"]["transformed"]
-    assert transformed["ports"] == ["back.image"]
-    assert 1 < transformed["wavelengths"] < transformed["bands"] == BANDS
-    assert 0 < transformed["bound"] <= 1e-3
 
 
 def test_the_page(reported):
@@ -57,5 +53,5 @@ def test_the_page(reported):
     section = section[: section.index("<h2>", 5)]
     picture = re.search(r'src="data:image/png;base64,([^"]*)"', section)
     assert base64.b64decode(picture[1], validate=True).startswith(b"\x89PNG")
-    for words in ("read.image, back.image", "3 to 5", "W/m²/sr/µm", f" of {BANDS}<"):
+    for words in ("read.image, back.image", "3 to 5", "W/m²/sr/µm"):
         assert words in section
