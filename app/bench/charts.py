@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
-from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ WIDTH, HEIGHT = 8.2, 4.9  # inches
 COLOURS = ("#0072B2", "#D55E00", "#00805C", "#A8508A", "#8A6D00", "#2B2B2B", "#3C9BD6")
 FAINT, DARK, OTHER = "#8a8a8a", "#333333", "#9a9a9a"
 MARKS = "osD^vPX"
-MARK_PX = 9.0  # half a mark's width, with some room
 LEAST = 1e-16  # no error at all has no place on a logarithmic axis: it is drawn at rounding
 STYLE: Any = {"font.size": 10.5, "axes.labelsize": 11.0, "axes.axisbelow": True}
 
@@ -49,24 +47,23 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
     for row in rows:
         groups.setdefault(row[chart.group] if chart.group else "", []).append(row)
     named = bool(chart.group) and not chart.by_colour
-    words, points, curves = [], [], []
+    points = []
     for number, (group, members) in enumerate(groups.items()):
         colour = COLOURS[number % len(COLOURS)]
         places = [(float(row["t0"]), max(float(row["error"]), LEAST)) for row in members]
         points += places
-        curves += [places] if chart.lines and chart.group else []
         axis.plot(
             *zip(*places, strict=True), marker=MARKS[number % len(MARKS)], color=colour,
-            ms=7, mec="white", mew=0.8, ls="-" if places in curves else "none", lw=1.4,
+            ms=7, mec="white", mew=0.8, ls="-" if chart.lines and chart.group else "none", lw=1.4,
             label=figure_text(group), zorder=3,
         )  # fmt: skip
-        texts = [row.get(chart.label) for row in members]
-        shown = colour if chart.by_colour else DARK
-        words += [
-            (figure_text(text), place, shown)
-            for text, place in zip(texts, places, strict=True)
-            if text is not None
-        ]
+        for row, place in zip(members, places, strict=True):
+            if row.get(chart.label) is not None:
+                axis.annotate(
+                    figure_text(row[chart.label]), place, xytext=(8, 4 - 10 * (number % 2)),
+                    textcoords="offset points", fontsize=9.5,
+                    color=colour if chart.by_colour else DARK,
+                )  # fmt: skip
     _scale(axis, points)
     axis.set_xlabel(
         "time in multiples of T0, one forward and one inverse Fourier transform of the picture"
@@ -74,14 +71,13 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
     axis.set_ylabel(chart.error)
     if named:
         axis.figure.legend(loc="outside lower center", ncols=min(len(groups), 4), frameon=False)
-    notes = [_note(axis, "↙ faster and more accurate", (5, 4), (0.0, 0.0))]
+    _note(axis, "↙ faster and more accurate", (5, 4), (0.0, 0.0))
     low, high = axis.get_xlim()
     if low < 1.0 < high:
         axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
     if chart.floor is not None:
         axis.axhline(chart.floor[0], color=FAINT, lw=1.0, ls=(0, (1, 2)), zorder=1)
-        notes.append(_note(axis, chart.floor[1], (-5, -11), (high, chart.floor[0]), data=True))
-    _write(axis, words, points, curves, notes)
+        _note(axis, chart.floor[1], (-5, -11), (high, chart.floor[0]), data=True)
 
 
 def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
@@ -105,65 +101,11 @@ def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
 
 def _note(
     axis: Any, text: str, offset: tuple[int, int], place: tuple[float, float], *, data: bool = False
-) -> Any:
-    return axis.annotate(
+) -> None:
+    axis.annotate(
         text, place, xycoords="data" if data else "axes fraction", xytext=offset,
         textcoords="offset points", ha="right" if data else "left", fontsize=8.5, color=FAINT,
     )  # fmt: skip
-
-
-def _write(
-    axis: Any,
-    words: Sequence[tuple[str, tuple[float, float], str]],
-    points: Sequence[tuple[float, float]],
-    curves: Sequence[Sequence[tuple[float, float]]],
-    notes: Sequence[Any],
-) -> None:
-    """Each word beside its point, at the first place that hides least of marks, words, lines."""
-    axis.figure.draw_without_rendering()  # settles the layout, by which the words are placed
-    renderer = axis.figure.canvas.get_renderer()
-    taken = [
-        np.array([x - MARK_PX, y - MARK_PX, x + MARK_PX, y + MARK_PX])
-        for x, y in axis.transData.transform(points)
-    ]
-    taken += [np.array(note.get_window_extent(renderer).extents) for note in notes]
-    steps = np.linspace(0.0, 1.0, 120)[:, np.newaxis]
-    along = np.concatenate([
-        start + steps * (end - start)
-        for curve in curves
-        for start, end in pairwise(axis.transData.transform(curve))
-    ] or [np.empty((0, 2))])  # fmt: skip
-    frame = np.array(axis.get_window_extent(renderer).extents)
-    for text, place, colour in words:
-        best: tuple[float, Any, Any] | None = None
-        word = axis.annotate(
-            text, place, xytext=(0, 0), textcoords="offset points", color=colour, fontsize=9.5
-        )
-        word.set_in_layout(False)
-        for far, right, up in product((8, 16, 26, 38), (1, -1, 0), (0, 1, -1)):
-            if right or up:
-                word.set(ha=("center", "left", "right")[right], va=("center", "bottom", "top")[up])
-                word.set_position((far * right * (0.75 if up else 1), far * up))
-                box = np.array(word.get_window_extent(renderer).extents)
-                outside = 50.0 * (_size(box) - _overlap(box, frame))
-                hidden = sum(_overlap(box, other) for other in taken)
-                crossed = np.all((along >= box[:2] - 2) & (along <= box[2:] + 2), axis=1).any()
-                cost = (hidden + outside) / _size(box) + 0.15 * bool(crossed) + 0.002 * far
-                if best is None or cost < best[0] - 1e-9:
-                    best = cost, box, (word.get_ha(), word.get_va(), word.get_position())
-        assert best is not None
-        taken.append(best[1])
-        word.set(ha=best[2][0], va=best[2][1])
-        word.set_position(best[2][2])
-
-
-def _size(box: Any) -> float:
-    return float(np.prod(box[2:] - box[:2]))
-
-
-def _overlap(one: Any, other: Any) -> float:
-    low, high = np.maximum(one[:2], other[:2]), np.minimum(one[2:], other[2:])
-    return float(np.prod(np.maximum(high - low, 0.0)))
 
 
 def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:

@@ -179,45 +179,28 @@ def pupil_sampling(settings: Settings) -> list[Table]:
     kodak = Kodak(settings.small)
     t0 = round_trip(kodak.scene, kodak.policy.workers)
     rows = []
-    for shape in ("clear", "half_moon"):
-        for size in (0, *_sizes(settings)):
-            how = "bilinear" if size else ""
-            otf = Otf(kodak, pupil_network(kodak.network, shape, size or 512, how))
-            row = {"shape": shape, "choice": f"{size}²" if size else "exact"}
-            row["curve"] = f"{shape}, {'sampled' if size else 'exact'}"
+    kinds = ("clear", "bilinear"), ("half_moon", "bilinear"), ("half_moon", "linear")
+    for shape, how in kinds:
+        for size in (0, *_sizes(settings)) if how == "bilinear" else _sizes(settings):
+            network = pupil_network(kodak.network, shape, size or 512, how if size else "")
+            otf, method = Otf(kodak, network), how if size else "exact"
+            row = {"shape": shape, "method": method, "choice": f"{size}²" if size else "exact"}
             timing = paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
-            rows.append({**row, **timing, "error": otf.error(shape)})
-    heads = {"shape": "pupil", "choice": "OTF", **T0_HEADS, "error": "largest error"}
+            error = otf.error(shape)
+            rows.append({**row, "curve": f"{shape}, {method}", **timing, "error": error})
+    heads = {"shape": "pupil", "method": "method", "choice": "OTF", **T0_HEADS}
+    heads["error"] = "largest error"
     text = (
         "Exact is the default: a sampled pupil never reaches the small error of the closed "
         "form, however long it takes. Pupils from files and with a wavefront error have no "
-        "closed form and are sampled, by default on 512²."
+        "closed form and are sampled, by default on 512². Of the interpolations, bilinear is "
+        "the default: it weights the four neighbouring lags the same way in every direction. "
+        "Linear over three has a smaller error with coarse samples, because its facets follow "
+        "the cusp at zero lag. `none` is only for viewing: it filters nothing."
     )
     title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
     return [Table("pupil_sampling", title, heads, rows, text, chart)]
-
-
-def interpolation(settings: Settings) -> list[Table]:
-    kodak = Kodak(settings.small)
-    t0 = round_trip(kodak.scene, kodak.policy.workers)
-    rows = []
-    for how in ("linear", "bilinear"):
-        for size in _sizes(settings):
-            otf = Otf(kodak, pupil_network(kodak.network, "half_moon", size, how))
-            timing = paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
-            error = otf.error("half_moon")
-            rows.append({"choice": how, "size": f"{size}²", **timing, "error": error})
-    heads = {"choice": "interpolation", "size": "samples", **T0_HEADS, "error": "largest error"}
-    text = (
-        "Bilinear is the default: it weights the four neighbouring lags the same way in every "
-        "direction. Linear over three has a smaller error with coarse samples, because its "
-        "facets follow the cusp at zero lag; with fine samples, only the error of the "
-        "sampling remains in both. `none` is only for viewing: it filters nothing."
-    )
-    title = f"Interpolation of an autocorrelated half moon, {settings.small}² frequencies"
-    chart = Chart("largest error", "size", "choice")
-    return [Table("interpolation", title, heads, rows, text, chart)]
 
 
 def _sizes(settings: Settings) -> tuple[int, ...]:
@@ -409,6 +392,5 @@ def _grid(kodak: Kodak, network: Network | None = None) -> Grid:
 
 
 MEASURES = (
-    precision, edges, pupil_sampling, interpolation, wavelengths, charge_transfer, poisson,
-    skipping,
+    precision, edges, pupil_sampling, wavelengths, charge_transfer, poisson, skipping,
 )  # fmt: skip

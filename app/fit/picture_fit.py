@@ -15,9 +15,9 @@ from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from app.fit.patch import Patch, patch_of
-from app.measure.measurement_text import file_warnings, in_words, repeated_words
+from app.measure.measurement_text import file_warnings, in_words
 from app.measure.measuring import measured_file, refuse_small
-from app.measure.picture_loading import PictureFile, common_limits, is_repeated, open_picture
+from app.measure.picture_loading import PictureFile, common_limits, open_picture
 from app.measure.picture_measurement import WITH_LOSS
 from app.tradeoff.tradeoff_results import with_value
 from core.chain.engine import Engine, Plan
@@ -87,8 +87,6 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
     """All frames of the files, which may differ in size; of a file of bands one of them."""
     names, samples = [], []
     opened: list[PictureFile] = []
-    seen: set[bytes] = set()
-    repeated = 0
     for path in paths:
         file = open_picture(path, band=band)
         if file.is_lossy:
@@ -99,14 +97,9 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
         refuse_small(str(path), file.rows, file.columns)
         opened.append(file)
         for number, picture in enumerate(file.pictures()):
-            if is_repeated(picture, seen):
-                repeated += 1
-                continue
             names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
             samples.append(picture)
     warnings = file_warnings([measured_file(file) for file in opened])
-    if repeated:
-        warnings.append(repeated_words(repeated))
     limits = common_limits(opened)
     taken = tuple(
         TakenWith(file.path.name, file.interval_x_mrad, file.interval_y_mrad, file.band_um)

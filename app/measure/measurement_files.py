@@ -56,8 +56,6 @@ def measurement_json(measured: PictureMeasurement) -> str:
     warnings = [*file_warnings(measured.files), *measured.warnings]
     if warnings:
         content["warnings"] = warnings
-    if measured.repeated:
-        content["repeated"] = list(measured.repeated)
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 

@@ -141,11 +141,6 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     return lines
 
 
-def repeated_words(count: int) -> str:
-    many = "one picture is" if count == 1 else f"{count} pictures are"
-    return f"{many} the same as another one, sample by sample, and not counted again"
-
-
 def remarks(measured: PictureMeasurement) -> list[str]:
     """What was measured of files with bands, and what could not be measured, and why.
 
@@ -154,8 +149,6 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     lines = [f"measured in {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]
-    if measured.repeated:
-        lines.append(f"warning: {repeated_words(len(measured.repeated))}")
     for words, curve, reason in (
         ("horizontal", measured.x, measured.reason_x),
         ("vertical", measured.y, measured.reason_y),

@@ -15,7 +15,6 @@ from app.measure.measurement_text import in_words
 from app.measure.picture_loading import (
     PictureFile,
     common_limits,
-    is_repeated,
     open_picture,
     same_size,
 )
@@ -122,8 +121,6 @@ def measure_pictures(
     noises: list[PictureNoise] = []
     no_noise: list[str] = []
     warnings: list[str] = []
-    seen: set[bytes] = set()
-    repeated: list[int] = []
     for number, picture in enumerate(source.pictures):
         name = _name(source.files, number)
         report(name)
@@ -135,9 +132,6 @@ def measure_pictures(
             previews.append(_preview(picture, number))
         if taken is not None:
             taken.add(picture)
-            if is_repeated(picture, seen):
-                repeated.append(number)
-                continue
         own = edges_of(picture=picture, number=number, clip_levels=source.clip_levels, check=check)
         if file_of(source.files, number)[0].is_lossy:
             edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
@@ -166,8 +160,7 @@ def measure_pictures(
     return PictureMeasurement(
         source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
-        frames, frames_reason, previews=tuple(previews), repeated=tuple(repeated),
-        warnings=tuple(warnings),
+        frames, frames_reason, previews=tuple(previews), warnings=tuple(warnings),
     )  # fmt: skip
 
 

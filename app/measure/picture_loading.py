@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -209,13 +208,3 @@ def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
                 "way"
             )
     return known[0][1] if len(known) == len(files) else None
-
-
-def is_repeated(picture: Matrix, seen: set[bytes]) -> bool:
-    """Whether a picture is the same, sample by sample, as one of those seen; adds it to them."""
-    digest = hashlib.blake2b(np.ascontiguousarray(picture).data, digest_size=16).digest()
-    digest += repr(picture.shape).encode()
-    if digest in seen:
-        return True
-    seen.add(digest)
-    return False

@@ -135,8 +135,6 @@ class PictureMeasurement:
     frames: FramesNoise | None = None  # noise from frame to frame
     frames_reason: str = ""  # why there are none
     previews: tuple[Preview, ...] = ()  # the first pictures
-    # numbers of pictures that are the same as one before, whose edges and noise do not count
-    repeated: tuple[int, ...] = ()
     pitch_um: float | None = None  # from one pixel to the next, where it was given
     warnings: tuple[str, ...] = ()  # what makes the figures other than those of the camera
 

@@ -12,8 +12,8 @@ from app.command.library_commands import BENCH_PARTS
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 TABLES = {
     "speed": ["networks", "one_thread", "cameras", "frames", "fresh_process"],
-    "precision": ["precision", "edges", "pupil_sampling", "interpolation", "wavelengths",
-                  "charge_transfer", "poisson", "skipping"],
+    "precision": ["precision", "edges", "pupil_sampling", "wavelengths", "charge_transfer",
+                  "poisson", "skipping"],
     "peers": ["peers"],
 }  # fmt: skip
 DRAWN = {"networks", "peers", *TABLES["precision"]}
