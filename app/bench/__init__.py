@@ -1,7 +1,5 @@
 """``imagechain bench``: run time against error, in units of a bare Fourier round trip."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Networks with their scene in memory, evaluated from nothing any number of times."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from types import MappingProxyType

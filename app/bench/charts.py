@@ -1,7 +1,5 @@
 """Pictures of tables: time against error, and bars with their targets."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence

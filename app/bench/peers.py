@@ -5,8 +5,6 @@ a quarter of the cutoff's period. The delivered MTF is the FFT of a unit point s
 whole path, and its error the largest difference from the analytic product.
 """
 
-from __future__ import annotations
-
 import sys
 import warnings
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Time in T0 against error, for every choice of a user that trades one for the other."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Speed of whole networks, of edits of them, and of a camera and its frames, in T0."""
 
-from __future__ import annotations
-
 import statistics
 import subprocess
 import tempfile

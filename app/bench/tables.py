@@ -1,7 +1,5 @@
 """Results of a benchmark: tables that the terminal, the JSON file and the page share."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Mapping, Sequence

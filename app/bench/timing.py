@@ -1,7 +1,5 @@
 """How time is measured: a subject and the bare Fourier round trip T0 in turn, median of ratios."""
 
-from __future__ import annotations
-
 import os
 import platform
 import statistics

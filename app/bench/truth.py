@@ -1,7 +1,5 @@
 """Reference values: direct sums, areas and integrals that share no code with what is measured."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

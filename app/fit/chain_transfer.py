@@ -6,8 +6,6 @@ the source's samples too. Where the chain makes its pixels by combining the sour
 has no detector that averages over an area, the samples' area is the pixel's: it counts then.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import OrderedDict

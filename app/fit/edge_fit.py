@@ -7,8 +7,6 @@ Kaufman's (1975) form of the derivatives. All edges are fitted at once, in rows 
 as long as the edge with the most samples needs; what is too many has no weight.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A fit as one page that needs no other file."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

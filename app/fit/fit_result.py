@@ -1,7 +1,5 @@
 """What a fit gives: parameters with errors and correlations, and what is not determined."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """``--free NODE.PARAM[=LOW:HIGH]``: a parameter that the picture is to determine."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ the one that is known. Of parameters that share several directions none is given
 one effect.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ counts; the radiance at which the final picture has a level is sought, and what 
 noise there is read off its chain, no noise drawn.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

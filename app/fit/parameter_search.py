@@ -1,7 +1,5 @@
 """Where the fit begins: places over the whole range of each free parameter, the best of them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Sequence

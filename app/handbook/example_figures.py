@@ -1,7 +1,5 @@
 """What a module's example makes, drawn: curves, pictures before and after, read-outs."""
 
-from __future__ import annotations
-
 import base64
 import html
 import io

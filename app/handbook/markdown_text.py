@@ -9,8 +9,6 @@ Beside plain Markdown there are
 - a block of `output`, what the code above it prints.
 """
 
-from __future__ import annotations
-
 import html
 import re
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The small network in which a module is shown at work: a few nodes before it, and its settings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a module does, for the window's help: text, typeset formulas, a table of its parameters."""
 
-from __future__ import annotations
-
 import html
 import re
 from collections.abc import Callable, Mapping

@@ -6,8 +6,6 @@ A value that no source gives has `until` NODE.READOUT=VALUE, the figure it was s
 `reason`: whether it is plausible. `where` then says solved.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """All files of the handbook, made from one source: Markdown, and the modules' declarations."""
 
-from __future__ import annotations
-
 import hashlib
 import html
 import json

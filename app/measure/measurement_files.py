@@ -1,7 +1,5 @@
 """Files of a measurement: JSON, a table of MTF that the module MTF File reads, or a page."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

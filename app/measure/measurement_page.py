@@ -1,7 +1,5 @@
 """A measurement as one page that needs no other file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

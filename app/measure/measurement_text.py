@@ -1,7 +1,5 @@
 """A measurement in words and rows of figures, for the terminal, the page and the window."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """The measurement of pictures of one camera, from files or from arrays, to its results."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """SiTF, NETD and 3-D noise of an infrared camera from frames of black bodies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Gain, noise and full well of a camera from its flat fields: the photon transfer curve."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

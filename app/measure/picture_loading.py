@@ -1,7 +1,5 @@
 """Pictures to measure, read from files one frame at a time, with what their headers hold."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

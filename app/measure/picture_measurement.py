@@ -1,7 +1,5 @@
 """What a measurement of pictures has given, as values that never change."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal

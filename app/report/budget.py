@@ -5,8 +5,6 @@ has, less the same picture without noise. Blur is taken at half the Nyquist freq
 picture's pixels, before a frame grabber interpolates them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any

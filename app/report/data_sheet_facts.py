@@ -1,7 +1,5 @@
 """A camera's data sheet: its figures in the order in which makers give them, as plain data."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -5,8 +5,6 @@ highest value, and every noise is left out; all else is the network's own. An up
 measured as Tantalo did, by the mean of rows, one turned by 5° as in ISO 12233.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from itertools import product

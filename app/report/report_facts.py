@@ -1,7 +1,5 @@
 """Reports of a run: one self-contained file, for people (HTML) or for programs (JSON)."""
 
-from __future__ import annotations
-
 import sys
 import time
 from dataclasses import asdict

@@ -1,7 +1,5 @@
 """The HTML report: one file that needs no other, light and fit to print."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Pictures with bands of wavelength: their mean spectra, and the responses that weight them."""
 
-from __future__ import annotations
-
 from itertools import cycle
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Curves and bars that nodes make, and the MTF and PTF of the stages, for reports."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import cycle
 from textwrap import wrap

@@ -4,8 +4,6 @@ Noise shows it: a clipped side has none, while the rest of the edge has. A clipp
 noise looks like that of a sharper camera.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """MTF across an edge found in a picture, with its standard error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

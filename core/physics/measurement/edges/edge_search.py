@@ -1,7 +1,5 @@
 """Find the edges of a picture from which an MTF can be measured, and why others cannot be used."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

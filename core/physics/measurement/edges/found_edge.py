@@ -1,7 +1,5 @@
 """An edge found in a picture: where it runs, and what of the picture belongs to it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

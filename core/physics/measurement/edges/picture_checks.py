@@ -1,7 +1,5 @@
 """Signs that a picture was made so that no edge of it shows the camera's blur."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

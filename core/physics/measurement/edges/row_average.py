@@ -1,7 +1,5 @@
 """MTF from the mean of rows across an upright edge or line, as the thesis measured it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

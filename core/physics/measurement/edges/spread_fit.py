@@ -1,7 +1,5 @@
 """Least squares fit of an edge's spread and course to the samples about it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

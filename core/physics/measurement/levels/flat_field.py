@@ -1,7 +1,5 @@
 """Mean, temporal variance and fixed pattern of frames of a flat field, taken one by one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

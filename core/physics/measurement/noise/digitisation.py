@@ -1,7 +1,5 @@
 """What digitising leaves in a picture: clipping, rounding steps, blocks of compression."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

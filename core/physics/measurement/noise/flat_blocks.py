@@ -6,8 +6,6 @@ differs from place to place, as a camera's own noise filter leaves it, a block i
 own finest waves, and the bias of that choice is known and taken off.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Noise of frames of one scene that does not move: by kinds, and temporal noise over the level."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

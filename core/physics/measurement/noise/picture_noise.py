@@ -4,8 +4,6 @@ What counts as noise of a sample is random from sample to sample: shot noise, re
 rounding adds. What rows and columns have of their own is not in it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

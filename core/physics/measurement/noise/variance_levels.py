@@ -1,7 +1,5 @@
 """Variance of blocks over the level: by steps, and the gain and read noise of its line."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
