@@ -1,6 +1,5 @@
 """Pictures of tables: time against error, and bars with their targets."""
 
-import math
 import textwrap
 from collections.abc import Sequence
 from typing import Any
@@ -87,14 +86,6 @@ def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
         for values, reach in zip((x, y), reaches, strict=True)
     )
     axis.set(xscale="log", yscale="log", xlim=(low, high), ylim=(bottom, top))
-    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    for digits in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)):
-        ticks = [digit * 10.0**power for power in decades for digit in digits]
-        ticks = [tick for tick in ticks if low <= tick <= high]
-        if len(ticks) >= 4:
-            break
-    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axis.minorticks_off()
 
 
 def _note(

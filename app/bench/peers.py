@@ -1,8 +1,7 @@
 """The same work done by other programs, where they are installed, as in their documentation.
 
-A circular aperture and a square pixel blur a frame; its sampling is that of pyBSM's documentation,
-a quarter of the cutoff's period. The delivered MTF is the FFT of a unit point sent through the
-whole path, and its error the largest difference from the analytic product.
+A circular aperture and a square pixel blur a frame; the delivered MTF is the FFT of a unit point
+sent through the whole path, and its error the largest difference from the analytic product.
 """
 
 import sys

@@ -258,7 +258,7 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
         if address is None:
             hint = close(word, known) or "; imagechain handbook opens the first page"
             raise UsageError(f"the handbook has no page on {shown(word)}{hint}")
-    with Progress(sum(len(part.pages) for part in PARTS) + len(library)) as progress:
+    with Progress(sum(map(len, PARTS.values())) + len(library)) as progress:
 
         def made_next(title: str) -> None:
             if stop.is_set():

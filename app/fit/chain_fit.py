@@ -1,9 +1,7 @@
 """A chain's free parameters fitted to the samples of edges by weighted least squares.
 
-Standard errors are those of the linearized model at the solution (Bates and Watts 1988, Nonlinear
-Regression Analysis, section 2). Where the residuals still have the shape of an edge, the chain is
-not the camera's: errors are then those of the scatter between edges, and at least widened by the
-root of that excess.
+Standard errors are those of the linearized model (Bates and Watts 1988, Nonlinear Regression
+Analysis, section 2), or of the scatter between edges where residuals have the shape of an edge.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """What a network does to an ideal edge: its complex transfer function along the edge's normal.
 
-The edge takes the place of the network's source. It is drawn by no samples, so nothing blurs it
-before the chain does, and filters count at their true frequencies, beyond the Nyquist frequency of
-the source's samples too. Where the chain makes its pixels by combining the source's samples, or
-has no detector that averages over an area, the samples' area is the pixel's: it counts then.
+The edge takes the place of the source, and no samples blur it. Where pixels are combined
+from the source's samples, or nothing averages over an area, the samples' area is the pixel's.
 """
 
 import itertools

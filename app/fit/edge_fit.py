@@ -1,10 +1,7 @@
 """Edges' samples against their spreads: what is an edge's own is fitted to each by itself.
 
-An edge's levels, place, turn and bend, and the slope of its sides, are no parameters of the chain.
-For every set of these they take the values that fit best, and what is left of the samples is a
-function of the chain's parameters alone: variable projection (Golub and Pereyra 1973), with
-Kaufman's (1975) form of the derivatives. All edges are fitted at once, in rows of arrays that are
-as long as the edge with the most samples needs; what is too many has no weight.
+Variable projection (Golub and Pereyra 1973, with Kaufman's (1975) form of the derivatives), all
+edges at once in rows of arrays; what is too many in a row has no weight.
 """
 
 import math

@@ -1,12 +1,7 @@
 """Which parameters the edges determine, and which combination of those that they do not.
 
-The derivatives of the residuals, each over its own length, have small singular values where
-parameters do the same to the samples (Belsley, Kuh and Welsch 1980, Regression Diagnostics, ch. 3).
-What then stays the same along the line on which nothing changes is looked for among the
-combinations that there are in such chains: the root of the sum of squares (widths of blurs), the
-sum, and the product or ratio; each is walked along a good way, and the one that changes nothing is
-the one that is known. Of parameters that share several directions none is given, unless they have
-one effect.
+Small singular values of the scaled derivatives show it (Belsley, Kuh and Welsch 1980, Regression
+Diagnostics, ch. 3). A root of a sum of squares, a sum or a product is then what stays the same.
 """
 
 import math

@@ -1,8 +1,6 @@
-"""Noise of a network's final picture at given levels: the network on uniform fields.
+"""Noise of a network's final picture at given levels: the network on small uniform fields.
 
-The source is held at a small field of one radiance, so that nothing of the network's own scene
-counts; the radiance at which the final picture has a level is sought, and what the network adds of
-noise there is read off its chain, no noise drawn.
+The radiance at which the final picture has a level is sought; its noise there is the chain's.
 """
 
 import math

@@ -2,10 +2,7 @@
 
 import base64
 import html
-import io
-import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,10 +11,10 @@ from numpy.typing import NDArray
 
 from app.handbook.module_examples import IT, NO_EXAMPLE, SHIPPED, example_network
 from app.report.drawing.curves import draw_on
-from app.report.drawing.picture_drawing import as_written, load_matplotlib, number
+from app.report.drawing.picture_drawing import figure, number
 from app.run.saving import encode_png, grey_levels, robust_limits
 from core.chain.engine import Engine, Plan
-from core.chain.results import CurveData
+from core.chain.results import CurveData, Series
 from core.chain.wires import Curve, Image, Pupil, Transfer
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
@@ -77,12 +74,12 @@ def _draw(example: Example, declared: Declaration, engine: Engine, plan: Plan, w
     shown = example.figures
     for name in ("mtf", "ptf"):
         if isinstance(outputs.get(name), Transfer):
-            drawing = _transfer(declared, outputs[name], engine.value(plan, f"{IT}.{name}", work))
+            drawing = _transfer(outputs[name], engine.value(plan, f"{IT}.{name}", work))
             shown += [drawing] if drawing else []
     drawn = [name for name, value in outputs.items() if isinstance(value, Curve)]
     for name in drawn[:_MOST_CURVES]:
         data = engine.value(plan, f"{IT}.{name}", work)
-        shown.append(curves(f"{declared.key}-{name}", data, data.title))
+        shown.append(curves(data, data.title))
     for name, value in outputs.items():
         if isinstance(value, Pupil):
             samples = engine.value(plan, f"{IT}.{name}", work)
@@ -143,7 +140,7 @@ def png_figure(content: bytes, caption: str, kind: str, size: str = "") -> str:
     )
 
 
-def _transfer(declared: Declaration, value: Transfer, samples: Samples) -> str:
+def _transfer(value: Transfer, samples: Samples) -> str:
     """A transfer function across and along; nothing of a phase that is 0."""
     if np.iscomplexobj(samples):
         samples = np.abs(samples)
@@ -152,28 +149,17 @@ def _transfer(declared: Declaration, value: Transfer, samples: Samples) -> str:
     xi = np.arange(columns // 2 + 1) * grid.frequency_interval_x
     eta = np.arange(rows // 2 + 1) * grid.frequency_interval_y
     across, along = samples[0, : len(xi)], samples[: len(eta), 0]
+    title = value.part.upper()
     if value.part == "ptf":
         # Of the last frequency of an even size only the real part acts.
         xi, across, eta, along = xi[:-1], across[:-1], eta[:-1], along[:-1]
         if max(np.abs(across).max(), np.abs(along).max()) < _SMALLEST_PHASE:
             return ""
-    name = f"{declared.key}-{value.part}"
-    with plot(name, _WIDE, _HIGH) as (drawn, out):
-        axis = drawn.subplots()
-        alike = bool(np.abs(np.interp(xi, eta, along) - across).max() < _ALIKE)
-        both = "horizontal and vertical" if alike else "horizontal (ξ)"
-        axis.plot(xi, across, color=COLOURS[0], lw=1.8, label=both)
-        if not alike:
-            axis.plot(eta, along, color=COLOURS[1], lw=1.8, ls="--", label="vertical (η)")
-        axis.set_xlabel("cycles/mrad")
-        axis.set_ylabel("MTF" if value.part == "mtf" else "PTF (rad)")
-        axis.margins(x=0)
-        axis.legend(loc="best", fontsize=8)
-        if value.part == "mtf":
-            low = min(float(across.min()), float(along.min()))
-            axis.set_ylim(min(-0.02, low * 1.1), 1.05)
-    title = "MTF" if value.part == "mtf" else "PTF"
-    return f'<figure class="curve">{out.getvalue()}<figcaption>{title}</figcaption></figure>'
+    alike = bool(np.abs(np.interp(xi, eta, along) - across).max() < _ALIKE)
+    series = [Series("horizontal and vertical" if alike else "horizontal (ξ)", xi, across)]
+    series += [] if alike else [Series("vertical (η)", eta, along)]
+    unit = " (rad)" if value.part == "ptf" else ""
+    return curves(CurveData(title, "cycles/mrad", title + unit, tuple(series)), title)
 
 
 def _means(samples: Samples, size: int) -> Samples:
@@ -185,17 +171,15 @@ def _means(samples: Samples, size: int) -> Samples:
     return np.asarray(blocks.mean(axis=(1, 3)))
 
 
-def curves(name: str, data: CurveData, caption: str) -> str:
-    """Curves or bars as a piece of a page; `name` is the drawing's own on it."""
+def curves(data: CurveData, caption: str) -> str:
+    """Curves or bars as a piece of a page."""
     rows = -(-len(data.series) // 2) if len(data.series) > 1 else 0
     bars = 0.24 * len(data.bars) * len(data.series) + 0.8 if data.bars else 0.0
-    with plot(name, _WIDE, max(_HIGH, bars) + 0.2 * rows) as (drawn, out):
-        axis = drawn.subplots()
-        draw_on(axis, data)
+    with figure(_WIDE, max(_HIGH, bars) + 0.2 * rows) as (drawn, out):
+        draw_on(drawn.subplots(), data)
         if len(data.series) > 1:
             drawn.legend(loc="outside lower center", ncols=2, fontsize=7.5)
-    text = html.escape(caption)
-    return f'<figure class="curve">{out.getvalue()}<figcaption>{text}</figcaption></figure>'
+    return png_figure(out.getvalue(), caption, "curve")
 
 
 def _readouts(
@@ -216,79 +200,3 @@ def _shown(value: Any) -> str:
     if isinstance(value, bool | str):
         return str(value)
     return number(float(value))
-
-
-# Plots as drawings within a page, in the page's own colours, light or dark.
-
-_INK, _GRID = "#010203", "#040506"
-_STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": _INK,
-    "axes.labelcolor": _INK,
-    "axes.linewidth": 0.7,
-    "axes.grid": True,
-    "grid.color": _GRID,
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-    "text.color": _INK,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
-    "figure.facecolor": "none",
-    "axes.facecolor": "none",
-    "savefig.facecolor": "none",
-    "svg.fonttype": "path",
-}
-# Colours that are bright enough on dark paper and dark enough on light.
-COLOURS = ("#2f81c8", "#e0701a", "#35a05a", "#d0438c", "#8a6fd1", "#a08040")
-_DARK = re.compile(r"#(?:000000|555555|666666|010203|888888)\b")
-
-
-@contextmanager
-def plot(name: str, width: float, height: float) -> Iterator[tuple[Any, io.StringIO]]:
-    """A figure of that size in inches; what is written is a piece of a page.
-
-    On one page no two plots have the same name; the size is in inches.
-    """
-    mpl = load_matplotlib()
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
-
-    out = io.StringIO()
-    # The salt makes names within the drawing, the same for the same plot.
-    with mpl.rc_context({**_STYLE, "svg.hashsalt": name}):
-        drawn = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasSVG(drawn)
-        yield drawn, out
-        as_written(drawn)
-        written = io.StringIO()
-        drawn.savefig(
-            written,
-            format="svg",
-            metadata={"Date": None, "Creator": None, "Format": None, "Type": None},
-        )
-    out.write(_within_a_page(written.getvalue(), name))
-
-
-def _within_a_page(svg: str, name: str) -> str:
-    """Without the head of a file, in the colours of the text, names of its own."""
-    body = svg[svg.index("<svg") :]
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    # It would be one of the whole page; the page's own has it for its plots.
-    body = re.sub(r'<style type="text/css">.*?</style>', "", body, flags=re.DOTALL)
-    opening, rest = body.split(">", 1)
-    view = re.search(r'viewBox="([^"]+)"', opening)
-    assert view is not None
-    rest = _DARK.sub("currentColor", rest).replace(_GRID, "var(--grid)")
-    # Groups are numbered alike in every drawing; names on a page must differ.
-    rest = re.sub(r' id="(?!m|D|p|image|[a-z]+[0-9a-f]{8})[\w-]+"', "", rest)
-    mark = re.sub(r"\W", "", name)
-    rest = re.sub(r'(\bid="|"#|\(#)', rf"\g<1>{mark}-", rest)
-    return (
-        f'<svg class="plot" role="img" viewBox="{view[1]}" xmlns:xlink="http://www.w3.org/1999/xlink">'
-        + re.sub(r"\s*\n\s*", "\n", rest)
-    )

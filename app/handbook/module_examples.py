@@ -1,7 +1,6 @@
 """The small network in which a module is shown at work: a few nodes before it, and its settings."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -221,16 +220,8 @@ def _node(port: str) -> str:
 PAGES = Path(__file__).with_name("pages")
 
 
-@dataclass(frozen=True)
-class Part:
-    """Pages under one title, by the names of their files."""
-
-    title: str
-    pages: tuple[str, ...]
-
-
-PARTS = tuple(
-    Part(title, tuple(pages.split()))
+PARTS = {
+    title: tuple(pages.split())
     for title, pages in {
         "Begin": "index getting_started",
         "Tutorials": "infrared_camera edge_pictures real_camera fitting laboratory satellite "
@@ -240,7 +231,8 @@ PARTS = tuple(
         "Reference": "reference glossary shipped_networks published_cameras formulas "
         "speed_and_accuracy how_it_works extending",
     }.items()
-)
+}
+"""Names of the pages' files by the titles under which they stand."""
 REFERENCE = "reference"
 """The page that lists the modules."""
 MODULES = "modules"

@@ -81,8 +81,8 @@ def page_titles() -> dict[str, str]:
     """Titles of the pages of Markdown, by their names."""
     return {
         name: _source(name).split("\n", 1)[0].lstrip("# ").strip()
-        for part in PARTS
-        for name in part.pages
+        for pages in PARTS.values()
+        for name in pages
     }
 
 
@@ -306,7 +306,8 @@ class _Frame:
         self._awaited = "" if drawn else DRAWN
         titles = page_titles()
         self._parts = [
-            (part.title, [(f"{name}.html", titles[name]) for name in part.pages]) for part in PARTS
+            (title, [(f"{name}.html", titles[name]) for name in pages])
+            for title, pages in PARTS.items()
         ]
         for group, members in groupby(declared, key=lambda entry: entry.group):
             entries = [(module_address(entry.key), entry.listed) for entry in members]
@@ -367,7 +368,7 @@ def page_figure(words: str, engine: Engine) -> str:
         network = load_network(place.path, library=engine.library)
         network = with_settings(network, settings, library=engine.library)
         plan, work = engine.plan(network, folder=place.folder), engine.work(Policy())
-    for number, (kind, what, *caption) in enumerate(shown):
+    for kind, what, *caption in shown:
         text = caption[0] if caption else what
         if kind == "shipped":
             drawings.append(png_figure((SHIPPED / "pictures" / what).read_bytes(), text, kind))
@@ -379,8 +380,7 @@ def page_figure(words: str, engine: Engine) -> str:
             samples = engine.value(plan, what, work)
             drawings.append(_measured(samples, kind, text))
         elif kind == "curve" and isinstance(plan.output(what), Curve):
-            name = f"{named[0]}-{what}-{number}"
-            drawings.append(curves(name, engine.value(plan, what, work), text))
+            drawings.append(curves(engine.value(plan, what, work), text))
         else:
             raise UsageError(f"a figure of the handbook has the line {kind} {what}")
     return f'<div class="figures">\n{"".join(drawings)}\n</div>\n'

@@ -16,14 +16,13 @@ from app.measure.measurement_text import (
     remarks,
     with_error,
 )
-from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement, Preview
+from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.saving import robust_limits
 from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 
 _MOST_REFUSED = 60
-_LEAST_LEVELS = 3
 _PLACE = ("edge", "column", "row", "normal (°)", "length")
 
 
@@ -43,7 +42,6 @@ def measurement_page(measured: PictureMeasurement) -> str:
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}." for line in notes))] if notes else []),
         *_edges(measured),
         *_mtf(measured),
-        *_levels(measured),
         *_noise(measured),
         *_edge_tables(measured),
     ]
@@ -101,20 +99,6 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
-
-
-def _levels(measured: PictureMeasurement) -> list[Block]:
-    noise = measured.noise
-    blocks: list[Block] = [Heading(2, "Noise against level")]
-    if noise is None:
-        return [*blocks, Text(f"Noise was not measured: {measured.noise_reason}.")]
-    if len(noise.levels) < _LEAST_LEVELS:
-        return []
-    caption = (
-        "Variance of a sample against the level; shot noise rises by one electron per electron."
-    )
-    drawn = levels_png(noise, measured.unit)
-    return [*blocks, Drawn(drawn, caption, "variance against level")]
 
 
 def _noise(measured: PictureMeasurement) -> list[Block]:
@@ -263,31 +247,6 @@ def mtf_png(measured: PictureMeasurement) -> bytes:
             axis.set_ylim(-0.03, 1.25)
             _second_scale(axis, measured.interval_mrad(direction))
         axes[0].set_ylabel("MTF")
-    return out.getvalue()
-
-
-def levels_png(noise: NoiseFigures, unit: str) -> bytes:
-    with figure(6.6, 3.6) as (drawn, out):
-        axis = drawn.subplots()
-        level = np.array([one.level for one in noise.levels])
-        variance = np.array([one.variance for one in noise.levels])
-        error = np.array([one.variance_error for one in noise.levels])
-        axis.errorbar(
-            level, variance, error, fmt="o", ms=4, color=COLOURS[0], mfc="none", elinewidth=0.9,
-            label="measured, with standard error",
-        )  # fmt: skip
-        if noise.gain_e_per_dn is not None:
-            ends = np.array([level.min(), level.max()])
-            weight = 1.0 / np.maximum(error, 1e-300) ** 2
-            middle = float(np.sum(weight * level) / np.sum(weight))
-            height = float(np.sum(weight * variance) / np.sum(weight))
-            line = height + (ends - middle) / noise.gain_e_per_dn
-            label = f"1/gain, {noise.gain_e_per_dn:.4g} e⁻/DN"
-            axis.plot(ends, line, color=COLOURS[1], lw=1.6, label=label)
-        axis.set_xlabel(f"level ({unit})" if unit else "level")
-        axis.set_ylabel(f"variance of a sample ({unit})²" if unit else "variance of a sample")
-        axis.set_ylim(bottom=0.0)
-        axis.legend(loc="upper left", fontsize=8)
     return out.getvalue()
 
 

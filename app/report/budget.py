@@ -1,8 +1,6 @@
 """The budget of noise and blur: which stage contributes how much, as facts, bars and tables.
 
-Noise is predicted from the chain, for all sensors of the kind; beside it stands what this picture
-has, less the same picture without noise. Blur is taken at half the Nyquist frequency of the
-picture's pixels, before a frame grabber interpolates them.
+Noise is predicted from the chain; blur is taken at half the Nyquist frequency of the pixels.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,7 @@
-"""The chain judged by measurement: an edge runs through it, and its final picture is measured.
+"""The chain judged by measurement: an edge replaces the source, and the final picture is measured.
 
-The source's picture is replaced by an edge of the same size, field and band, from its lowest to its
-highest value, and every noise is left out; all else is the network's own. An upright edge is
-measured as Tantalo did, by the mean of rows, one turned by 5° as in ISO 12233.
+Every noise is left out. An upright edge is measured as Tantalo did, by the mean of rows, one turned
+by 5° as in ISO 12233.
 """
 
 import math
@@ -311,9 +310,8 @@ def judged(facts: Fact) -> list[Block]:
     good = [measurement for measurement in edges["measurements"] if measurement["reason"] is None]
     if good:
         blocks.append(Text(_introduction(edges)))
-        published = drawn_as.get("judged")
-        drawn = judged_png(edges, mirrored=published is not None)
-        blocks.append(Drawn(drawn, _caption(published), "measured and expected MTF"))
+        caption = _caption(drawn_as.get("judged"))
+        blocks.append(Drawn(judged_png(edges), caption, "measured and expected MTF"))
         blocks.append(_table(good))
     for measurement in edges["measurements"]:
         if measurement["reason"] is not None:
@@ -351,13 +349,13 @@ def _caption(published: str | None) -> str:
     return named(text, published)
 
 
-def judged_png(edges: Fact, *, mirrored: bool) -> bytes:
+def judged_png(edges: Fact) -> bytes:
     """Horizontal and vertical MTF beside each other, in cycles per sample of the picture."""
     with figure(10.0, 4.6) as (drawn, out):
         axes = drawn.subplots(1, 2, sharey=True)
         lines: dict[str, Any] = {}
         for axis, direction in zip(axes, ("horizontal", "vertical"), strict=True):
-            _panel(axis, edges, direction, mirrored)
+            _panel(axis, edges, direction)
             axis.set_title(f"{direction.capitalize()} MTF")
             interval = edges["interval_mrad"][direction]
             axis.set_xlabel(f"frequency (cycles/sample of {short(interval)} mrad)")
@@ -368,11 +366,12 @@ def judged_png(edges: Fact, *, mirrored: bool) -> bytes:
     return out.getvalue()
 
 
-def _panel(axis: Any, edges: Fact, direction: str, mirrored: bool) -> None:
+def _panel(axis: Any, edges: Fact, direction: str) -> None:
     stages = edges["stages"][direction]
-    inside = stages["frequency_cyc_per_sample"] <= 0.5 + 1e-9
-    x, y = _sides(mirrored, stages["frequency_cyc_per_sample"][inside], stages["mtf"][inside])
-    axis.plot(x, y, color="#999999", lw=1.2, ls="--", label="stages alone")
+    x = stages["frequency_cyc_per_sample"]
+    inside = x <= 0.5 + 1e-9
+    y = stages["mtf"][inside]
+    axis.plot(x[inside], y, color="#999999", lw=1.2, ls="--", label="stages alone")
     highest = 1.0
     for measurement in edges["measurements"]:
         if measurement["direction"] != direction or measurement["reason"] is not None:
@@ -380,12 +379,10 @@ def _panel(axis: Any, edges: Fact, direction: str, mirrored: bool) -> None:
         colour, mark, line, dash = _LOOKS[measurement["method"]]
         name = _METHOD_WORDS[measurement["method"]]
         frequency = measurement["frequency_cyc_per_sample"]
-        x, y = _sides(mirrored, frequency, measurement["expected"])
-        axis.plot(x, y, color=line, ls=dash, lw=1.4, label=f"expected for the {name}")
+        y = measurement["expected"]
+        axis.plot(frequency, y, color=line, ls=dash, lw=1.4, label=f"expected for the {name}")
         few = slice(None, None, max(1, len(frequency) // _MARKS))
-        x, y, error = _sides(
-            mirrored, frequency[few], measurement["mtf"][few], measurement["mtf_error"][few]
-        )
+        x, y, error = frequency[few], measurement["mtf"][few], measurement["mtf_error"][few]
         axis.errorbar(
             x, y, error, fmt=mark, ms=3.6, color=colour, mfc="none", mew=1.0, elinewidth=0.8,
             label=f"measured, {name}",
@@ -393,14 +390,7 @@ def _panel(axis: Any, edges: Fact, direction: str, mirrored: bool) -> None:
         highest = max(highest, float(y.max()))
     axis.axhline(0, color="#555555", lw=0.8)
     axis.set_ylim(-0.03, highest * 1.06)
-    axis.set_xlim(*(-0.52, 0.52) if mirrored else (0.0, 0.51))
-
-
-def _sides(mirrored: bool, frequency: Any, *curves: Any) -> list[Any]:
-    if not mirrored:
-        return [frequency, *curves]
-    sides = [np.concatenate([-frequency[:0:-1], frequency])]
-    return sides + [np.concatenate([curve[:0:-1], curve]) for curve in curves]
+    axis.set_xlim(0.0, 0.51)
 
 
 def _table(measurements: Iterable[Fact]) -> Grid:

@@ -31,11 +31,7 @@ class Text:
 @dataclass(frozen=True)
 class Items:
     texts: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Warnings:
-    rows: tuple[tuple[str, str, str], ...]
+    kind: str = ""
 
 
 @dataclass(frozen=True)
@@ -75,7 +71,7 @@ class Beside:
     blocks: Sequence[Block]
 
 
-Block = Heading | Text | Items | Warnings | Drawn | Grid | Beside
+Block = Heading | Text | Items | Drawn | Grid | Beside
 
 
 def of_many(count: int, what: str = "stages") -> str:

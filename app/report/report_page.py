@@ -34,7 +34,6 @@ from app.report.html_page import (
     Heading,
     Items,
     Text,
-    Warnings,
     html_page,
     of_many,
 )
@@ -111,10 +110,11 @@ def _run_line(facts: dict[str, Any]) -> Block:
 
 
 def _warnings(facts: dict[str, Any]) -> list[Block]:
-    rows = [
-        (warning["node"], warning["message"], warning["remedy"]) for warning in facts["warnings"]
+    lines = [
+        f"{one['node']}: {one['message']}. {one['remedy'][:1].upper()}{one['remedy'][1:]}."
+        for one in facts["warnings"]
     ]
-    return [Warnings(tuple(rows))] if rows else []
+    return [Heading(2, "Warnings"), Items(tuple(lines), "warnings")] if lines else []
 
 
 def _first_look(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:

@@ -26,7 +26,7 @@ from app.handbook.module_examples import PAGES, PARTS
 from child_process import ROOT
 from command_line import read_words, run_here
 
-NAMES = [name for part in PARTS for name in part.pages]
+NAMES = [name for pages in PARTS.values() for name in pages]
 TEXTS = {name: (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in NAMES}
 KINDS = {"sh", "python", "json", "csv", "toml", "output", "math", "figure"}
 # What opens a window or a browser, or measures for minutes, is read, and run by other tests.

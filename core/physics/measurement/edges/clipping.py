@@ -1,7 +1,6 @@
 """Signs that samples of an edge were cut off at a limit, where its MTF would be a wrong one.
 
-Noise shows it: a clipped side has none, while the rest of the edge has. A clipped picture without
-noise looks like that of a sharper camera.
+A clipped side has no noise, while the rest has; without noise it looks as of a sharper camera.
 """
 
 from collections.abc import Sequence

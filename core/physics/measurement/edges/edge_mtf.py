@@ -106,8 +106,6 @@ def _modulus(
 ) -> tuple[Vector, Vector, Vector]:
     """Modulus, 1 at zero, standard error, and the part of it from what is assumed of the tail.
 
-    Notes
-    -----
     Noise square to the transform H lengthens it: |H + i·n| is longer than |H| by n²/(2|H|), which
     is taken off. What cannot be is an error: n²/(2|H|), at most n, for an |H| that is three errors
     less than what was measured.
@@ -135,8 +133,6 @@ def _modulus(
 def _lost_to_neighbours(frequency: Vector, reach: float) -> Vector:
     """Share by which tails of neighbouring edges may make the MTF too large.
 
-    Notes
-    -----
     The tail that an edge has beyond its reach lies within that of its neighbours: the step is too
     small by as much, and what the MTF is divided by. Long waves do not show it: a tail as wide as
     the reach is in them as in the step. All edges of a picture share it.
@@ -151,8 +147,6 @@ def _variance(
 ) -> Vector:
     """Variance of sums of the normal equations' right sides.
 
-    Notes
-    -----
     Of samples that are independent, it follows from their residuals (White, 1980). Where the
     noise or texture hangs together, pieces of the edge differ by more, and neighbours alike (Newey
     and West, 1987); their few differences are averaged over neighbouring frequencies before they
@@ -196,8 +190,6 @@ def _texture(samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge) -> float:
 def _texture_response(frequency: Vector, edge: FoundEdge) -> Vector:
     """Variance that texture of unit variance on one side brings to the transform.
 
-    Notes
-    -----
     A spread with texture t(d), its mean along the edge, adds 2πi·f·∫ t(d) exp(−2πi·f·d) dd. Texture
     that hangs together over ℓ samples has the variance ℓ/length after that mean, and the integral
     over the reach one of reach·ℓ for waves longer than ℓ.

@@ -338,8 +338,6 @@ def _within_surroundings(
 
     `samples` fill its length and `reach`, `room` is beside each cell of it to the frame's border.
 
-    Notes
-    -----
     The samples' means in cells of one sample by four are compared with the medians along the
     edge. Of the runs of cells that agree within 6 % of the contrast (and four standard errors of
     the noise) to a reach, the one of the largest length times reach is chosen; its sides must be

@@ -1,9 +1,7 @@
 """Which blocks of a picture show noise alone, and the variance of the noise over the level.
 
-Flat is a block whose coarse waves carry no more than its noise. Where the noise is of one kind all
-over, it is compared with the noise at its level, and the choice leaves the noise unbiased. Where it
-differs from place to place, as a camera's own noise filter leaves it, a block is compared with its
-own finest waves, and the bias of that choice is known and taken off.
+Flat is a block whose coarse waves carry no more than the noise of its level; where noise differs
+from place to place, no more than its own finest waves, and that choice's bias is taken off.
 """
 
 import math
