@@ -17,14 +17,7 @@ SCENE = "scene.image"
 KODAK = "kodak_kir310"
 PIXELS, FINAL = "pixels.image", "frame_grabber.image"
 SHIPPED_SIZE, GRABBER_LINES = 1024, 486
-OPTICS, CAMERA = "back.image", "camera.image"
 Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
-_FOCAL_PLANE = {
-    "integration_time_s": 0.004, "optics_transmission": 0.8, "optics_K": 293.0,
-    "dark_current_e_per_s": 1e5, "full_well_e": 7e6, "nonlinearity_percent": 1.0,
-    "read_noise_e": 400.0, "prnu_percent": 0.3, "dsnu_e": 200.0, "bad_pixel_percent": 0.3,
-    "bits": 14,
-}  # fmt: skip
 
 
 class SceneStore(Store):
@@ -120,28 +113,6 @@ class Kodak(Chain):
 
     def without_photons(self) -> Network:
         return self.network.with_parameter("photons", "percent", 0.0)
-
-
-class Camera(Chain):
-    """A cooled camera of today on a scene of `size` by `rows`, with every noise of its plane."""
-
-    def __init__(self, size: int, threads: int = 0, rows: int | None = None) -> None:
-        rows = size if rows is None else rows
-        scene = {
-            "kind": "dormitory", "width": size, "height": rows, "fov_x_deg": 8.8,
-            "fov_y_deg": 8.8 * rows / size, "cut_on_um": 3.7, "cut_off_um": 4.8,
-        }  # fmt: skip
-        sensor = {
-            "detector_x_um": 15.0, "detector_y_um": 15.0, "focal_length_mm": 100.0,
-            "f_number": 4.0, "platform": "array",
-        }  # fmt: skip
-        stages: Nodes = {
-            "detector": ("detector_mtf", {}),
-            "jitter": ("jitter_mtf", {"sigma_mrad": 0.05}),
-        }
-        plane: Nodes = {"camera": ("focal_plane", _FOCAL_PLANE)}
-        network = sensor_network(("test_scene", scene), sensor, stages, plane)
-        super().__init__(network, Policy("single", threads=threads))
 
 
 def kodak_network(size: int) -> Network:

@@ -1,32 +1,26 @@
-"""Speed of whole networks, of edits of them, and of a camera and its frames, in T0."""
+"""Speed of whole networks and of edits of them, in T0."""
 
 import statistics
 import subprocess
 import tempfile
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.bench.chains import (
-    CAMERA,
     FINAL,
     KODAK,
-    OPTICS,
     PIXELS,
     SHIPPED_SIZE,
-    Camera,
     Chain,
     Kodak,
 )
 from app.bench.tables import Chart, Table, judged
 from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
-from app.run.saving import save_frames
 from app.run.shipped import command
-from nodes.files.frame_writing import FRAME_FORMATS
 
 Array = NDArray[Any]
 Subject = tuple[str, Callable[[], float], float | None, float | None]
@@ -37,9 +31,7 @@ HEADS = {
 }  # fmt: skip
 SIGMAS = tuple(0.1 + 1e-3 * step for step in range(1, 32))
 SNRS = tuple(100.0 + step for step in range(1, 32))
-TIMES = tuple(1e-3 + 1e-5 * step for step in range(1, 32))
 LOOKS = 20  # repetitions of what takes microseconds
-COLUMNS, ROWS = 640, 512  # of the usual cooled camera
 
 
 def networks(settings: Settings) -> list[Table]:
@@ -76,7 +68,7 @@ def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
         ("without photon noise", partial(kodak.cold, quiet, FINAL, sensor), 4.0, 2.0),
         ("optics alone, pixels combined", partial(kodak.cold, quiet, PIXELS), 2.2, 1.2),
     ]
-    rows = _timed(kodak, cold, settings)
+    rows = timed(kodak, cold, settings)
     warm = kodak.left_by(FINAL)
     mtf, snr = ("aberration", "sigma_x_mrad", SIGMAS), ("electronics", "amplifier_snr", SNRS)
     bits = ("electronics", "bits", (4, 8, 12, 16, 24))
@@ -85,10 +77,10 @@ def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
         ("edit of the amplifier's SNR", partial(kodak.edited, FINAL, warm, snr), 0.5, 0.25),
         ("edit of the bits", partial(kodak.edited, FINAL, warm, bits), 0.5, 0.25),
     ]
-    return rows + _timed(kodak, edits, settings)
+    return rows + timed(kodak, edits, settings)
 
 
-def _timed(chain: Chain, subjects: list[Subject], settings: Settings) -> list[Any]:
+def timed(chain: Chain, subjects: list[Subject], settings: Settings) -> list[Any]:
     t0 = round_trip(chain.scene, chain.policy.workers)
     rows = []
     for name, subject, reach, aim in subjects:
@@ -123,76 +115,6 @@ def _unchanged(kodak: Kodak, settings: Settings) -> Any:
     low, middle, high = statistics.quantiles(times_us, n=4)
     row = {"subject": "nothing changed", "value": middle, "unit": "µs per node"}
     return {**row, "low": low, "high": high, **judged(middle, 50.0)}
-
-
-def cameras(settings: Settings) -> list[Table]:
-    """A focal plane with every noise on behind its optics; edits with unit deviates at hand."""
-    rows = []
-    for threads in (0, 1):
-        camera = Camera(settings.size, threads)
-        optics, whole = camera.left_by(OPTICS), camera.left_by(CAMERA)
-        edited = partial(_after, camera, CAMERA, whole)
-        noises = ("camera", "read_noise_e", SNRS)
-        times = ("camera", "integration_time_s", TIMES)
-        bits = ("camera", "bits", (10, 11, 12, 13))
-        cold = partial(camera.cold, camera.network, CAMERA)
-        subjects: list[Subject] = [
-            ("optics and camera", cold, None, None),
-            ("camera alone, all noise", partial(_after, camera, OPTICS, optics), 4.0, 2.0),
-            ("edit of the read noise", partial(edited, noises), 0.5, None),
-            ("edit of the integration time", partial(edited, times), None, None),
-            ("edit of the bits", partial(edited, bits), 0.5, 0.25),
-        ]
-        rows += [row | {"t0": row["value"]} for row in _timed(camera, subjects, settings)]
-    heads = {"subject": "subject", "threads": "threads", "t0": "T0", "low": "25 %"}
-    heads |= {"high": "75 %", "ms": "ms", "t0_ms": "T0 ms", **TARGETS}
-    title = f"A camera in electrons, {settings.size}², single precision"
-    text = (
-        "Shot and read noise, PRNU, DSNU, a nonlinear response, bad pixels, 14 bits. `alone`: "
-        "only the picture after the optics has been computed. Half of the time goes into "
-        "four normal deviates per pixel; they are stored, so an edit does not draw them again."
-    )
-    return [Table("cameras", title, heads, rows, text)]
-
-
-def _after(camera: Camera, port: str, known: set[str], edit: Any = None) -> float:
-    """Seconds to the picture behind what a port leaves, which is made again where it has gone."""
-    if not known <= camera.store.keys():
-        known.clear()
-        known.update(camera.left_by(port))
-    return camera.edited(CAMERA, known, edit)
-
-
-def frames(settings: Settings) -> list[Table]:
-    columns, lines = min(COLUMNS, settings.size), min(ROWS, settings.size)
-    count = 10 if settings.quick else 100
-    rows = []
-    for threads in (0, 1):
-        camera = Camera(columns, threads, lines)
-        image = camera.engine.plan(camera.network).output(CAMERA)
-        for kind in FRAME_FORMATS:
-            with tempfile.TemporaryDirectory() as folder:
-                path = Path(folder) / f"frames{kind.suffixes[0]}"
-                camera.value(camera.network, CAMERA)
-                save = partial(save_frames, image, path, camera.work, port=CAMERA, frames=count)
-                took = repeated(save, settings.slow_pairs)
-                megabytes = 1e-6 * path.stat().st_size / count
-            middle = 1e3 * took["seconds"] / count
-            row = {"subject": kind.description, "threads": camera.policy.workers}
-            row |= {"rate": 1e3 / middle, "low": count / took["high"], "high": count / took["low"]}
-            row |= {"ms": middle, "megabytes": megabytes, **judged(middle, 1e3 / 60, 1e3 / 120)}
-            rows.append(row)
-    heads = {"subject": "written as", "threads": "threads", "rate": "frames per second"}
-    heads |= {"low": "least", "high": "most", "ms": "ms per frame", "megabytes": "MB per frame"}
-    heads |= {"reach": "limit, ms", "aim": "target, ms", "verdict": ""}
-    title = f"Frames of a camera, {columns} × {lines}, single precision"
-    text = (
-        f"The camera above, {count} frames to a file in the temporary folder, flushed to its "
-        "disk. The noise-free picture is computed once for all frames. Each frame has new "
-        "shot and read noise, and the same fixed patterns and bad pixels. The limit is 60 "
-        "frames a second, the target 120."
-    )
-    return [Table("frames", title, heads, rows, text)]
 
 
 def fresh_process(settings: Settings) -> list[Table]:
@@ -267,4 +189,4 @@ def _grabbed(picture: Array, lines: int, samples: int) -> Array:
     return np.asarray(upper * (1 - down) + lower * down)
 
 
-MEASURES = (networks, one_thread, cameras, frames, fresh_process)
+MEASURES = (networks, one_thread, fresh_process)

@@ -30,6 +30,7 @@ PARTS = {
     "growth": "As the picture grows",
     "blocks": "Frames beyond memory",
     "scanning": "Line by line, or the whole image at once",
+    "cameras": "A camera and its frames",
     "study_loops": "Studies beside the same loops",
     "measured_pictures": "Measuring and fitting pictures",
 }

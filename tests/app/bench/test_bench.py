@@ -11,7 +11,7 @@ from app.command.library_commands import BENCH_PARTS
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 TABLES = {
-    "speed": ["networks", "one_thread", "cameras", "frames", "fresh_process"],
+    "speed": ["networks", "one_thread", "fresh_process"],
     "precision": ["precision", "edges", "pupil_sampling", "wavelengths", "charge_transfer",
                   "poisson", "skipping"],
     "peers": ["peers"],
