@@ -45,10 +45,7 @@ class SceneStore(Store):
 
 
 class Chain:
-    """An engine, a network and its scene; whatever is timed returns its own seconds.
-
-    Samples of a `scene` stand in place of the node's own, so that two policies start from the same.
-    """
+    """An engine, a network and its scene; whatever is timed returns its own seconds."""
 
     def __init__(self, network: Network, policy: Policy, scene: Any = None) -> None:
         self.network = network
@@ -83,10 +80,7 @@ class Chain:
     def edited(
         self, port: str, known: set[str], edit: tuple[str, str, tuple[Any, ...]] | None = None
     ) -> float:
-        """Seconds to a port's value with what is `known`, of `left_by`, and all else forgotten.
-
-        Perhaps after an edit of a node's parameter, which takes its values in turn.
-        """
+        """Seconds to a port's value with what is `known`, of `left_by`, and all else forgotten."""
         self.store.forget_all_but(known)
         network = self.network
         if edit is not None:

@@ -136,12 +136,7 @@ def fresh_process(settings: Settings) -> list[Table]:
 
 
 def whole_chain(scene: Array, lines: int, samples: int, seed: int) -> Array:
-    """The Kodak chain as a plain program of 1996 has it, without photon noise: the baseline.
-
-    Written for reading: complex transforms of the whole frame, magnitude and phase apart, each
-    stage on a full frequency plane of its own and multiplied on at once, the frame repeating
-    without end. It shares no code with the rest of the program.
-    """
+    """The Kodak chain as a plain program of 1996 has it, without photon noise: the baseline."""
     picture = plain_optics(scene)
     draw = np.random.default_rng(seed).standard_normal
     mean = picture.mean()

@@ -40,10 +40,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of figures by column, and a text on them: for a choice, its default and why.
-
-    Rows may hold more than `heads` shows, for the JSON file.
-    """
+    """Rows of figures by column, and a text on them: for a choice, its default and why."""
 
     name: str
     title: str

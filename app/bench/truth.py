@@ -105,12 +105,7 @@ def _combined(picture: Array) -> Array:
 
 
 def pupil_otf(radius: float, shift_x: float, shift_y: float, *, half_moon: bool = False) -> float:
-    """A disc's overlap with itself moved, over its area; of its right half for a half moon.
-
-    An integral over y of the length common to a row and the row moved onto it. Between all
-    crossings of the edges that is smooth but for square roots at the ends, which the double
-    exponential rule takes.
-    """
+    """A disc's overlap with itself moved, over its area; of its right half for a half moon."""
     x, y = (0.0, shift_x), (0.0, shift_y)
     breaks = [-radius, radius, shift_y - radius, shift_y + radius]
     for centre_x, centre_y in zip(x, y, strict=True):

@@ -110,12 +110,7 @@ class Misfit:
 
 
 def misfit_of(edges: EdgesAt, noises: Vector, degrees: int, shared: tuple[int, int]) -> Misfit:
-    """How much is left beyond noise, and how much of that has the shape of edges.
-
-    `noises` are residuals of the noise at the measured levels, in standard errors; `degrees` of
-    freedom are those of all; `shared` says how many parameters were fitted, and how many of them
-    to the noise.
-    """
+    """How much is left beyond noise, and how much of that has the shape of edges."""
     shape, groups, material = 0.0, 0, 0.0
     own = edges.own.shape[1] + _LEVELS
     for index, weight in enumerate(edges.weight):

@@ -68,10 +68,7 @@ def has_area(passed: ImageTransfer) -> bool:
 
 
 class EdgeTransfer:
-    """Spreads of edges behind a chain; what did not change since is not computed again.
-
-    The angles are those of the edges' normals; the period is in samples.
-    """
+    """Spreads of edges behind a chain; what did not change since is not computed again."""
 
     def __init__(self, work: Work, angles_deg: Sequence[float], period: int) -> None:
         self._work = work
@@ -171,10 +168,7 @@ def _is_alike(xi: Vector, eta: Vector, ratios: tuple[float, float]) -> bool:
 
 
 class ChainAt:
-    """A network's final picture as its free parameters take other values.
-
-    Each is planned from the one before: what has not changed is taken over.
-    """
+    """A network's final picture as its free parameters take other values."""
 
     def __init__(self, engine: Engine, plan: Plan, names: Sequence[tuple[str, str]]) -> None:
         self.engine = engine

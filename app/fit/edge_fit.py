@@ -205,10 +205,7 @@ class EdgeFits:
         return float(np.sum(((self._value - before) * weight) ** 2))
 
     def freeze(self, fitted: EdgesAt) -> None:
-        """Take the noise of the residuals on the level sides, and weights that stay.
-
-        They are no part of what is fitted from now on.
-        """
+        """Take the noise of the residuals on the level sides, and weights that stay."""
         with np.errstate(all="ignore"):
             left = np.where(fitted.weight > 0.0, fitted.residual / fitted.weight, 0.0)
         variances = self._variances.copy()
@@ -269,13 +266,9 @@ def reaching_in(
 ) -> Vector:
     """What lies beyond an edge and reaches into its samples, in their order, through the spread.
 
-    An ideal edge is alone and endless. A real one has corners, and neighbours whose faint tails
-    reach far: behind optics the line spread falls as the square of the distance only. What the
-    picture shows beyond an edge's samples tells of the scene there; nothing but the ideal edge is
-    where its samples are. So the scene's difference from the ideal edge is sought, by the method of
-    Landweber (1951) with that constraint, and what of it the chain spreads into the edge's samples
-    is no part of the edge. `spread` is what a point leaves in the samples about it, as far as the
-    margin is wide.
+    The scene's difference from the ideal edge, alone and endless, is sought by the method of
+    Landweber (1951), with no difference where the edge's samples are. What of it the chain spreads
+    into them is no part of the edge. `spread` is what a point leaves in the samples about it.
     """
     window = patch.window
     inside = patch.row - window.top, patch.column - window.left

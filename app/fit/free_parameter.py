@@ -50,10 +50,7 @@ def free_parameters(
 
 
 def numbers_of(network: Network, library: Library) -> list[str]:
-    """``NODE.PARAM`` of every number that may be fitted, but those of the network's sources.
-
-    First those of stages, which take the sensor's geometry, and of these those that are set.
-    """
+    """``NODE.PARAM`` of every number that may be fitted, but those of the network's sources."""
     found = []
     for key, node in network.nodes.items():
         module, links = library.get(node.module), network.links_into(key)

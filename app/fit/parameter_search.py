@@ -55,11 +55,7 @@ def places(parameter: FreeParameter) -> Vector:
 
 
 def starts(free: Sequence[FreeParameter], cost: Cost, *, count: int, seed: int) -> list[Vector]:
-    """Values from which to go downhill, the best first.
-
-    Every parameter in turn takes the best of its places; sets drawn over all ranges are looked at
-    beside, as what goes downhill ends in the nearest hollow.
-    """
+    """Values from which to go downhill, the best first."""
     grids = [places(parameter) for parameter in free]
     here = np.array([_begin(p, grid) for p, grid in zip(free, grids, strict=True)])
     seen: dict[tuple[float, ...], float] = {}

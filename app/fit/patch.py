@@ -102,8 +102,7 @@ def patch_of(*, picture: Matrix, edge: FoundEdge, name: str) -> Patch | str:
     """The patch of an edge's samples; or why they are no use.
 
     The noise is that of the sides far from the edge, about a plane of their own. Of the rest what
-    lies near the edge counts, without its ends: all that is known of the blur is known near the
-    edge.
+    lies near the edge counts, without its ends.
     """
     samples = edge_samples(picture=picture, edge=edge)
     distance, along, value = samples.distance, samples.along, samples.value

@@ -118,11 +118,7 @@ def fit_pictures(
     report: Callable[[str], None] = lambda _text: None,
     watch: Watch | None = None,
 ) -> FitResult:
-    """Fit the free parameters of a planned network.
-
-    `report` gets the name of what is done next, `watch` edges, not all of them at first, as the
-    values change.
-    """
+    """Fit the free parameters of a planned network."""
     final = final_image(plan)
     passed = transfer_known(final)
     report("edges")
@@ -249,11 +245,7 @@ def edges_in(
     clip_levels: tuple[float, float] | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> EdgeChoice:
-    """Search for the edges of pictures, and take the samples of the clearest.
-
-    `clip_levels` are the lowest and highest number that a sample can have; `check` may raise to
-    stop.
-    """
+    """Search for the edges of pictures, and take the samples of the clearest."""
     usable: list[tuple[float, Patch]] = []
     refused: list[str] = []
     for number, picture in enumerate(pictures):

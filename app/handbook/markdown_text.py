@@ -56,11 +56,7 @@ def blocks_of(text: str) -> list[Block]:
 
 
 def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
-    """A page of Markdown.
-
-    It begins with a title and a paragraph on what it is about; `modules` has addresses of pages by
-    title, `figure` draws what a block of `figure` names.
-    """
+    """A page of Markdown."""
     parser = _parser()
     page = Rendered()
     tokens = parser.parse(_REMARK.sub("", text))

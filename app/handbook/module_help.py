@@ -25,11 +25,7 @@ class HelpText:
 def module_help(
     declared: Declaration, *, label: Callable[[str], str], em: float, ink: str
 ) -> HelpText:
-    """The help of a module.
-
-    `label` gives the name of a parameter on the panel, `em` is the size of the text in dots, `ink`
-    the colour in which formulas are drawn.
-    """
+    """The help of a module."""
     page = module_page(declared)
     drawings: dict[str, bytes] = {}
 

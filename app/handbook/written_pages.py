@@ -87,11 +87,7 @@ def page_titles() -> dict[str, str]:
 
 
 def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
-    """Address of the page, or None; and the names by which pages can be named.
-
-    A name or a title comes first, then a title that begins with the word or has it, then the page
-    that has it most often.
-    """
+    """Address of the page, or None; and the names by which pages can be named."""
     titles = {f"{name}.html": title for name, title in page_titles().items()}
     texts = {
         f"{name}.html": (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in page_titles()
@@ -129,10 +125,7 @@ def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
 def handbook_files(
     library: Library, progress: Callable[[str], None] = lambda _: None, *, drawn: bool = True
 ) -> Iterator[tuple[str, str]]:
-    """Every file of the handbook: its name from the handbook's folder, and its content.
-
-    Pages that are not `drawn` leave out the figures and results of networks, which take long.
-    """
+    """Every file of the handbook: its name from the handbook's folder, and its content."""
     declared = [declaration(module) for module in library.values()]
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
@@ -209,10 +202,7 @@ def readable_handbook(library: Library) -> Path:
 
 
 def cached_handbook(library: Library, progress: Callable[[str], None] = lambda _: None) -> Path:
-    """The handbook's folder in the cache; its pages are made if they are not those of today.
-
-    Today's are those of this version, its pages and the modules there are, plug-ins too.
-    """
+    """The handbook's folder in the cache; its pages are made if they are not those of today."""
     folder = _cached(library)
     if not (folder / DRAWN).is_file():
         write_handbook(folder, library, progress)
@@ -428,10 +418,7 @@ class ModulePage:
 
 
 def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> ModulePage:
-    """What stands on the page.
-
-    `addresses` are those of modules' pages, from this one, by their titles.
-    """
+    """What stands on the page."""
     others = {title: at for title, at in addresses.items() if title != declared.title}
     paragraphs, sources, errata = parted(declared.text)
     names = {parameter.name for parameter in declared.parameters}

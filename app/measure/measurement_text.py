@@ -140,10 +140,7 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
 
 
 def remarks(measured: PictureMeasurement) -> list[str]:
-    """What was measured of files with bands, and what could not be measured, and why.
-
-    What may be wrong with the result begins with "warning: ".
-    """
+    """What was measured of files with bands, and what could not be measured, and why."""
     lines = [f"measured in {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]

@@ -270,10 +270,7 @@ _Figure = tuple[float | None, float | None]
 def pooled_noise(
     measured: Sequence[PictureNoise], *, offset_dn: float
 ) -> tuple[NoiseFigures | None, str]:
-    """The noise of the pictures that show it, or the reason why none does.
-
-    Variances are averaged; gain and read noise are means weighted by their errors.
-    """
+    """The noise of the pictures that show it, or the reason why none does."""
     known = [(one, one.sigma, one.sigma_error) for one in measured]
     good = [(one, s, e) for one, s, e in known if s is not None and e is not None]
     if not good:
@@ -300,10 +297,7 @@ def pooled_noise(
 def with_frames(
     noise: NoiseFigures | None, reason: str, frames: FramesNoise, offset_dn: float
 ) -> tuple[NoiseFigures | None, str]:
-    """The noise of what changes in frames of a scene that stands still.
-
-    In one frame, fine texture and a fixed pattern look like noise; of them nothing is left here.
-    """
+    """The noise of what changes in frames of a scene that stands still."""
     if frames.sigma is None or frames.sigma_error is None:
         return noise, reason
     missing = _missing(

@@ -192,10 +192,7 @@ def same_size(files: Sequence[PictureFile]) -> None:
 
 
 def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
-    """Ends of the numbers of all files; None where not all are whole numbers.
-
-    Different ends are refused: at those of one the other is clipped nowhere, or everywhere.
-    """
+    """Ends of the numbers of all files; None where not all are whole numbers."""
     known = [(file.path, file.limits) for file in files if file.limits is not None]
     for path, (low, high) in known:
         first, ends = known[0]

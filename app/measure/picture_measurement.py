@@ -47,10 +47,7 @@ class MeasuredEdge:
 
     @property
     def mtf50_sigma(self) -> float | None:
-        """Standard error of the MTF50, as that of its direction where it alone shows it.
-
-        In it is what the blur may differ between the normal and the direction that it counts for.
-        """
+        """Standard error of the MTF50, as that of its direction where it alone shows it."""
         curve = self.curve
         if curve is None or curve.mtf50 is None:
             return None

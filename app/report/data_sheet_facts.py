@@ -137,10 +137,7 @@ _NOISES = (
 
 
 def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
-    """The figures by module, noise by source, and the MTF at the pixels' Nyquist frequency.
-
-    None of a network without a camera of today.
-    """
+    """The figures by module, noise by source, and the MTF at the pixels' Nyquist frequency."""
     working = {name: node for name, node in nodes.items() if not node["disabled"]}
     if not any(node["module"] in _CAMERAS for node in working.values()):
         return None
@@ -213,10 +210,7 @@ def _noise_rows(figures: Mapping[str, Any]) -> Iterator[Fact]:
 
 
 def _at_pixel_nyquist(evaluation: Evaluation) -> Fact | None:
-    """The MTF of every stage at the Nyquist frequency of the picture that is delivered.
-
-    The stages are evaluated there themselves: their spectrum is sampled more finely.
-    """
+    """The MTF of every stage at the Nyquist frequency of the picture that is delivered."""
     chain, work = evaluation.chain, evaluation.work
     final = evaluation.plan.output(chain.final) if chain.final else None
     if not isinstance(final, Image) or not final.interval_x_mrad or not final.interval_y_mrad:
@@ -278,10 +272,7 @@ def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list
 
 
 def is_changed(evaluation: Evaluation) -> bool:
-    """Whether the figures were published for a shipped network, and this one differs from it.
-
-    The noise's seed, titles and the canvas make no difference.
-    """
+    """Whether the figures were published for a shipped network, and this one differs from it."""
     wanted = _named(evaluation.network.extra.get("published", ()))
     changed = False
     for path in every_network().values() if wanted else ():

@@ -233,10 +233,7 @@ def _settings(image: Image, where: Region, direction: Direction) -> dict[str, An
 
 
 def _middle(image: Image, direction: Direction) -> Region:
-    """Half of the picture across the edge, three quarters along it: the more places it crosses.
-
-    Not all: beyond the frame the edge is mirrored.
-    """
+    """Half of the picture across the edge, three quarters along it: the more places it crosses."""
     shares = (2, 4 / 3) if direction == "horizontal" else (4 / 3, 2)
     width, height = (
         max(int(size / share), min(size, _SMALL))

@@ -382,10 +382,7 @@ def data_sheet(facts: Fact) -> list[Block]:
 
 
 def _values(values: list[Any], unit: str, between: str) -> tuple[str, str]:
-    """One value, or both with what stands between them, and the unit.
-
-    Values across × along that are alike are one, unless they are counts of pixels.
-    """
+    """One value, or both with what stands between them, and the unit."""
     if len(values) == 1:
         return _quantity(values[0], unit)
     written = {_quantity(value, unit)[1] for value in values}

@@ -92,10 +92,7 @@ def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
 
 
 def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> bytes:
-    """Pictures side by side, each with grey levels of its own between its 0.1 % quantiles.
-
-    They are as wide as `beside` pictures that fill the width, if that is more.
-    """
+    """Pictures side by side, each with grey levels of its own between its 0.1 % quantiles."""
     tallest = max(image.rows / image.columns * _aspect(image) for _, image, _ in pictures)
     number_across = max(len(pictures), beside, 2)
     width = 10.0 / number_across
@@ -257,10 +254,7 @@ def load_matplotlib() -> Any:
 
 
 def as_written(drawn: Any) -> None:
-    """Have the figure's texts drawn letter by letter, not as formulas: they are the network's.
-
-    What numbers on axes are written with, powers of ten, stays.
-    """
+    """Have the figure's texts drawn letter by letter, not as formulas: they are the network's."""
     from matplotlib.axis import Axis
     from matplotlib.text import Text
     from matplotlib.ticker import FuncFormatter
@@ -349,10 +343,7 @@ class Panel:
 
 
 def pupil_panels(evaluation: Evaluation) -> tuple[list[Panel], list[str]]:
-    """Pupils, then MTFs at frequencies of their own; and the ports there was no place for.
-
-    A phase that is 0 everywhere is no picture.
-    """
+    """Pupils, then MTFs at frequencies of their own; and the ports there was no place for."""
     ports = [
         (f"{name}.{port}", value)
         for name, node in evaluation.plan.nodes.items()
@@ -394,10 +385,7 @@ def ends(count: int, interval: float) -> tuple[float, float]:
 
 
 def number(value: Any, unit: str | None = None) -> str:
-    """As `number_text`, with a true minus sign and powers of ten in print.
-
-    With its unit given, what rounding leaves of 0 is shown as 0.
-    """
+    """As `number_text`, with a true minus sign and powers of ten in print."""
     if value is None:
         return "–"
     if unit is not None:

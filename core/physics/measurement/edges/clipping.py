@@ -135,10 +135,7 @@ def _quantum(value: Vector) -> float:
 def _noise_of_step(
     value: Vector, distance: Vector, limit: float, contrast: float
 ) -> tuple[float, int]:
-    """Noise on the half of the step beside a limit, and of how many samples.
-
-    It is what samples are off the straight line between their neighbours by distance.
-    """
+    """Noise on the half of the step beside a limit, and of how many samples."""
     away = np.abs(value - limit) / contrast
     inside = (away > 0.1) & (away < 0.46) & (np.abs(distance) < _BESIDE)
     order = np.argsort(distance[inside], kind="stable")

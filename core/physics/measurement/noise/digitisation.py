@@ -32,10 +32,7 @@ def clipped_ends(*, picture: Matrix) -> tuple[float | None, float | None]:
 
 
 def _piled_up(picture: Matrix, end: float, nearest: Callable[[Matrix], Any]) -> bool:
-    """Whether the end of the values holds at least as many samples as what lies next to it.
-
-    Noise has tails: its last value is a rare one.
-    """
+    """Whether the end of the values holds at least as many samples as what lies next to it."""
     at_end = picture == end
     many = int(np.count_nonzero(at_end))
     if many < _LEAST:
