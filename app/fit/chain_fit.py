@@ -4,8 +4,6 @@ Standard errors are those of the linearized model (Bates and Watts 1988, Nonline
 Analysis, section 2), or of the scatter between edges where residuals have the shape of an edge.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -250,7 +248,7 @@ class EdgeProblem:
             self._noises[key] = noise
         return noise
 
-    def thinned(self) -> EdgeProblem:
+    def thinned(self) -> "EdgeProblem":
         order = np.argsort([patch.edge.angle_deg % 180.0 for patch in self.patches], kind="stable")
         taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
         patches = [self.patches[order[place]].thinned(_THIN) for place in taken]

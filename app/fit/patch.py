@@ -1,7 +1,5 @@
 """The samples about one edge, as the fit takes them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -82,7 +80,7 @@ class Patch:
     def reach(self) -> float:
         return float(np.abs(self.distance).max())
 
-    def thinned(self, most: int) -> Patch:
+    def thinned(self, most: int) -> "Patch":
         """With no more samples than that, taken evenly over their distances."""
         if len(self.value) <= most:
             return self

@@ -1,7 +1,5 @@
 """A network fitted to pictures: their edges and noise measured, the free parameters found."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -200,7 +198,7 @@ def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseCom
     return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
 
 
-def _notes(choice: EdgeChoice, final: Image, *, passed_area: bool) -> list[str]:
+def _notes(choice: "EdgeChoice", final: Image, *, passed_area: bool) -> list[str]:
     many = len(choice.patches)
     lines = [f"{many} {'edge' if many == 1 else 'edges'} fitted"]
     if choice.refused:

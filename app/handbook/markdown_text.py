@@ -21,7 +21,6 @@ from app.report.drawing.picture_drawing import load_matplotlib
 from core.errors import ImagechainError
 
 Figure = Callable[[str], str]
-_SHORT = 28  # letters of code that stay on one line
 _SOURCE = re.compile(r"^(\w+)\.md\b")
 _REMARK = re.compile(r"^<!--.*-->\n", re.MULTILINE)  # such as marks to write between
 
@@ -65,7 +64,6 @@ def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     _link_pages(tokens)
     _wrap_tables(tokens)
     parser.add_render_rule("fence", _fence(figure))
-    parser.add_render_rule("code_inline", _code)
     page.body = parser.renderer.render(tokens, parser.options, {})
     page.words = " ".join(
         token.content for token in tokens if token.type in ("inline", "fence", "code_block")
@@ -130,22 +128,6 @@ def _wrap_tables(tokens: list[Any]) -> None:
             tokens.insert(place if opening else place + 1, wrapper)
 
 
-def _commands(lines: str) -> str:
-    """Lines of a shell that go on in the next where they are long, between words alone."""
-    return "".join(
-        '<span class="line">'
-        + " ".join(f"<span>{html.escape(word)}</span>" for word in line.split(" "))
-        + "\n</span>"
-        for line in lines.split("\n")
-    )
-
-
-def _code(_renderer: Any, tokens: list[Any], place: int, _options: Any, _env: Any) -> str:
-    content = tokens[place].content
-    whole = ' class="whole"' if len(content) <= _SHORT else ""
-    return f"<code{whole}>{html.escape(content, quote=False)}</code>"
-
-
 def _fence(figure: Figure) -> Callable[..., str]:
     def rule(_renderer: Any, tokens: list[Any], place: int, _options: Any, _env: Any) -> str:
         kind, _, name = tokens[place].info.strip().partition(" ")
@@ -155,8 +137,7 @@ def _fence(figure: Figure) -> Callable[..., str]:
         if kind == "figure":
             return figure(content)
         label = f'<span class="file">{html.escape(name)}</span>' if name else ""
-        lines = content.rstrip("\n")
-        shown = _commands(lines) if kind == "sh" else html.escape(lines)
+        shown = html.escape(content.rstrip("\n"))
         return f'<pre class="{html.escape(kind)}">{label}<code>{shown}</code></pre>\n'
 
     return rule

@@ -1,7 +1,5 @@
 """Pages that need no other file, written by one template from blocks, whose texts are no markup."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -68,7 +66,7 @@ class Grid:
 class Beside:
     """Blocks side by side, as far as the window is wide enough; else one below the other."""
 
-    blocks: Sequence[Block]
+    blocks: Sequence["Block"]
 
 
 Block = Heading | Text | Items | Drawn | Grid | Beside

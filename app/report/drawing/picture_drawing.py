@@ -1,7 +1,5 @@
 """Pictures with colour bars in radiance and temperature, and printed numbers, for reports."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import logging
@@ -108,7 +106,7 @@ def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> b
     return out.getvalue()
 
 
-def panels_png(panels: Sequence[Panel]) -> bytes:
+def panels_png(panels: Sequence["Panel"]) -> bytes:
     columns = 4
     rows = -(-len(panels) // columns)
     with figure(10.0, 2.6 * rows) as (drawn, out):

@@ -1,7 +1,5 @@
 """Ridges of a picture's gradient: their points, and the straight pieces they make."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -40,7 +38,7 @@ class Piece:
 
 def straight_pieces(
     *,
-    points: RidgePoints,
+    points: "RidgePoints",
     shape: tuple[int, ...],
     least_length: float,
     least_strength: float = 0.0,
@@ -85,7 +83,7 @@ def straight_pieces(
     return chosen
 
 
-def _neighbours(points: RidgePoints, shape: tuple[int, ...]) -> tuple[Index, Index]:
+def _neighbours(points: "RidgePoints", shape: tuple[int, ...]) -> tuple[Index, Index]:
     """Pairs of points that are neighbours and have nearly the same direction."""
     rows, columns = shape
     number = np.full((rows + 4, columns + 4), -1, np.int32)
@@ -103,7 +101,7 @@ def _neighbours(points: RidgePoints, shape: tuple[int, ...]) -> tuple[Index, Ind
 
 
 def _clearest(
-    points: RidgePoints, chains: list[Index], strength: Vector, shape: tuple[int, ...]
+    points: "RidgePoints", chains: list[Index], strength: Vector, shape: tuple[int, ...]
 ) -> list[Index]:
     """At most as many chains as are parted, the clearest of all parts of a picture."""
     if len(chains) <= _MOST_CHAINS:
@@ -128,7 +126,7 @@ def _components(first: Index, second: Index, size: int) -> Index:
     return np.asarray(connected_components(links, directed=False)[1], np.intp)
 
 
-def _parted(points: RidgePoints, chain: Index, least_length: float) -> list[Piece]:
+def _parted(points: "RidgePoints", chain: Index, least_length: float) -> list[Piece]:
     """Pieces of a chain that lie along parabolas."""
     waiting, pieces = [chain], []
     while waiting:

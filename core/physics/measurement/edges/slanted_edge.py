@@ -1,7 +1,5 @@
 """MTF from the spread of a slanted edge or line (ISO 12233:2023), with its standard error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -58,7 +56,7 @@ class EdgeLine:
         """Root mean square distance of the rows' places from the line, samples."""
         return float(np.sqrt(np.mean((self.places - self.columns()) ** 2)))
 
-    def without(self, left_out: NDArray[np.bool_]) -> EdgeLine:
+    def without(self, left_out: NDArray[np.bool_]) -> "EdgeLine":
         """The line through the places of the other rows."""
         rows = np.flatnonzero(~left_out)
         slope, start = _line_through(rows.astype(np.float64), self.places[rows])

@@ -9,8 +9,6 @@ sections 2, 6 and 8. The numbers of their equations could not be checked. Janesi
 here, electrons of a number; that of EMVA 1288 is its inverse.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -250,7 +248,7 @@ class _Line:
     covariance: float
 
     @classmethod
-    def through(cls, fields: Sequence[FlatField], foot: float) -> _Line:
+    def through(cls, fields: Sequence[FlatField], foot: float) -> "_Line":
         """The weighted least squares."""
         x = np.array([field.mean_dn - foot for field in fields])
         y = np.array([field.unrounded_dn2 for field in fields])

@@ -8,8 +8,6 @@ D'Agostino and Webb 1991 for the components of the noise; Sakuma and Hattori 198
 response as Planck's law at one wavelength.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -190,7 +188,7 @@ class _Law:
     effect: NDArray[np.float64]
 
     @classmethod
-    def of_planck(cls, kelvin: Vector, means: Vector) -> _Law:
+    def of_planck(cls, kelvin: Vector, means: Vector) -> "_Law":
         """The law of least squares; a straight line where no width is better."""
         grid = np.geomspace(_WIDTHS[0] * kelvin.max(), _WIDTHS[1] * kelvin.min(), _GRID)
         best = int(np.argmin([_left(kelvin, means, width) for width in grid]))
@@ -202,7 +200,7 @@ class _Law:
         return cls.fitted(kelvin, means, float(grid[best]))
 
     @classmethod
-    def fitted(cls, kelvin: Vector, means: Vector, width: float | None = None) -> _Law:
+    def fitted(cls, kelvin: Vector, means: Vector, width: float | None = None) -> "_Law":
         """The law of that width, or a straight line, by least squares."""
         columns = [np.ones_like(kelvin), _shape(kelvin, width, kelvin)]
         level, rise = np.linalg.pinv(np.stack(columns, axis=1)) @ means

@@ -4,8 +4,6 @@ Shot noise adds an electron of variance for each electron: σ² = σ_read² + (l
 digital numbers, K electrons of one.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -39,7 +37,7 @@ class VarianceLine:
         )
         return self.middle + self.slope * away, math.sqrt(max(variance, 0.0))
 
-    def doubted(self, *, level: Vector, left: Vector) -> VarianceLine:
+    def doubted(self, *, level: Vector, left: Vector) -> "VarianceLine":
         """The line, with what may be left of structure in the variance of the blocks it is of.
 
         `left` is one standard error, of all blocks together: few blocks with structure, at levels
@@ -57,7 +55,7 @@ class VarianceLine:
             covariance=self.covariance + middle * slope,
         )
 
-    def bounded(self, offset: float) -> VarianceLine:
+    def bounded(self, offset: float) -> "VarianceLine":
         """The line with what physics knows of its slope, for levels it was not measured at.
 
         From none to all of the variance is shot noise of the light above `offset`. A slope that is
