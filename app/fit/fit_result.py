@@ -1,7 +1,7 @@
 """What a fit gives: parameters with errors and correlations, and what is not determined."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,20 +82,13 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
     for index in range(len(fit.free)):
         if index not in undetermined:
             correlation[index, index] = 1.0
-    parameters = tuple(
-        FittedParameter(
-            p.port,
-            p.unit,
-            None,
-            None,
-            p.present if i in known.without_effect else float(fit.values[i]),
-        )
-        if i in undetermined
-        else FittedParameter(
-            p.port, p.unit, float(fit.values[i]), float(sigma[i]), float(fit.values[i])
-        )
-        for i, p in enumerate(fit.free)
-    )
+    parameters = []
+    for i, (p, value) in enumerate(zip(fit.free, map(float, fit.values), strict=True)):
+        if i in undetermined:
+            used = p.present if i in known.without_effect else value
+            parameters.append(FittedParameter(p.port, p.unit, None, None, used))
+        else:
+            parameters.append(FittedParameter(p.port, p.unit, value, float(sigma[i]), value))
     warnings = (
         *_unknown(fit, known),
         *_other_solutions(fit, rivals),
@@ -108,7 +101,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_weak(parameters, correlation),
         *_misfit(fit, lone),
     )
-    return FitResult(fit, parameters, correlation, known.combinations, tuple(warnings))
+    return FitResult(fit, tuple(parameters), correlation, known.combinations, tuple(warnings))
 
 
 def _rivals(fit: ChainFit, known: Identified) -> tuple[int, ...]:
@@ -192,7 +185,7 @@ def hardly_determined(value: float | None, sigma: float | None) -> bool:
     return value is not None and sigma is not None and sigma > _UNCERTAIN * abs(value)
 
 
-def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[str]:
+def _weak(parameters: Sequence[FittedParameter], correlation: Matrix) -> list[str]:
     lines, many = [], len(parameters) > 1
     for one in parameters:
         if one.value is None or one.sigma is None:

@@ -39,7 +39,7 @@ RESULTS = {
     "networks": ([], None, None),
     "modules": (["jitter_mtf"], None, None),
     "presets": (["sentinel"], None, None),
-    "bench": (["--only", "measure", "--quick", "--size", "32"], None, {"parts", "machine"}),
+    "bench": (["--only", "precision", "--quick", "--size", "32"], None, {"parts", "machine"}),
     "handbook": (["--html", "book"], None, {"page"}),
 }  # fmt: skip
 

@@ -58,10 +58,10 @@ def test_run_tells_on_the_terminal_in_the_readouts_and_in_reports(lwir, works, t
     assert fact["check"] == "band"
     assert f"{fact['node']}: {fact['message']}: {fact['remedy']}" == BAND
     page = unescape((tmp_path / "r.html").read_text())
-    box = re.search(r'<div class="warnings">.*?</div>', page, re.S)
+    box = re.search(r'<ul class="warnings">.*?</ul>', page, re.S)
     assert box is not None
     assert "the bands do not overlap" in box[0]
-    assert page.index('<div class="warnings">') < page.index("<h2>Input and output")
+    assert page.index('<ul class="warnings">') < page.index("<h2>Input and output")
 
 
 CAMERA = ["mwir_camera", "--set=scene.width=64", "--set=scene.height=64"]
