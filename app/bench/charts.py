@@ -44,7 +44,7 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
     for row in rows:
         groups.setdefault(row[chart.group] if chart.group else "", []).append(row)
     named = bool(chart.group) and not chart.by_colour
-    points = []
+    points, words = [], []
     for number, (group, members) in enumerate(groups.items()):
         colour = COLOURS[number % len(COLOURS)]
         places = [(float(row["t0"]), max(float(row["error"]), LEAST)) for row in members]
@@ -54,27 +54,35 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
             ms=7, mec="white", mew=0.8, ls="-" if chart.lines and chart.group else "none", lw=1.4,
             label=figure_text(group), zorder=3,
         )  # fmt: skip
-        for row, place in zip(members, places, strict=True):
-            if row.get(chart.label) is not None:
-                axis.annotate(
-                    figure_text(row[chart.label]), place, xytext=(8, 4 - 10 * (number % 2)),
-                    textcoords="offset points", fontsize=9.5,
-                    color=colour if chart.by_colour else DARK,
-                )  # fmt: skip
+        shown = colour if chart.by_colour else DARK
+        texts = [row.get(chart.label) for row in members]
+        words += [(text, *each, shown) for text, each in zip(texts, places, strict=True)]
     _scale(axis, points)
+    taken: list[tuple[float, float]] = []
+    for text, t0, error, colour in words:
+        if text is None:
+            continue
+        x, y = axis.transData.transform((t0, error))
+        heights = [y + up for up in (5, -17, 27, -39)]  # pixels
+        free = (h for h in heights if all(abs(h - o) > 19 or abs(x - p) > 200 for p, o in taken))
+        taken.append((x, next(free, heights[0])))
+        axis.annotate(
+            figure_text(text), (t0, error), xytext=(8, 0.72 * (taken[-1][1] - y)),
+            textcoords="offset points", fontsize=9.5, color=colour,
+        )  # fmt: skip
     axis.set_xlabel(
         "time in multiples of T0, one forward and one inverse Fourier transform of the picture"
     )
     axis.set_ylabel(chart.error)
     if named:
         axis.figure.legend(loc="outside lower center", ncols=min(len(groups), 4), frameon=False)
-    _note(axis, "↙ faster and more accurate", (5, 4), (0.0, 0.0))
+    axis.annotate(
+        "↙ faster and more accurate", (0.0, 0.0), xycoords="axes fraction", xytext=(5, 4),
+        textcoords="offset points", fontsize=8.5, color=FAINT,
+    )  # fmt: skip
     low, high = axis.get_xlim()
     if low < 1.0 < high:
         axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
-    if chart.floor is not None:
-        axis.axhline(chart.floor[0], color=FAINT, lw=1.0, ls=(0, (1, 2)), zorder=1)
-        _note(axis, chart.floor[1], (-5, -11), (high, chart.floor[0]), data=True)
 
 
 def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
@@ -86,15 +94,6 @@ def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
         for values, reach in zip((x, y), reaches, strict=True)
     )
     axis.set(xscale="log", yscale="log", xlim=(low, high), ylim=(bottom, top))
-
-
-def _note(
-    axis: Any, text: str, offset: tuple[int, int], place: tuple[float, float], *, data: bool = False
-) -> None:
-    axis.annotate(
-        text, place, xycoords="data" if data else "axes fraction", xytext=offset,
-        textcoords="offset points", ha="right" if data else "left", fontsize=8.5, color=FAINT,
-    )  # fmt: skip
 
 
 def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:

@@ -19,8 +19,7 @@ class Chart:
 
     `error` says what the error is, without it bars are drawn; `label` and `group` are columns of
     the words beside the points and of what has a colour, and a line if `lines`, of its own; `where`
-    chooses rows by a column's value; `by_colour` writes the words in colour and names no group;
-    `floor` is a line across, and its text: errors below it mean nothing.
+    chooses rows by a column's value; `by_colour` writes the words in colour and names no group.
     """
 
     error: str = ""
@@ -30,7 +29,6 @@ class Chart:
     title: str = ""
     where: tuple[str, Any] | None = None
     by_colour: bool = False
-    floor: tuple[float, str] | None = None
 
     def draws(self, row: Row) -> bool:
         values = (row.get(name) for name in (("t0", "error") if self.error else ("value", "ms")))

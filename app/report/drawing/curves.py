@@ -17,7 +17,6 @@ from core.chain.wires import Curve
 
 MOST = 12
 _BESIDE = 2
-_DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
 _LINE = 0.21  # inches that a bar or a row of a legend is high
 Named = tuple[str, CurveData]
 
@@ -117,7 +116,6 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
         axis.set_xlim(along.min() - room, along.max() + room)
     if data.log_y:
         axis.set_yscale("log")
-        _limit_decades(axis, [series.y for series in data.series])
 
 
 def _drawn_series(data: CurveData) -> list[Series]:
@@ -175,13 +173,6 @@ def _drawn(y: Any, log: bool) -> Any:
     """Values with a gap where there is nothing to draw."""
     y = np.asarray(y, np.float64)
     return np.where(np.isfinite(y) & ((y > 0) | (not log)), y, np.nan)
-
-
-def _limit_decades(axis: Any, ordinates: list[Any]) -> None:
-    values = np.concatenate([_drawn(y, True) for y in ordinates] or [np.zeros(0)])
-    values = values[np.isfinite(values)]
-    if len(values) and values.min() < values.max() * 10.0**-_DECADES:
-        axis.set_ylim(bottom=values.max() * 10.0**-_DECADES)
 
 
 # MTF and PTF figures, drawn like figs. 5.26 and 5.27 of Tantalo 1996.
