@@ -211,7 +211,7 @@ class StatusBar(QWidget):
         self._over = QTimer(self, singleShot=True, interval=NOTE_MS)
         self._over.timeout.connect(lambda: self._drop("information"))
         parts = (self._notice, self._behind, self._where, self._progress, self._cancel)
-        self._row = filled(QHBoxLayout(self), None, *parts, margins=(8, 0, 4, 0))
+        filled(QHBoxLayout(self), None, *parts, margins=(8, 0, 4, 0))
         self.show_busy(None)
 
     @property
@@ -225,9 +225,6 @@ class StatusBar(QWidget):
     @property
     def note(self) -> str:
         return self._of("information")
-
-    def add(self, widget: QWidget) -> None:
-        self._row.addWidget(widget)
 
     def report(self, kind: str, text: str) -> None:
         """Show a "note", "warning" or "error"; "advice" is a note on what is selected.

@@ -362,7 +362,7 @@ class NewerActions:
         """Queue a run, or cancel what is queued: few, they are processes of their own."""
         queue = self.window.runs.queue
         if queue.unfinished:
-            queue.cancel(self.random.choice(queue.unfinished).number)
+            self.random.choice(queue.unfinished).stop()
         elif self.random.random() < 0.2:
             self.window.runs.report_to(self.folder / "report.html")
 

@@ -5,9 +5,6 @@ from __future__ import annotations
 import contextlib
 import itertools
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -21,35 +18,44 @@ from core.leftovers import sweep
 from core.names import in_line
 
 State = Literal["waiting", "running", "stopping", "done", "failed", "cancelled"]
-_OVER = ("done", "failed", "cancelled")
-# What must be done before the speed is known: in equal pieces, and by nodes that differ.
-_SURE_OF_PIECES, _SURE_OF_NODES = 0.04, 0.35
-_PIECES = ("sweep", "frames", "files")
+_SURE = 0.1  # the share that must be done before the speed is known
+_PATIENCE_MS = 15_000  # a stop is seen between two blocks of work; then it is ended by force
+_CLOSING_MS = 3_000  # the same where the window waits for it
+_PREFIX = "imagechain: "
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A run in the list.
+class Run(QObject):
+    """A job in a process of its own, which stops by itself when its input ends.
 
-    `begun` is on the monotonic clock, `first` when its first part was begun, and the share done by
-    then: what came before was loading. `text` says why it failed.
+    `text` says why it failed, `result` is there once it is done.
     """
 
-    number: int
-    title: str
-    job: Job = field(repr=False)
-    state: State = "waiting"
-    share: float = 0.0
-    doing: str = ""
-    begun: float = 0.0
-    seconds: float = 0.0
-    first: tuple[float, float] | None = None
-    text: str = ""
-    result: Result | None = field(default=None, repr=False)
+    changed = Signal()  # it has another state, or is further
+
+    def __init__(self, title: str, job: Job, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.title, self.job = title, job
+        self.state: State = "waiting"
+        self.step = Step(0.0, "")
+        self.begun = self.seconds = 0.0
+        self.first: tuple[float, float] | None = None  # moment and share once it was loaded
+        self.text = ""
+        self.result: Result | None = None
+        self._errors = b""
+        self._process = QProcess(self)
+        self._process.setProcessEnvironment(python_environment())
+        self._process.readyReadStandardOutput.connect(self._read)
+        self._process.readyReadStandardError.connect(self._read_errors)
+        self._process.finished.connect(self._finished)
+        self._process.errorOccurred.connect(self._failed_to_start)
 
     @property
     def is_over(self) -> bool:
-        return self.state in _OVER
+        return self.state in ("done", "failed", "cancelled")
+
+    @property
+    def pid(self) -> int:
+        return self._process.processId()
 
     @property
     def page(self) -> Path | None:
@@ -60,168 +66,30 @@ class Entry:
         return self.job.output.parent if self.job.kind == "report" else self.job.output
 
     def left_s(self, now: float) -> float | None:
-        """Seconds until it is done, as far as its speed lets one say."""
-        if self.state != "running" or self.first is None:
-            return None
-        began, before = self.first
-        done = self.share - before
-        if done < (_SURE_OF_PIECES if self.job.kind in _PIECES else _SURE_OF_NODES):
-            return None
-        return (now - began) * (1 - self.share) / done
-
-
-class RunQueue(QObject):
-    """Carries runs out one after the other, reports at once."""
-
-    changed = Signal(int)  # (number): an entry has another state, or is further
-    listed = Signal()  # an entry has been added or removed
-
-    def __init__(self, parent: QObject, *, clock: Callable[[], float] = time.monotonic) -> None:
-        super().__init__(parent)
-        self._clock = clock
-        self._numbers = itertools.count(1)
-        self._entries: dict[int, Entry] = {}
-        self._processes: dict[int, RunProcess] = {}
-        self._closed = False
-
-    @property
-    def entries(self) -> tuple[Entry, ...]:
-        return tuple(self._entries.values())
-
-    @property
-    def unfinished(self) -> tuple[Entry, ...]:
-        return tuple(entry for entry in self.entries if not entry.is_over)
-
-    def entry(self, number: int) -> Entry | None:
-        return self._entries.get(number)
-
-    def pids(self) -> tuple[int, ...]:
-        return tuple(process.pid for process in self._processes.values())
-
-    def add(self, title: str, job: Job) -> int:
-        """Put a run at the end of the list, and begin where nothing else runs; its number."""
-        entry = Entry(next(self._numbers), title, job)
-        self._entries[entry.number] = entry
-        self.listed.emit()
-        self._go_on()
-        return entry.number
-
-    def cancel(self, number: int) -> None:
-        entry = self._entries.get(number)
-        if entry is None:
-            return
-        if entry.state == "waiting":
-            self._set(replace(entry, state="cancelled"))
-        elif entry.state == "running":
-            self._set(replace(entry, state="stopping"))
-            self._processes[number].stop()
-
-    def remove(self, number: int) -> None:
-        entry = self._entries.get(number)
-        if entry is not None and entry.is_over:
-            del self._entries[number]
-            self.listed.emit()
-
-    def clear(self) -> None:
-        self._entries = {entry.number: entry for entry in self.unfinished}
-        self.listed.emit()
-
-    def close(self) -> None:
-        """Stop what runs and begin nothing more; returns once no process is left."""
-        self._closed = True
-        for process in list(self._processes.values()):
-            process.stop()  # all at once: they clear away side by side
-        for process in list(self._processes.values()):
-            process.close()
-
-    def _go_on(self) -> None:
-        if self._closed:
-            return
-        busy = any(
-            entry.job.kind != "report" and entry.number in self._processes for entry in self.entries
-        )
-        for entry in self.entries:
-            at_once = entry.job.kind == "report"
-            if entry.state == "waiting" and (at_once or not busy):
-                busy = busy or not at_once
-                self._begin(entry)
-
-    def _begin(self, entry: Entry) -> None:
-        number = entry.number
-        process = self._processes[number] = RunProcess(entry.job, self)
-        process.stepped.connect(partial(self._stepped, number))
-        process.ended.connect(partial(self._ended, number))
-        self._set(replace(entry, state="running", begun=self._clock()))
-        process.start()
-
-    def _stepped(self, number: int, step: Any) -> None:
-        entry = self._entries.get(number)
-        if entry is not None and entry.state == "running":
-            first, share = entry.first or (self._clock(), step.share), max(step.share, entry.share)
-            self._set(replace(entry, share=share, doing=step.doing, first=first))
-
-    def _ended(self, number: int, end: Any, text: str, result: Any) -> None:
-        self._processes.pop(number).deleteLater()
-        entry = self._entries[number]  # one that runs is never removed
-        seconds = self._clock() - entry.begun
-        self._set(replace(entry, state=end, seconds=seconds, text=text, result=result))
-        self._go_on()
-
-    def _set(self, entry: Entry) -> None:
-        self._entries[entry.number] = entry
-        self.changed.emit(entry.number)
-
-
-# One background run in a process of its own: a crash or a large picture is not the window's.
-
-_PATIENCE_MS = 15_000  # a stop is seen between two blocks of work; then it is ended by force
-_CLOSING_MS = 3_000  # the same where the window waits for it
-_PREFIX = "imagechain: "
-
-
-class RunProcess(QObject):
-    """Starts the process of a job, and stops it; it stops by itself when its input ends."""
-
-    stepped = Signal(object)  # (step): how far it is
-    # (end, text, result): it is "done" with a `Result`, "failed" with a line on why, or
-    # "cancelled"; the last signal
-    ended = Signal(str, str, object)
-
-    def __init__(self, job: Job, parent: QObject) -> None:
-        super().__init__(parent)
-        self._job = job
-        self._result: Result | None = None
-        self._errors = b""
-        self._stopping = self._over = False
-        self._process = QProcess(self)
-        self._process.setProcessEnvironment(python_environment())
-        self._process.readyReadStandardOutput.connect(self._read)
-        self._process.readyReadStandardError.connect(self._read_errors)
-        self._process.finished.connect(self._finished)
-        self._process.errorOccurred.connect(self._failed_to_start)
-        self._force = QTimer(self, singleShot=True)
-        self._force.timeout.connect(self._process.kill)
-
-    @property
-    def pid(self) -> int:
-        return self._process.processId()
+        """Seconds until it is done; None while its speed is not known."""
+        began, before = self.first or (now, self.step.share)
+        done = self.step.share - before
+        return (now - began) * (1 - self.step.share) / done if done >= _SURE else None
 
     def start(self) -> None:
+        self.begun = time.monotonic()
         program, *words = command("app.command.run_job")
         self._process.start(program, words)
-        self._process.write((job_text(self._job) + "\n").encode("ascii"))
+        self._process.write((job_text(self.job) + "\n").encode("ascii"))
+        self._set("running")
 
     def stop(self) -> None:
-        if self._stopping or self._over:
-            return
-        self._stopping = True
-        self._process.closeWriteChannel()
-        self._process.terminate()
-        self._force.start(_PATIENCE_MS)
+        if self.state == "waiting":
+            self._set("cancelled")
+        elif self.state == "running":
+            self._process.closeWriteChannel()
+            self._process.terminate()
+            QTimer.singleShot(_PATIENCE_MS, self._process, self._process.kill)
+            self._set("stopping")
 
     def close(self) -> None:
-        self.stop()
-        if not self._over and not self._process.waitForFinished(_CLOSING_MS):
+        """Wait until it has stopped."""
+        if not self.is_over and not self._process.waitForFinished(_CLOSING_MS):
             self._process.kill()
             self._process.waitForFinished(_CLOSING_MS)
 
@@ -229,10 +97,12 @@ class RunProcess(QObject):
         while self._process.canReadLine():
             line = bytes(self._process.readLine().data()).decode("utf-8", "replace").rstrip()
             message = read_message(line)
-            if isinstance(message, Step):
-                self.stepped.emit(message)
-            elif message is not None:
-                self._result = message
+            if isinstance(message, Result):
+                self.result = message
+            elif message is not None and self.state == "running":
+                self.step = message
+                self.first = self.first or (time.monotonic(), message.share)
+                self.changed.emit()
 
     def _read_errors(self) -> None:
         self._errors += bytes(self._process.readAllStandardError().data())
@@ -247,26 +117,85 @@ class RunProcess(QObject):
         crashed = status == QProcess.ExitStatus.CrashExit
         if crashed:
             self._clear_away()
-        if self._result is not None and code == 0 and not crashed:
-            self._end("done", result=self._result)
-        elif self._stopping:
+        if self.result is not None and code == 0 and not crashed:
+            self._end("done")
+        elif self.state == "stopping":
             self._end("cancelled")
         elif crashed:
             text = f"the system ended its process (signal {code}): memory may have run out"
             self._end("failed", text)
         else:
-            self._end("failed", _last_line(self._errors.decode("utf-8", "replace")))
+            lines = self._errors.decode("utf-8", "replace").strip().splitlines()
+            said = lines[-1] if lines else "it stopped without saying why"
+            self._end("failed", in_line(said.removeprefix(_PREFIX)))
 
     def _clear_away(self) -> None:
-        output = self._job.output
+        output = self.job.output
         with contextlib.suppress(OSError):
             sweep(next(folder for folder in (output, *output.parents) if folder.is_dir()))
 
-    def _end(self, end: str, text: str = "", result: Result | None = None) -> None:
-        if not self._over:
-            self._over = True
-            self._force.stop()
-            self.ended.emit(end, text, result)
+    def _end(self, state: State, text: str = "") -> None:
+        self.text = text
+        self.seconds = time.monotonic() - self.begun
+        self._set(state)
+
+    def _set(self, state: State) -> None:
+        self.state = state
+        self.changed.emit()
+
+
+class RunQueue(QObject):
+    """Carries runs out one after the other, reports at once."""
+
+    changed = Signal(object)  # (run): it has another state, or is further
+    listed = Signal()  # a run has been added or removed
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self.runs: list[Run] = []
+        self._closed = False
+
+    @property
+    def unfinished(self) -> list[Run]:
+        return [run for run in self.runs if not run.is_over]
+
+    def add(self, title: str, job: Job) -> Run:
+        """Put a run at the end of the list, and begin where nothing else runs."""
+        run = Run(title, job, self)
+        run.changed.connect(lambda: self._follow(run))
+        self.runs.append(run)
+        self.listed.emit()
+        self._go_on()
+        return run
+
+    def clear(self) -> None:
+        for run in self.runs:
+            if run.is_over:
+                run.deleteLater()
+        self.runs = self.unfinished
+        self.listed.emit()
+
+    def close(self) -> None:
+        """Stop what runs and begin nothing more; returns once no process is left."""
+        self._closed = True
+        going = self.unfinished
+        for run in going:
+            run.stop()  # all at once: they clear away side by side
+        for run in going:
+            run.close()
+
+    def _follow(self, run: Run) -> None:
+        self.changed.emit(run)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        going = [run for run in self.runs if run.state in ("running", "stopping")]
+        busy = any(run.job.kind != "report" for run in going)
+        for run in self.runs:
+            at_once = run.job.kind == "report"
+            if run.state == "waiting" and not self._closed and (at_once or not busy):
+                busy = busy or not at_once
+                run.start()
 
 
 def python_environment() -> QProcessEnvironment:
@@ -274,11 +203,6 @@ def python_environment() -> QProcessEnvironment:
     for name, value in environment().items():
         made.insert(name, value)
     return made
-
-
-def _last_line(said: str) -> str:
-    lines = [line for line in said.splitlines() if line.strip()]
-    return in_line(lines[-1].removeprefix(_PREFIX)) if lines else "it stopped without saying why"
 
 
 # The network of the window as it is now, as a job.

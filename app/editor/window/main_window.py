@@ -258,7 +258,6 @@ class MainWindow(QMainWindow):
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, self, self.finish_typing)
-        self.status.add(self.runs.status)
         self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
         self.measuring = measuring = MeasureView(self.session, self.viewers.images)
         self.measure_dock = self._hidden_dock("Measure", "measure", measuring)

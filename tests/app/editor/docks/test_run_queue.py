@@ -27,43 +27,38 @@ def small(opened):
     return session
 
 
-def waits(queue, qtbot, number, state):
-    qtbot.waitUntil(lambda: queue.entry(number).state == state)
-    return queue.entry(number)
-
-
 def names(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
 def test_runs_go_one_after_the_other_and_reports_at_once(queue, qtbot, small, tmp_path):
     states = []
-    queue.changed.connect(lambda n: states.append((n, queue.entry(n).state)))
-    first = queue.add("one", job_of(small, "run", tmp_path / "one"))
-    second = queue.add("two", job_of(small, "run", tmp_path / "two"))
-    report = queue.add("report", job_of(small, "report", tmp_path / "r.html"))
-    assert [entry.state for entry in queue.entries] == ["running", "waiting", "running"]
-    assert len(queue.pids()) == 2
-    for number in (first, second, report):
-        waits(queue, qtbot, number, "done")
-    assert queue.unfinished == ()
-    assert states.index((first, "done")) < states.index((second, "running"))
+    queue.changed.connect(lambda run: states.append((run.title, run.state)))
+    for title, kind, output in (
+        ("1", "run", "one"),
+        ("2", "run", "two"),
+        ("3", "report", "r.html"),
+    ):
+        queue.add(title, job_of(small, kind, tmp_path / output))
+    assert [run.state for run in queue.runs] == ["running", "waiting", "running"]
+    qtbot.waitUntil(lambda: not queue.unfinished)
+    assert {run.state for run in queue.runs} == {"done"}
+    assert states.index(("1", "done")) < states.index(("2", "running"))
     assert names(tmp_path / "two") == ["final.png", "mtf.csv", "readouts.json"]
-    assert queue.entry(report).page == tmp_path / "r.html"
-    assert queue.entry(first).seconds > 0
+    assert queue.runs[2].page == tmp_path / "r.html"
+    assert queue.runs[0].seconds > 0
 
 
 def test_cancelled_while_it_waits_it_never_begins(queue, qtbot, small, tmp_path):
     first = queue.add("first", job_of(small, "run", tmp_path / "first"))
     waiting = queue.add("waiting", job_of(small, "run", tmp_path / "waiting"))
-    queue.cancel(waiting)
-    assert queue.entry(waiting).state == "cancelled"
-    waits(queue, qtbot, first, "done")
+    waiting.stop()
+    assert waiting.state == "cancelled"
+    qtbot.waitUntil(lambda: first.state == "done")
     qtbot.wait(100)
     assert names(tmp_path) == ["first"]
-    queue.remove(waiting)
-    queue.remove(first)
-    assert queue.entries == ()
+    queue.clear()
+    assert queue.runs == []
 
 
 def test_folders_are_proposed_that_are_free(small, tmp_path):

@@ -81,7 +81,7 @@ def dialog_of(window, qtbot):
 
 
 def add_frames(window, qtbot, count=LONG):
-    """Queue frames, which take long; gives the entry's number."""
+    """Queue frames, which take long."""
     dialog = dialog_of(window, qtbot)
     press(window, KEY.Key_Down)  # from the sweep to frames
     give_focus(dialog.frames)
@@ -89,20 +89,17 @@ def add_frames(window, qtbot, count=LONG):
     QTest.keyClicks(dialog.frames, str(count))
     press(window, KEY.Key_Return)
     assert not dialog.isVisible()
-    return window.runs.queue.entries[-1].number
+    return window.runs.queue.runs[-1]
 
 
-def computing(window, qtbot, number):
-    queue = window.runs.queue
-    qtbot.waitUntil(lambda: queue.entry(number).doing.startswith("frames"))
-    return queue.pids()
+def computing(qtbot, run):
+    qtbot.waitUntil(lambda: run.step.doing.startswith("frames"))
+    return run.pid
 
 
-def over(window, qtbot, number):
-    """Wait until a run has ended; gives its entry."""
-    queue = window.runs.queue
-    qtbot.waitUntil(lambda: queue.entry(number).is_over)
-    return queue.entry(number)
+def over(qtbot, run):
+    qtbot.waitUntil(lambda: run.is_over)
+    return run
 
 
 def questions(window):
@@ -137,14 +134,14 @@ def test_a_sweep_by_the_keyboard_alone(desk, qtbot, browser, tmp_path):
     assert dialog.values.text() == "0:1:5"  # around the present 0.5
     give_focus(dialog.values)
     dialog.values.selectAll()
-    QTest.keyClicks(dialog.values, "100 urad, 0.3")
+    QTest.keyClicks(dialog.values, "0.1, 0.3")
     press(desk, KEY.Key_Return)
     assert not dialog.isVisible()
-    (entry,) = desk.runs.queue.entries
+    (entry,) = desk.runs.queue.runs
     assert entry.title == "mine: σ x of blur, 2 values"
     assert entry.job.values == (0.1, 0.3)
     qtbot.waitUntil(desk.runs.view.list.hasFocus)
-    entry = over(desk, qtbot, entry.number)
+    over(qtbot, entry)
     assert entry.state == "done", entry.text
     folder = tmp_path / "mine-sweep"
     runs = [f"blur.sigma_x_mrad={value}" for value in (0.1, 0.3)]
@@ -163,8 +160,8 @@ def test_a_sweep_by_the_keyboard_alone(desk, qtbot, browser, tmp_path):
     QTest.mouseClick(desk.runs.view.folder, LEFT)
     assert browser.opened[1:] == [str(folder)]
     give_focus(desk.runs.view.list)
-    press(desk, KEY.Key_Delete)  # off the list; its files stay
-    assert desk.runs.queue.entries == ()
+    QTest.mouseClick(desk.runs.view.clear, LEFT)  # off the list; its files stay
+    assert desk.runs.queue.runs == []
     assert folder.is_dir()
 
 
@@ -180,48 +177,49 @@ def test_a_run_is_of_the_network_as_it_stands_with_what_is_typed(desk, qtbot):
     dialog.kinds.setCurrentIndex(3)
     give_focus(dialog.folder)
     press(desk, KEY.Key_Return)
-    (entry,) = desk.runs.queue.entries
+    (entry,) = desk.runs.queue.runs
     assert '"sigma_x_mrad": 0.75' in entry.job.network
-    entry = over(desk, qtbot, entry.number)
+    over(qtbot, entry)
     assert entry.state == "done", entry.text
 
 
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
+        ("values", "", "no values: FROM:TO:COUNT"),
+        ("values", "0:1", "blur.sigma_x_mrad=0:1: write FROM:TO:COUNT"),
         ("values", "-1, 2", "-1 mrad is not allowed: a number of at least 0"),
+        ("folder", "", "give a folder"),
     ],
 )
-def test_bad_input_is_said_beside_its_field(desk, qtbot, name, text, said):
+def test_bad_input_is_said_and_its_field_has_the_focus(desk, qtbot, name, text, said):
     dialog = dialog_of(desk, qtbot)
     dialog.vary("blur", "sigma_x_mrad")
     field = getattr(dialog, name)
     give_focus(field)
     field.selectAll()
+    press(desk, KEY.Key_Delete)
     QTest.keyClicks(field, text)
     press(desk, KEY.Key_Return)
     assert dialog.isVisible()
-    assert desk.runs.queue.entries == ()
-    error = dialog.errors[name]
-    assert error.isVisible()
-    assert said in error.text()
+    assert desk.runs.queue.runs == []
+    assert dialog.error.isVisible()
+    assert said in dialog.error.text()
     assert field.hasFocus()
-    assert field.accessibleDescription() == error.text()
-    others = [label for label in dialog.errors.values() if label is not error]
-    assert not any(label.isVisible() for label in others)
+    assert field.accessibleDescription() == dialog.error.text()
 
 
 def test_one_is_cancelled_by_its_key_and_the_next_goes_on(desk, qtbot, tmp_path):
     before = names(tmp_path)
     long = add_frames(desk, qtbot)
     small = add_frames(desk, qtbot, 2)
-    computing(desk, qtbot, long)
+    computing(qtbot, long)
     desk.runs.view.mark(long)
     give_focus(desk.runs.view.list)
-    assert "%" in desk.runs.view.detail.text()
+    assert "%" in desk.runs.view.list.currentItem().text(1)
     press(desk, KEY.Key_Delete)
-    assert over(desk, qtbot, long).state == "cancelled"
-    assert over(desk, qtbot, small).state == "done"
+    assert over(qtbot, long).state == "cancelled"
+    assert over(qtbot, small).state == "done"
     assert names(tmp_path) == sorted([*before, "mine-frames-2"])
     assert desk.status.error == ""
 
@@ -232,26 +230,23 @@ def test_a_failure_stands_in_the_list_in_one_line(desk, qtbot):
     links = [link for link in desk.session.network.links if link.source != "scene"]
     broken = Network(nodes=nodes, links=tuple(links))
     desk.session.open(Document(broken, library=desk.session.library))
-    number = add_frames(desk, qtbot, 2)
-    entry = over(desk, qtbot, number)
+    entry = over(qtbot, add_frames(desk, qtbot, 2))
     assert entry.state == "failed"
     assert entry.text.startswith("init: ")
     view = desk.runs.view
     assert view.list.topLevelItem(0).text(1) == f"failed: {entry.text}"
-    assert entry.text in view.detail.text()
     assert not view.folder.isEnabled()
 
 
 def test_the_end_of_a_run_is_said_where_the_list_is_hidden(desk, qtbot, tmp_path):
-    number = add_frames(desk, qtbot, 2)
+    entry = add_frames(desk, qtbot, 2)
     desk.runs.dock.hide()
-    assert over(desk, qtbot, number).state == "done"
+    assert over(qtbot, entry).state == "done"
     assert desk.status.note == "mine: 2 frames: done"
-    number = add_frames(desk, qtbot)
+    entry = add_frames(desk, qtbot)
     desk.runs.dock.hide()
-    (pid,) = computing(desk, qtbot, number)
-    os.kill(pid, signal.SIGKILL)
-    entry = over(desk, qtbot, number)
+    os.kill(computing(qtbot, entry), signal.SIGKILL)
+    over(qtbot, entry)
     assert entry.text == "the system ended its process (signal 9): memory may have run out"
     assert desk.status.error == f"mine: {LONG} frames: failed: {entry.text}"
 
@@ -275,14 +270,13 @@ def write_report(window, file):
 
 def test_the_report_is_the_commands_of_the_network_as_it_stands(desk, qtbot, browser, tmp_path):
     assert desk.session.do(set_parameter("blur", "sigma_x_mrad", 0.75))
-    status = desk.runs.status
+    view = desk.runs.view
     write_report(desk, tmp_path / "report.html")
-    assert status.isVisible()
-    assert status.stop.isVisible()
-    (entry,) = desk.runs.queue.entries
-    qtbot.waitUntil(status.open.isVisible)
-    assert not status.stop.isVisible()
-    QTest.mouseClick(status.open, LEFT)
+    (entry,) = desk.runs.queue.runs
+    assert view.stop.isEnabled()
+    over(qtbot, entry)
+    assert not view.stop.isEnabled()
+    QTest.mouseClick(view.page, LEFT)
     assert browser.opened == [str(tmp_path / "report.html")]
     (tmp_path / "as_it_stands.json").write_text(desk.session.document.text())
     words = ("run", "as_it_stands.json", "--report", "theirs.html")
@@ -300,8 +294,8 @@ def test_the_report_is_the_commands_of_the_network_as_it_stands(desk, qtbot, bro
 
 
 def test_quitting_while_a_run_goes_on_asks(desk, qtbot, tmp_path):
-    number = add_frames(desk, qtbot)
-    (pid,) = computing(desk, qtbot, number)
+    run = add_frames(desk, qtbot)
+    pid = computing(qtbot, run)
     for _ in range(2):
         assert not desk.close()
     assert len(questions(desk)) == 1
@@ -310,7 +304,7 @@ def test_quitting_while_a_run_goes_on_asks(desk, qtbot, tmp_path):
     QTest.keyClick(box, KEY.Key_Escape)
     qtbot.waitUntil(lambda: not questions(desk))
     assert desk.isVisible()
-    assert desk.runs.queue.entry(number).state == "running"
+    assert run.state == "running"
     give_focus(desk.canvas.view)
     press(desk, KEY.Key_Q, CTRL)
     reply(desk, qtbot, "stop")
@@ -320,6 +314,5 @@ def test_quitting_while_a_run_goes_on_asks(desk, qtbot, tmp_path):
 
 
 def test_runs_that_are_done_are_not_asked_about(desk, qtbot):
-    number = add_frames(desk, qtbot, 2)
-    assert over(desk, qtbot, number).state == "done"
+    assert over(qtbot, add_frames(desk, qtbot, 2)).state == "done"
     assert desk.close()
