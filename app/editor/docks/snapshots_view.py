@@ -12,14 +12,11 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
     QHeaderView,
-    QLineEdit,
     QListWidget,
     QSplitter,
-    QStyledItemDelegate,
     QTreeWidget,
     QTreeWidgetItem,
     QVBoxLayout,
-    QWidget,
 )
 
 from app.editor.docks.snapshots import (
@@ -34,10 +31,9 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.gestures import without_argument
 from app.editor.session import Session
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import ElidedLabel, filled, toggle_button, tool_button
+from app.editor.widgets import ElidedLabel, filled, labelled, toggle_button, tool_button
 
 _STATE = Qt.ItemDataRole.UserRole
-_NAME, _TIME = range(2)
 
 
 class SnapshotsView(Viewer):
@@ -78,39 +74,34 @@ class SnapshotsView(Viewer):
         self._follow_snapshots()
 
     def _build(self) -> None:
-        name = self.owner
-        self.keep = tool_button(f"{name}.keep", "Keep", "Keep the current state (Ctrl+K)", self)
+        self.keep = tool_button("snapshots.keep", "Keep", "Keep the current state (Ctrl+K)", self)
         self.flip = toggle_button(
-            f"{name}.flip", "Flip", "Show A in place of B, and back (K)", self
+            "snapshots.flip", "Flip", "Show A in place of B, and back (K)", self
         )
         self.wipe = toggle_button(
-            f"{name}.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
+            "snapshots.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
         )
         self.back = tool_button(
-            f"{name}.back", "Go Back", "Change the network back to A; you can undo this", self
+            "snapshots.back", "Go Back", "Change the network back to A; you can undo this", self
         )
-        self.remove = tool_button(f"{name}.remove", "Remove", "Delete A (Del)", self)
-        self.list = SnapshotList(self._snapshots, self)
-        self.figures = QListWidget(self)
-        self.figures.setObjectName(f"{name}.figures")
-        self.figures.setAccessibleName("Figures that differ; Ctrl+C copies one")
-        self.figures.setToolTip("Figures in the snapshot, A → figures now, B")
+        self.remove = tool_button("snapshots.remove", "Remove", "Delete A (Del)", self)
+        self.list = SnapshotList(self._snapshots)
+        self.title = ElidedLabel("snapshots.title", "How many figures differ", self)
+        self.title.setContentsMargins(6, 0, 2, 0)
+        self.figures = labelled(
+            QListWidget(self), "snapshots.figures", "Figures that differ; Ctrl+C copies one",
+            "Figures in the snapshot, A → figures now, B",
+        )  # fmt: skip
         self.figures.setWordWrap(True)
-        self.title = ElidedLabel(f"{name}.title", "How many figures differ", self)
         buttons = (self.keep, self.flip, self.wipe, self.back, self.remove)
         bar = filled(QHBoxLayout(), *buttons, None, margins=(2, 2, 2, 0), spacing=3)
-        below = QWidget(self)
-        self.title.setContentsMargins(6, 0, 2, 0)
-        filled(QVBoxLayout(below), self.title, (self.figures, 1), spacing=1)
-        parts = QSplitter(Qt.Orientation.Vertical, self, childrenCollapsible=False)
-        parts.addWidget(self.list)
-        parts.addWidget(below)
-        parts.setStretchFactor(0, 1)
-        parts.setStretchFactor(1, 3)
         line = self.fontMetrics().height()
         self.list.setMinimumHeight(4 * line)
+        parts = QSplitter(Qt.Orientation.Vertical, self, childrenCollapsible=False)
+        parts.addWidget(self.list)
+        parts.addWidget(self.figures)
         parts.setSizes([5 * line, 15 * line])
-        filled(QVBoxLayout(self), bar, (parts, 1), spacing=1)
+        filled(QVBoxLayout(self), bar, (parts, 1), self.title, spacing=1)
 
     def _follow_snapshots(self) -> None:
         way, chosen = self._snapshots.way, self._snapshots.chosen
@@ -123,18 +114,18 @@ class SnapshotsView(Viewer):
         self.ask()
 
     def _fill_figures(self) -> None:
-        state, now = self._snapshots.chosen, self._now
+        state, then, now = self._snapshots.chosen, self._snapshots.figures, self._now
         if not self.isVisible():
             return
         self.figures.clear()
         if state is None:
             self.title.show_text(NOTHING_KEPT)
-        elif state.figures is None or now is None:
+        elif then is None or now is None:
             self.title.show_text(
                 f"the figures of A {state.name} and of the current state are being computed"
             )
         else:
-            lines, count = changed_figures(state.figures, now)
+            lines, count = changed_figures(then, now)
             self.figures.addItems(lines)
             self.title.show_text(f"A {state.name}, B now: {len(lines)} of {count} figures differ")
 
@@ -142,23 +133,20 @@ class SnapshotsView(Viewer):
 class SnapshotList(QTreeWidget):
     """The newest first, the current row is A; F2 renames, Del removes, Enter goes back."""
 
-    def __init__(self, snapshots: Snapshots, parent: QWidget) -> None:
-        super().__init__(parent)
+    def __init__(self, snapshots: Snapshots) -> None:
+        super().__init__()
         self._snapshots = snapshots
-        self.setObjectName("snapshots.list")
-        self.setAccessibleName("Snapshots: F2 renames, Del deletes, Enter goes back")
-        self.setToolTip(
-            "The current one is A. F2 renames it, Del deletes it, Enter goes back to it"
-        )
+        labelled(
+            self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
+            "The current one is A. F2 renames it, Del deletes it, Enter goes back to it",
+        )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)
-        self.setUniformRowHeights(True)
-        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.setItemDelegateForColumn(_NAME, _NameEditor(self))
-        self.header().setSectionResizeMode(_NAME, QHeaderView.ResizeMode.ResizeToContents)
+        triggers = QAbstractItemView.EditTrigger
+        self.setEditTriggers(triggers.EditKeyPressed | triggers.DoubleClicked)
+        self.header().setSectionResizeMode(0, QHeaderView.ResizeMode.ResizeToContents)
         self.currentItemChanged.connect(self._current_changed)
         self.itemChanged.connect(self._renamed)
-        self.itemDoubleClicked.connect(lambda item, _: self.editItem(item, _NAME))
 
     def fill(self) -> None:
         states, chosen = self._snapshots.states[::-1], self._snapshots.chosen
@@ -171,9 +159,9 @@ class SnapshotList(QTreeWidget):
                 item = self.topLevelItem(row)
                 assert item is not None
                 item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
-                item.setData(_NAME, _STATE, state)
-                item.setText(_NAME, f"A  {state.name}" if state is chosen else state.name)
-                item.setText(_TIME, f"{state.taken:%H:%M:%S}")
+                item.setData(0, _STATE, state)
+                item.setText(0, state.name)
+                item.setText(1, f"{state.taken:%H:%M:%S}")
                 if state is chosen:
                     self.setCurrentItem(item)
 
@@ -181,8 +169,6 @@ class SnapshotList(QTreeWidget):
         item, key = self.currentItem(), event.key()
         if item is None or self.state() is QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
-        elif key == Qt.Key.Key_F2:
-            self.editItem(item, _NAME)
         elif key in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
             self._snapshots.remove(_state_of(item))
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
@@ -197,17 +183,9 @@ class SnapshotList(QTreeWidget):
         if item is not None:
             self._snapshots.choose(_state_of(item))
 
-    def _renamed(self, item: QTreeWidgetItem, column: int) -> None:
-        if column == _NAME:
-            self._snapshots.rename(_state_of(item), item.text(_NAME))
-
-
-class _NameEditor(QStyledItemDelegate):
-    def setEditorData(self, editor: QWidget, index: Any) -> None:
-        assert isinstance(editor, QLineEdit)
-        if not editor.isModified():  # else the list was filled anew while one types
-            editor.setText(index.data(_STATE).name)
+    def _renamed(self, item: QTreeWidgetItem, _column: int) -> None:
+        self._snapshots.rename(_state_of(item), item.text(0))
 
 
 def _state_of(item: Any) -> Any:
-    return item.data(_NAME, _STATE)
+    return item.data(0, _STATE)
