@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from math import floor, log10
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QEvent, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QHeaderView,
@@ -24,36 +28,43 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
 from app.editor.dialogs import choose_pictures
 from app.editor.docks.background_work import (
-    Check,
-    DrawnEdge,
-    FitOutcome,
-    FitTask,
-    FittedNumber,
     PictureDrops,
     Pictures,
+    Report,
+    ViewerPicture,
     WorkerView,
-    fit_to_picture,
+    check_stop,
     pictures_name,
     pictures_text,
 )
+from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
 from app.editor.notices import NoticeList, sentence
-from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.theme import CHANGED
-from app.editor.viewers.plot.plot_export import columns_text, have_plot_menu
+from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
-from app.fit.fit_result import hardly_determined
+from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, toggle_button, tool_button
+from app.fit.fit_result import FittedParameter, hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
-from core.errors import ParameterError
+from core.errors import ParameterError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
 from core.modules.parameters import Parameter, plain
-from core.modules.preview import Axis
 from core.network.network import Network
+
+if TYPE_CHECKING:
+    from app.fit.edge_fit import EdgesAt
+    from app.fit.fit_result import FitResult
+    from app.fit.free_parameter import FreeParameter
+    from app.fit.patch import Patch
+    from app.fit.picture_fit import FittedPictures
 
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel and choose Free for a fit"
 _SAID_HERE = "Fit reports here how well the chain matches the picture"
 _TAKE = "Write all fitted values into the network, as one step that you can undo"
+_HELD_BYTES = 1 << 28
+_PAUSE_S = 0.05  # between edges that are shown while values change
 
 
 class FitView(WorkerView):
@@ -63,8 +74,6 @@ class FitView(WorkerView):
     takes what is being typed before a fit.
     """
 
-    _seen = Signal(object, object)
-
     def __init__(
         self,
         session: Session,
@@ -72,14 +81,11 @@ class FitView(WorkerView):
         finish_typing: Callable[[], None],
     ) -> None:
         super().__init__("fit", "Fit to a picture")
-        self.outcome: FitOutcome | None = None
+        self.outcome: FitResult | None = None
         self._session = session
         self._default, self._finish_typing = default_pictures, finish_typing
         self._own: Pictures | None = None
-        self._fitted_to: Pictures | None = None
-        self._run: object | None = None
-        self._failed_with: object = None
-        self._fits: list[Network] = []  # as fitted, and as the values were taken
+        self._fits: list[object] = []  # what was fitted, and that with the values taken
         self._edges: dict[str, DrawnEdge] = {}
         self.drops = PictureDrops(self, self.choose_pictures)
         self._build()
@@ -101,62 +107,78 @@ class FitView(WorkerView):
 
     # --- fitting -----------------------------------------------------------------------------
 
+    @property
+    def _given(self) -> object:
+        """What a fit is made of: with another one, what is shown is old."""
+        free = {(one.place, one.low, one.high) for one in self._session.free.all}
+        return self._session.document.network, self.pictures, free, self.known.isChecked()
+
     def begin(self) -> None:
         self._finish_typing()
-        session, pictures = self._session, self.pictures
+        pictures = self.pictures
         if pictures is None:
             self._say("choose a picture first", failed=True)
             return
-        task = FitTask(session.plain, session.library, session.folder, session.free.all, pictures)
-        run = self._run = object()
+        session, known, network = self._session, self.known.isChecked(), self._session.plain
+        folder, free = session.folder, session.free.all
 
-        def watch(edges: tuple[DrawnEdge, ...]) -> None:
-            self._seen.emit(run, edges)
+        def job(stop: threading.Event, report: Report) -> FitResult:
+            # Imported where it is used: the window opens without it.
+            from app.fit.picture_fit import fit_known_scene, fit_pictures
+            from core.chain.engine import Engine
+            from core.network.validation import check_network
 
-        def job(check: Check, report: Callable[[str], None]) -> FitOutcome:
-            return fit_to_picture(task, check, report, watch)
+            check_network(network, library=session.library)
+            engine = Engine(session.library, Store(_HELD_BYTES))
+            given: dict[str, Any] = {"free": limited(free, network, session), "report": report}
+            report("picture")
+            given["pictures"] = read(pictures)
+            plan, work = engine.plan(network, folder=folder), engine.work(Policy(), cancel=stop)
+            if known:
+                return fit_known_scene(engine, plan, work, **given)
+            next_time = 0.0
+
+            def watch(patches: tuple[Patch, ...], edges: EdgesAt) -> None:
+                nonlocal next_time
+                check_stop(stop)
+                if time.monotonic() >= next_time:
+                    next_time = time.monotonic() + _PAUSE_S
+                    report(drawn_edges(patches, edges))
+
+            return fit_pictures(engine, plan, work, watch=watch, **given)
 
         self._show_outcome(None)
-        self._fits, self._fitted_to = [session.document.network], pictures
+        self._fits = [self._given]
         self._say(f"Fitting to {pictures_name(pictures)} …")
         self.worker.start(job)
         self._show_buttons()
 
-    def close_worker(self) -> None:
-        self._run = None
-        self.worker.close()
-
     def forget(self) -> None:
-        self._run = self._failed_with = None
         self.worker.drop()
         self._show_outcome(None)
+        self._fits = []
         self.show_state()
 
     def take(self) -> None:
         steps: list[Operation] = []
-        network = self._session.network
         for one in self._determined:
-            node, name = one.number.place
-            declared = self._session.declared(node) if node in network.nodes else None
-            parameter = declared.parameter(name) if declared is not None else None
-            if parameter is None or name in network.nodes[node].linked:
-                why = "no longer exists" if parameter is None else "is now linked to others"
-                self._say(f"{one.number.port} {why}: no value was changed", failed=True)
-                return
+            node, _, name = one.port.rpartition(".")
+            parameter = parameter_of(self._session, node, name)
             try:
+                if parameter is None:
+                    raise UsageError("it no longer exists")
+                if why := self._session.follows(node, (name,)):
+                    raise UsageError(why)
                 value = plain(parameter.coerce(_rounded(one)))
-            except ParameterError as error:
-                self._say(f"{one.number.port}: {error.message}", failed=True)
+            except (ParameterError, UsageError) as error:
+                self._say(f"{one.port}: {error.message}", failed=True)
                 return
             steps.append(set_parameter(node, name, value))
-        if not steps:
-            return
-        self._session.end_gesture()
-        before = list(self._fits)
-        self._fits = []
-        self._session.do(Together(steps, "Take fitted values"))
-        self._fits = [*before, self._session.document.network]
-        self._say_result()
+        if steps:
+            self._session.end_gesture()
+            self._session.do(Together(steps, "Take fitted values"))
+            self._fits.append(self._given)
+            self.show_state()
 
     # --- the widget --------------------------------------------------------------------------
 
@@ -178,6 +200,14 @@ class FitView(WorkerView):
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
         self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
+        self.known = toggle_button(
+            "fit.known",
+            "Known Scene",
+            "Tick this if the network's source is the scene of the picture: the picture is "
+            "then fitted as a whole. Otherwise ideal edges replace the source where the "
+            "picture has edges",
+            self,
+        )
         self.remove = tool_button(
             "fit.remove", "Remove", "Fix the selected parameter again (Del)", self
         )
@@ -187,7 +217,7 @@ class FitView(WorkerView):
         self.which.setToolTip("Choose which of the picture's edges is plotted")
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         bar = QWidget(self)
-        buttons = (self.file, self.fit, self.stop, self.taking, self.remove)
+        buttons = (self.file, self.known, self.fit, self.stop, self.taking, self.remove)
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("fit.notices", "Warnings of the fit", self)
@@ -211,20 +241,20 @@ class FitView(WorkerView):
     def _connect(self) -> None:
         self.file.clicked.connect(self._choose_file)
         self.fit.clicked.connect(self.begin)
+        self.known.toggled.connect(self.show_state)
         self.stop.clicked.connect(self.cancel)
         self.taking.clicked.connect(self.take)
         self.remove.clicked.connect(self.table.remove_marked)
         self.table.refused.connect(lambda text: self._say(text, failed=True))
         self.table.itemSelectionChanged.connect(self._show_buttons)
         self.which.currentIndexChanged.connect(self._show_edge)
-        self._seen.connect(self._show_on_the_way)
-        self.worker.progressed.connect(lambda text: self._say(f"Fitting: {text} …"))
+        self.worker.progressed.connect(self._progress)
         self.worker.done.connect(self._done)
         self.worker.failed.connect(self._fail)
         self.worker.cancelled.connect(self._stopped)
         self._session.free.changed.connect(self.show_state)
         self._session.opened.connect(self.forget)
-        self._session.changed.connect(self._network_changed)
+        self._session.changed.connect(self.show_state)
 
     def show_state(self, *_: object) -> None:
         self.table.write()
@@ -235,31 +265,32 @@ class FitView(WorkerView):
         self.words.setPlaceholderText(_SAID_HERE if count else _NOTHING_FREE)
         self.words.viewport().update()  # Qt does not draw it anew
         self._show_buttons()
+        if self.worker.busy:
+            return
+        old = self._given not in self._fits
         if self.outcome is not None:
-            self._say_result()
-        elif not self.worker.busy and self._failed_with != self._given:
+            self._say("Fitted before a change: fit again" if old else self._result)
+        elif old:
             self._say(f"{count} free" if count else "no parameter is free")
 
     @property
-    def _given(self) -> object:
-        """What a fit is made of: as long as it is the same, the reason why one failed stays."""
-        return self.pictures, tuple(self._session.free.all)
-
-    def _network_changed(self, *_: object) -> None:
-        self.table.write()
-        self._say_result()
-
-    @property
-    def _determined(self) -> list[FittedNumber]:
-        numbers = self.outcome.numbers if self.outcome is not None else ()
-        free = {one.place for one in self._session.free.all}
+    def _determined(self) -> list[FittedParameter]:
+        found = self.outcome.parameters if self.outcome is not None else ()
+        free = {one.port for one in self._session.free.all}
         return [
             one
-            for one in numbers
+            for one in found
             if one.value is not None
             and not hardly_determined(one.value, one.sigma)
-            and one.number.place in free
+            and one.port in free
         ]
+
+    @property
+    def _result(self) -> str:
+        assert self.outcome is not None
+        count, many = len(self._determined), len(self.outcome.parameters)
+        chi2 = f"χ² per degree of freedom {self.outcome.chi2_per_degree:.3g}"
+        return f"{count} of {many} determined, {chi2}"
 
     def _show_buttons(self) -> None:
         busy, free = self.worker.busy, self._session.free.all
@@ -269,14 +300,16 @@ class FitView(WorkerView):
         self.remove.setEnabled(bool(free) and self.table.currentRow() >= 0)
         self.which.setVisible(self.which.count() > 1)
 
-    def _show_outcome(self, outcome: FitOutcome | None) -> None:
+    def _show_outcome(self, outcome: FitResult | None) -> None:
         self.outcome = outcome
-        self.table.show_fitted(() if outcome is None else outcome.numbers)
-        lines = [] if outcome is None else _lines(outcome, self._fitted_to)
-        self.words.setPlainText("\n".join(lines))
+        self.table.show_fitted(() if outcome is None else outcome.parameters)
+        self.words.setPlainText("" if outcome is None else _words(outcome))
         warned = () if outcome is None else outcome.warnings
         self.notices.show_notices(("warning", sentence(line)) for line in warned)
-        self._show_edges(() if outcome is None else outcome.edges)
+        if outcome is None or outcome.fit.edges is None:
+            self._show_edges(())
+        else:
+            self._show_edges(drawn_edges(outcome.fit.patches, outcome.fit.edges))
 
     def _show_edges(self, edges: tuple[DrawnEdge, ...]) -> None:
         self._edges = {one.name: one for one in edges}
@@ -292,24 +325,21 @@ class FitView(WorkerView):
     def _show_edge(self, _index: int = 0) -> None:
         self.chart.show_edge(self._edges.get(self.which.currentText()))
 
-    def _show_on_the_way(self, run: object, drawn: object) -> None:
-        """Edges as the values change: the chosen one, if it is among them."""
-        edges: tuple[DrawnEdge, ...] = drawn  # type: ignore[assignment] # of the job
-        if run is not self._run or not self.worker.busy:
-            return
-        if {*self._edges} >= {one.name for one in edges}:
-            self._edges |= {one.name: one for one in edges}
+    def _progress(self, what: Any) -> None:
+        """The name of what is done next, or edges as the values change."""
+        if isinstance(what, str):
+            self._say(f"Fitting: {what} …")
+        elif {*self._edges} >= {one.name for one in what}:
+            self._edges |= {one.name: one for one in what}
             self._show_edge()
         else:
-            self._show_edges(edges)
+            self._show_edges(what)
 
-    def _done(self, outcome: object) -> None:
-        self._show_outcome(outcome)  # type: ignore[arg-type] # of the job
-        self._show_buttons()
-        self._say_result()
+    def _done(self, outcome: Any) -> None:
+        self._show_outcome(outcome)
+        self.show_state()
 
     def _fail(self, text: str) -> None:
-        self._failed_with = self._given
         self._say(text, failed=True)
         self._show_buttons()
 
@@ -317,43 +347,58 @@ class FitView(WorkerView):
         self._say("Stopped")
         self._show_buttons()
 
-    @property
-    def _why_old(self) -> str:
-        session, outcome = self._session, self.outcome
-        now = session.document.network
-        fitted = {one.number.place for one in outcome.numbers} if outcome is not None else set()
-        if not any(now is one or now == one for one in self._fits):
-            return "to the network before an edit"
-        if self._fitted_to is not None and self.pictures != self._fitted_to:
-            return f"to {pictures_name(self._fitted_to)}"
-        if fitted != {one.place for one in session.free.all}:
-            return "while other parameters were free"
-        return ""
 
-    def _say_result(self) -> None:
-        outcome = self.outcome
-        if outcome is None or self.worker.busy:
-            return
-        if why := self._why_old:
-            self._say(f"Fitted {why}: fit again")
-            return
-        count = len(self._determined)
-        of = f"{count} of {len(outcome.numbers)} determined"
-        warned = len(outcome.warnings)
-        more = f", {warned} warning{'s' * (warned > 1)}" if warned else ""
-        self._say(f"{of}, χ² per degree of freedom {outcome.chi2_per_degree:.3g}{more}")
+def parameter_of(session: Session, node: str, name: str) -> Parameter | None:
+    declared = session.declared(node)
+    return declared.parameter(name) if declared is not None else None
 
 
-def _lines(outcome: FitOutcome, pictures: Pictures | None) -> list[str]:
-    to = [] if pictures is None else [f"Fitted to {pictures_name(pictures)}."]
-    return [
-        *to,
-        f"χ² per degree of freedom {outcome.chi2_per_degree:.4g} ({outcome.degrees} degrees)",
-        *map(sentence, outcome.notes),
-    ]
+def limited(
+    numbers: tuple[FreeNumber, ...], network: Network, session: Session
+) -> tuple[FreeParameter, ...]:
+    """The free parameters within the limits that were typed."""
+    from app.fit.free_parameter import free_parameters
+
+    if not numbers:
+        raise UsageError("no parameter is free: " + _NOTHING_FREE)
+    free = free_parameters([one.port for one in numbers], network, session.library, option="")
+    return tuple(
+        replace(
+            parameter,
+            low=parameter.low if one.low is None else one.low,
+            high=parameter.high if one.high is None else one.high,
+        )
+        for one, parameter in zip(numbers, free, strict=True)
+    )
 
 
-def _rounded(fitted: FittedNumber) -> float:
+def read(pictures: Pictures) -> FittedPictures:
+    from app.fit.picture_fit import FittedPictures, TakenWith, read_pictures
+    from app.measure.picture_loading import BandsError
+
+    if not isinstance(pictures, ViewerPicture):
+        try:
+            return read_pictures(pictures)
+        except BandsError as error:
+            raise UsageError(
+                f"{error.what}: show one of them in a viewer and fit to that"
+            ) from error
+    taken = TakenWith(
+        pictures.name, pictures.interval_x_mrad, pictures.interval_y_mrad, pictures.band_um
+    )
+    samples = (np.asarray(pictures.samples, np.float64),)
+    return FittedPictures((pictures.name,), samples, taken=(taken,))
+
+
+def _words(result: FitResult) -> str:
+    degrees = result.fit.misfit.degrees
+    noise = [result.noise] if isinstance(result.noise, str) and result.noise else []
+    fitted = f"χ² per degree of freedom {result.chi2_per_degree:.4g} ({degrees} degrees)"
+    whole = ["the picture was fitted as a whole"] if result.fit.edges is None else []
+    return "\n".join([fitted, *map(sentence, (*whole, *result.notes, *noise))])
+
+
+def _rounded(fitted: FittedParameter) -> float:
     """Its value to a hundredth of its error: what lies beyond is no knowledge."""
     value, sigma = float(fitted.value or 0.0), fitted.sigma
     if sigma is None or not 0.0 < sigma < abs(value):
@@ -361,69 +406,9 @@ def _rounded(fitted: FittedNumber) -> float:
     return round(value, 2 - floor(log10(sigma)))
 
 
-# The samples of an edge and the chain's spread of it, in one small chart.
-
-_MOST = 3000  # samples that are drawn
-_LOWEST, _HIGHEST = -0.2, 1.2  # of the step
-_DOT = 2.0  # pixels
-
-
-class SpreadChart(ChartWidget):
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(width=24, height=14, parent=parent)
-        self.setObjectName("fit.spread")
-        self.setAccessibleName("Edge profile measured and modelled")
-        self.setToolTip(
-            "Profile across the edge, from the dark level 0 to the bright level 1: the "
-            "picture's samples and the chain's edge spread"
-        )
-        self.edge: DrawnEdge | None = None
-
-    def show_edge(self, edge: DrawnEdge | None) -> None:
-        """Draw an edge; None draws an empty chart."""
-        self.edge = edge
-        self.update()
-
-    def numbers(self) -> str:
-        edge = self.edge
-        names = ("distance (samples)", "picture", "chain")
-        parts = () if edge is None else (edge.distance, edge.sample, edge.spread)
-        return columns_text([(n, part.tolist()) for n, part in zip(names, parts, strict=False)])
-
-    def draw(self, painter: QPainter, area: QRectF) -> None:
-        edge = self.edge
-        reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
-        x = Axis(-reach, reach, "distance from the edge (samples)")
-        y = Axis(_LOWEST, _HIGHEST, "fraction of the step")
-        chart = Chart(painter, area, x, y, self.theme)
-        if edge is not None:
-            self._paint(painter, chart, edge, x, y)
-
-    def _paint(self, painter: QPainter, chart: Chart, edge: DrawnEdge, x: Axis, y: Axis) -> None:
-        samples, line = self.theme.faint_text, self.theme.curves[0]
-        order = np.argsort(edge.distance, kind="stable")
-        if len(order) > _MOST:
-            order = order[np.linspace(0, len(order) - 1, _MOST).astype(np.intp)]
-        distance, sample = edge.distance[order], edge.sample[order]
-        frame = chart.frame
-        across = frame.left() + x.share(distance) * frame.width()
-        along = frame.bottom() - y.share(sample) * frame.height()
-        good = np.isfinite(along)
-        points = map(QPointF, across[good].tolist(), along[good].tolist())
-        painter.save()
-        painter.setClipRect(frame)
-        pen = QPen(QColor(samples), _DOT)
-        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-        painter.setPen(pen)
-        painter.drawPoints(QPolygonF(list(points)))
-        painter.restore()
-        chart.curve(distance, edge.spread[order], line, width=2.0)
-        solid = Qt.PenStyle.SolidLine
-        chart.legend([("picture", samples, Qt.PenStyle.DotLine), ("chain", line, solid)])
-
-
 _HEADS = ("Parameter", "Now", "Fitted", "±", "Unit", "Low", "High")
 _FITTED, _UNIT, _LOW, _HIGH = 2, 4, 5, 6
+_LIMITS = (_LOW, _HIGH)
 _UNDETERMINED = "not determined"
 
 
@@ -433,7 +418,7 @@ class FreeTable(QTableWidget):
     def __init__(self, session: Session, parent: QWidget) -> None:
         super().__init__(0, len(_HEADS), parent)
         self._session = session
-        self._fitted: tuple[FittedNumber, ...] = ()
+        self._fitted: tuple[FittedParameter, ...] = ()
         self.setObjectName("fit.free")
         self.setAccessibleName("Free parameters with their limits and fitted values; Del fixes one")
         self.setToolTip(
@@ -457,7 +442,7 @@ class FreeTable(QTableWidget):
         if event.type() == QEvent.Type.PaletteChange:
             self.write()
 
-    def show_fitted(self, fitted: tuple[FittedNumber, ...]) -> None:
+    def show_fitted(self, fitted: tuple[FittedParameter, ...]) -> None:
         self._fitted = fitted
         self.write()
 
@@ -473,80 +458,68 @@ class FreeTable(QTableWidget):
             super().keyPressEvent(event)
 
     def write(self) -> None:
-        by_place = {one.number.place: one for one in self._fitted}
+        by_port = {one.port: one for one in self._fitted}
         free = self._session.free.all
         with QSignalBlocker(self):
             self.setRowCount(len(free))
             for row, number in enumerate(free):
-                fitted = by_place.get(number.place)
-                for column, text in enumerate(self._cells(number, fitted)):
-                    self._put(row, column, text, number)
-                value = self.item(row, _FITTED)
-                if value is not None and fitted is not None and fitted.value is None:
-                    value.setForeground(self.palette().color(CHANGED))
+                fitted = by_port.get(number.port)
+                parameter = parameter_of(self._session, *number.place)
+                for column, text in enumerate(self._cells(number, parameter, fitted)):
+                    item = self._put(row, column, text)
+                    if parameter is not None and column not in _LIMITS:
+                        more = f"{about(parameter)}\nIn network files: {number.port}"
+                        item.setToolTip(tip(more))
+                    if column == _FITTED and text == _UNDETERMINED:
+                        item.setForeground(self.palette().color(CHANGED))
 
-    def _put(self, row: int, column: int, text: str, number: FreeNumber) -> None:
+    def _put(self, row: int, column: int, text: str) -> QTableWidgetItem:
         item = self.item(row, column)  # one that is being typed in has to stay
         if item is None:
             item = QTableWidgetItem()
             self.setItem(row, column, item)
+            flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+            if column in _LIMITS:
+                flags |= Qt.ItemFlag.ItemIsEditable
+                item.setToolTip(tip("Limit for the fit; empty: that of the parameter itself"))
+            item.setFlags(flags)
+            if column not in (0, _UNIT):
+                item.setTextAlignment(RIGHT)
         item.setText(text)
         item.setForeground(self.palette().text())
-        parameter = self._parameter(number)
-        flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
-        if column in (_LOW, _HIGH):
-            item.setFlags(flags | Qt.ItemFlag.ItemIsEditable)
-            end = "Low" if column == _LOW else "High"
-            item.setToolTip(
-                tip(f"{end} limit for the fit; empty: the limit of the parameter itself")
-            )
-        else:
-            item.setFlags(flags)
-            if parameter is not None:
-                item.setToolTip(tip(f"{about(parameter)}\nIn network files: {number.port}"))
-        if column not in (0, _UNIT):
-            item.setTextAlignment(RIGHT)
+        return item
 
-    def _cells(self, number: FreeNumber, fitted: FittedNumber | None) -> tuple[str, ...]:
-        parameter = self._parameter(number)
-        unit = parameter.param.unit if parameter is not None else ""
+    def _cells(
+        self, number: FreeNumber, parameter: Parameter | None, fitted: FittedParameter | None
+    ) -> tuple[str, ...]:
+        node = self._session.network.nodes.get(number.node)
+        now = value = error = unit = ""
+        if node is not None and parameter is not None:
+            present, unit = node.params.get(number.name, parameter.default), parameter.param.unit
+            now = f"{present:.6g}" if isinstance(present, int | float) else ""
         low, high = ("" if v is None else shown_number(v) for v in (number.low, number.high))
-        value = error = ""
         if fitted is not None:
             value = _UNDETERMINED if fitted.value is None else f"{fitted.value:.6g}"
             error = "" if fitted.sigma is None else f"{fitted.sigma:.2g}"
-        name = f"{label_of(number.name)} of {number.node}"
-        return name, self._now(number), value, error, unit, low, high
-
-    def _now(self, number: FreeNumber) -> str:
-        node, parameter = self._session.network.nodes.get(number.node), self._parameter(number)
-        if node is None or parameter is None:
-            return ""
-        value = node.params.get(number.name, parameter.default)
-        return f"{value:.6g}" if isinstance(value, int | float) else ""
-
-    def _parameter(self, number: FreeNumber) -> Parameter | None:
-        declared = self._session.declared(number.node)
-        return declared.parameter(number.name) if declared is not None else None
+        return f"{label_of(number.name)} of {number.node}", now, value, error, unit, low, high
 
     def _typed(self, item: QTableWidgetItem) -> None:
-        row, column = item.row(), item.column()
-        number = self._session.free.all[row]
-        parameter, text = self._parameter(number), item.text().strip()
-        if parameter is None or column not in (_LOW, _HIGH):
+        number = self._session.free.all[item.row()]
+        parameter, text = parameter_of(self._session, *number.place), item.text().strip()
+        if parameter is None or item.column() not in _LIMITS:
             return
+        param = parameter.param
         try:
             limit = None if not text else parameter.coerce(typed_number(text, parameter))
-        except ParameterError as error:
+            end = None if limit is None else float(limit)
+            low_typed = item.column() == _LOW
+            changed = replace(number, low=end) if low_typed else replace(number, high=end)
+            low = next(v for v in (changed.low, param.low, -math.inf) if v is not None)
+            high = next(v for v in (changed.high, param.high, math.inf) if v is not None)
+            if low >= high:
+                raise UsageError(f"the low limit, {low:g}, must lie below {high:g}")
+        except (ParameterError, UsageError) as error:
             self.refused.emit(f"{number.port}: {error.message}")
             self.write()
-            return
-        end = None if limit is None else float(limit)
-        changed = replace(number, low=end) if column == _LOW else replace(number, high=end)
-        if changed.low is not None and changed.high is not None and changed.low >= changed.high:
-            self.refused.emit(
-                f"{number.port}: the low limit, {changed.low:g}, must lie below {changed.high:g}"
-            )
-            self.write()
-            return
-        self._session.free.put(changed)
+        else:
+            self._session.free.put(changed)

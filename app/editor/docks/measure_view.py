@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import threading
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtWidgets import (
@@ -21,10 +21,12 @@ from PySide6.QtWidgets import (
 
 from app.editor.dialogs import SaveDialog, choose_pictures, show_beside
 from app.editor.docks.background_work import (
-    Check,
+    Job,
     PictureDrops,
     Pictures,
+    Report,
     WorkerView,
+    check_stop,
     picture_of,
     pictures_name,
     shown_in,
@@ -48,7 +50,11 @@ if TYPE_CHECKING:
 _KINDS = ";;".join(
     (dialog_filter("Page", HTML), dialog_filter("Everything", JSON), dialog_filter("MTF", CSV))
 )
-_REMOVE, _USE = "Remove Edge", "Use Edge Again"
+_NO_BAND, _LAST_BAND = -1, 99_999
+_BAND = (
+    "Band to measure in files with several bands, counted from 0; –: the only band, or the "
+    "luminance of a colour picture"
+)
 
 
 def _said(remark: str) -> tuple[Severity, str]:
@@ -56,8 +62,9 @@ def _said(remark: str) -> tuple[Severity, str]:
     return "information" if text == remark else "warning", sentence(text)
 
 
-@dataclass(frozen=True)
-class _Measuring:
+class _Measuring(NamedTuple):
+    """What is measured; of a viewer's picture, the network that it is of."""
+
     title: str
     pictures: Pictures
     network: Network | None = None
@@ -105,21 +112,18 @@ class MeasureView(WorkerView):
             return
         self._files = ()
 
-        def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
+        def job(stop: threading.Event, report: Report) -> PictureMeasurement:
             # Imported where it is used: the window opens without it.
             from app.measure.measuring import Source, measure_pictures
             from app.measure.picture_measurement import MeasuredFile
 
+            file = MeasuredFile(picture.name, 1, picture.taken)
             rows, columns = picture.samples.shape
-            samples = picture.samples.astype("float64")
-            return measure_pictures(
-                Source(
-                    (MeasuredFile(picture.name, 1, picture.taken),), [samples],
-                    rows, columns, picture.unit, picture.interval_x_mrad, picture.interval_y_mrad,
-                ),
-                check=check,
-                report=report,
+            source = Source(
+                (file,), [picture.samples.astype("float64")], rows, columns,
+                picture.unit, picture.interval_x_mrad, picture.interval_y_mrad,
             )  # fmt: skip
+            return measure_pictures(source, check=partial(check_stop, stop), report=report)
 
         network = self._session.document.network
         self._begin(_Measuring(picture.name, picture, network), job)
@@ -127,18 +131,20 @@ class MeasureView(WorkerView):
     def measure_files(self, paths: tuple[Path, ...]) -> None:
         self._files = paths
         with QSignalBlocker(self.band):
-            self.band.choose_none()
+            self.band.setValue(_NO_BAND)
         self._measure_band()
 
     def _measure_band(self, *_: object) -> None:
-        paths, band = self._files, self.band.band
+        paths, chosen = self._files, self.band.value()
+        band = None if chosen == _NO_BAND else chosen
         if not paths:
             return
 
-        def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
+        def job(stop: threading.Event, report: Report) -> PictureMeasurement:
             from app.measure.measuring import MeasurePlan, measure_files
 
-            return measure_files(MeasurePlan(paths, band=band), check=check, report=report)
+            plan = MeasurePlan(paths, band=band)
+            return measure_files(plan, check=partial(check_stop, stop), report=report)
 
         of = "" if band is None else f", band {band}"
         self._begin(_Measuring(pictures_name(paths) + of, paths), job)
@@ -171,14 +177,15 @@ class MeasureView(WorkerView):
             self._say("nothing has been measured yet", failed=True)
             return
 
-        def job(_check: Check, _report: Callable[[str], None]) -> Path:
+        def job(_stop: threading.Event, _report: Report) -> Path:
             from app.measure.measurement_files import write_measurement
 
             write_measurement(measured, path)
             return path
 
         self._say(f"Writing {path.name} …")
-        self._start(job)
+        self.worker.start(job)
+        self._show_buttons()
 
     # --- edges -------------------------------------------------------------------------------
 
@@ -215,17 +222,12 @@ class MeasureView(WorkerView):
         self.measured = change(measured, self.current)
         self._show_all()
 
-    def _network_changed(self, *_: object) -> None:
-        if self._shown is not None and not self.worker.busy:
-            self._say_shown()
-
     def _forget_network(self) -> None:
         if self._coming is not None and self._coming.network is not None:
             self.worker.drop()
             self._coming = None
         if self._shown is not None and self._shown.network is not None:
             self._shown, self.measured, self.current = None, None, -1
-            self._fill_pictures()
             self._show_all()
             self.source_changed.emit()
         self._show_buttons()
@@ -248,7 +250,8 @@ class MeasureView(WorkerView):
             self,
         )
         self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
-        self.remove = tool_button("measure.remove", _REMOVE, "", self)
+        about = "Leave the selected edge out of the pooled MTF, or use it again (Del)"
+        self.remove = tool_button("measure.remove", "Remove Edge", about, self)
         self.fit = tool_button("measure.fit", "Fit", "Show the whole picture (F)", self)
         self.unused = toggle_button(
             "measure.unused", "Not Used", "Also draw the edges that cannot be used", self
@@ -263,7 +266,12 @@ class MeasureView(WorkerView):
         self.pictures = labelled(
             QComboBox(self), "measure.pictures", "Picture to show", "Picture to show"
         )
-        self.band = BandBox(self)
+        self.band = labelled(QSpinBox(self), "measure.band", _BAND, _BAND)
+        self.band.setRange(_NO_BAND, _LAST_BAND)
+        self.band.setPrefix("Band ")
+        self.band.setSpecialValueText("Band –")
+        self.band.setKeyboardTracking(False)
+        self.band.setValue(_NO_BAND)
         bar = QWidget(self)
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
         parts = (*buttons, self.write, self.band, self.pictures)
@@ -312,72 +320,61 @@ class MeasureView(WorkerView):
         self.pictures.currentIndexChanged.connect(self._show_picture)
         self.worker.progressed.connect(lambda text: self._say(f"Measuring {text} …"))
         self.worker.done.connect(self._take)
-        self.worker.failed.connect(self._fail)
-        self.worker.cancelled.connect(self._stopped)
-        self._session.changed.connect(self._network_changed)
+        self.worker.failed.connect(partial(self._end, failed=True))
+        self.worker.cancelled.connect(partial(self._end, "Stopped"))
+        self._session.changed.connect(self._say_shown)
         self._session.opened.connect(self._forget_network)
 
     @property
     def _title(self) -> str:
         if self._shown is None:
             return ""
-        title, own = self._shown.title, self._shown.network
+        title, _, own = self._shown
         now = self._session.document.network
-        old = own is not None and own is not now and own != now
-        return f"{title}, before an edit" if old else title
+        return title if own is None or own == now else f"{title}, before an edit"
 
-    def _begin(self, measuring: _Measuring, job: Callable[..., object]) -> None:
+    def _begin(self, measuring: _Measuring, job: Job) -> None:
         self._say(f"Measuring {measuring.title} …")
-        self._start(job)
-        self._coming = measuring
-
-    def _start(self, job: Callable[..., object]) -> None:
         self.worker.start(job)
+        self._coming = measuring
         self._show_buttons()
 
-    def _take(self, result: object) -> None:
+    def _take(self, result: Any) -> None:
         if isinstance(result, Path):
             self._session.message.emit("note", f"wrote {result}")
             self._say_shown()
             self._show_buttons()
             return
-        self.measured = result  # type: ignore[assignment] # a measurement
+        self.measured = result
         self._shown, self._coming = self._coming, None
-        self.current = -1
-        self._fill_pictures()
         self._show_all()
-        used = [place for place, edge in enumerate(self.measured.edges) if edge.used]  # type: ignore[union-attr]
-        self.choose(used[0] if used else -1)
+        self.choose(next((place for place, one in enumerate(result.edges) if one.used), -1))
         self.source_changed.emit()
 
-    def _fail(self, text: str) -> None:
-        kept = self._coming is not None and self._shown is not None
-        self._coming = None
-        self._say(f"{text}; still showing {self._title}" if kept else text, failed=True)
+    def _end(self, text: str, *, failed: bool = False) -> None:
+        """Say why nothing new is shown."""
+        measuring, self._coming = self._coming, None
+        still = measuring is not None and self._shown is not None
+        self._say(f"{text}; still showing {self._title}" if still else text, failed=failed)
         self._show_buttons()
-
-    def _stopped(self) -> None:
-        self._coming = None
-        self._say(f"Stopped; still showing {self._title}" if self._shown is not None else "Stopped")
-        self._show_buttons()
-
-    def _fill_pictures(self) -> None:
-        measured = self.measured
-        self.pictures.blockSignals(True)
-        self.pictures.clear()
-        if measured is not None:
-            for preview in measured.previews:
-                self.pictures.addItem(Path(measured.picture_name(preview.picture)).name)
-        self.pictures.blockSignals(False)
-        self.pictures.setVisible(self.pictures.count() > 1)
 
     def _show_picture(self, _index: int) -> None:
         self.canvas.show_measured(self.measured, max(0, self.pictures.currentIndex()))
 
     def _show_all(self) -> None:
         measured = self.measured
+        names = (
+            []
+            if measured is None
+            else [measured.picture_name(p.picture) for p in measured.previews]
+        )
+        shown = self.pictures.currentIndex()
+        with QSignalBlocker(self.pictures):
+            self.pictures.clear()
+            self.pictures.addItems([Path(name).name for name in names])
+            self.pictures.setCurrentIndex(min(max(shown, 0), len(names) - 1))
+        self.pictures.setVisible(len(names) > 1)
         self._show_picture(0)
-        self.pictures.setVisible(self.pictures.count() > 1)
         self.table.show_measured(measured)
         if measured is None:
             self.figures.show_rows(())
@@ -390,13 +387,14 @@ class MeasureView(WorkerView):
         self._show_edge()
 
     def _show_edge(self) -> None:
-        measured, edge = self.measured, self.edge
-        self.chart.show_measured(measured, edge)
+        self.chart.show_measured(self.measured, self.edge)
         self._show_buttons()
         self._say_shown()
 
-    def _say_shown(self) -> None:
+    def _say_shown(self, *_: object) -> None:
         measured, edge = self.measured, self.edge
+        if self.worker.busy:
+            return
         if measured is None:
             self._say("")
         elif edge is None:
@@ -411,45 +409,7 @@ class MeasureView(WorkerView):
         self.band.setEnabled(bool(self._files))
         self.write.setEnabled(self.measured is not None and not busy)
         self.fit.setEnabled(self.measured is not None)
-        self.remove.setEnabled(edge is not None and edge.curve is not None)
-        again = edge is not None and not edge.used
-        self.remove.setText(_USE if again and edge is not None and edge.curve else _REMOVE)
-        about = (
-            "First select an edge in the picture or in the list"
-            if edge is None
-            else f"Edge {self.current + 1} cannot be used: {edge.why_not}"
-            if edge.curve is None
-            else "Use the selected edge in the pooled MTF again (Del)"
-            if again
-            else "Leave the selected edge out of the pooled MTF (Del)"
-        )
-        self.remove.setToolTip(about)
-        self.remove.setAccessibleName(about)
-
-
-# Which band of files that have several is measured.
-
-_NONE, _MOST = -1, 99_999
-_ABOUT = "Band to measure in files with several bands, counted from 0"
-
-
-class BandBox(QSpinBox):
-    """A band's number, or none: the only band there is, or the luminance of colours."""
-
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setObjectName("measure.band")
-        self.setAccessibleName(_ABOUT)
-        self.setToolTip(f"{_ABOUT}; –: the only band, or the luminance of a colour picture")
-        self.setRange(_NONE, _MOST)
-        self.setPrefix("Band ")
-        self.setSpecialValueText("Band –")
-        self.setKeyboardTracking(False)
-        self.setValue(_NONE)
-
-    @property
-    def band(self) -> int | None:
-        return None if self.value() == _NONE else self.value()
-
-    def choose_none(self) -> None:
-        self.setValue(_NONE)
+        usable = edge is not None and edge.curve is not None
+        self.remove.setEnabled(usable)
+        again = usable and edge is not None and not edge.used
+        self.remove.setText("Use Edge Again" if again else "Remove Edge")

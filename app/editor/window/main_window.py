@@ -220,7 +220,7 @@ class MainWindow(QMainWindow):
                 other.hide()
         self.runs.queue.close()
         self.measuring.worker.close()
-        self.fitting.close_worker()
+        self.fitting.worker.close()
         self.help.handbook.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards

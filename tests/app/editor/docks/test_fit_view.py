@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.declared_text import FreeNumber
+from app.editor.docks.background_work import picture_of
 from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge
 
@@ -68,19 +70,19 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert view.table.rowCount() == 1
     view.choose_pictures((files / "edge.npy",))
     seen = []
-    view._seen.connect(lambda _run, edges: seen.append(edges))
+    view.worker.progressed.connect(seen.append)
     before = window.session.document.network
     steps = window.session.document.history.position
     qtbot.mouseClick(view.fit, Qt.MouseButton.LeftButton)
     assert view.stop.isEnabled()
     qtbot.waitUntil(lambda: view.outcome is not None)
-    (fitted,) = view.outcome.numbers
+    (fitted,) = view.outcome.parameters
     # Nearly all of the blur is across: sin²(6°) of it is along, and there it is as in the picture.
     assert fitted.value == pytest.approx(SIGMA * INTERVAL_MRAD, abs=3.0 * fitted.sigma)
     assert 1e-4 < fitted.sigma < 1e-3
     assert view.outcome.chi2_per_degree == pytest.approx(1.0, abs=0.1)
     assert window.session.document.network is before
-    assert seen  # drawn as the values changed
+    assert any(isinstance(what, tuple) for what in seen)  # drawn as the values changed
     drawn = view.chart.edge
     assert len(drawn.distance) > 200
     assert float(np.std(drawn.sample - drawn.spread)) == pytest.approx(20.0 / 3000.0, rel=0.2)
@@ -96,7 +98,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert session.document.network == before
     assert "χ²" in view.status.title.text()
     session.do(set_parameter("blur", "sigma_y_mrad", 0.2))
-    assert "before an edit" in view.status.title.text()
+    assert "before a change" in view.status.title.text()
     right_click(window, "sigma_x_mrad", "fix")
     assert field.label.text() == field.title
     assert view.table.rowCount() == 0
@@ -121,7 +123,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     view.choose_pictures((files / "edge.npy",))
     view.begin()
     qtbot.waitUntil(lambda: view.outcome is not None)
-    assert [one.value is None for one in view.outcome.numbers] == [True]
+    assert [one.value is None for one in view.outcome.parameters] == [True]
     assert view.table.item(0, FITTED).text() == "not determined"
     assert any("not determined" in text for _, text in view.notices.left)
     assert not view.taking.isEnabled()
@@ -142,3 +144,31 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()
         assert button.accessibleName()
+
+
+def test_a_known_scene_is_fitted_as_a_whole(fitting, files, qtbot):
+    """The picture that a viewer shows is of the network's own scene, with the values it has."""
+    window, view = fitting, fitting.fitting
+    viewer = window.viewers.images[1]
+    qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
+    shown = picture_of(1, viewer)
+    noise = np.random.default_rng(4).normal(0.0, 0.02 * np.ptp(shown.samples), shown.samples.shape)
+    view.choose_pictures(replace(shown, samples=shown.samples + noise))
+    window.session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
+    view.begin()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    (fitted,) = view.outcome.parameters
+    assert fitted.value == pytest.approx(0.05, abs=3.0 * fitted.sigma)
+    assert view.chart.edge is None
+    assert not view.grab().isNull()
+    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
+    assert view.status.title.text() == "Fitted before a change: fit again"
+    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
+    view.choose_pictures((files / "edge.npy", files / "edge_too.npy"))
+    view.begin()
+    qtbot.waitUntil(lambda: "fitted to one picture" in view.status.title.text())
+    np.save(files / "small.npy", np.ones((40, 40)))
+    view.choose_pictures((files / "small.npy",))
+    view.begin()
+    qtbot.waitUntil(lambda: view.status.title.text().startswith("the picture has 40 × 40"))

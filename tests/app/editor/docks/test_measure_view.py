@@ -10,8 +10,10 @@ import time
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QApplication
 from scipy.special import erf
 
+from app.editor.docks.background_work import check_stop
 from app.editor.docks.edges import edge_look
 from app.editor.docks.measure_view import MeasureView
 from app.measure.measurement_text import REMOVED, USED
@@ -54,6 +56,11 @@ def measured(view, qtbot, two_edges):
     return view
 
 
+def click(qtbot, view, point):
+    qtbot.wait(QApplication.doubleClickInterval() + 50)
+    qtbot.mouseClick(view.canvas.viewport(), Qt.MouseButton.LeftButton, pos=point)
+
+
 def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     view = measured
     used = [place for place, edge in enumerate(view.measured.edges) if edge.used]
@@ -61,9 +68,7 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     both = view.measured.x
     assert both.edges == 2
     second = max(used, key=lambda place: view.measured.edges[place].found.x)
-    qtbot.mouseClick(
-        view.canvas, Qt.MouseButton.LeftButton, pos=view.canvas.point_of(second).toPoint()
-    )
+    click(qtbot, view, view.canvas.point_of(second).toPoint())
     assert view.current == second
     assert f"edge {second + 1}" in view.status.title.text()
     assert view.table.currentItem().text(0) == str(second + 1)
@@ -86,7 +91,7 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert edge_look(view.measured.edges[second])[0] == USED
     qtbot.keyClick(view.canvas, Qt.Key.Key_Right)
     assert view.current == (second + 1) % len(view.measured.edges)
-    qtbot.mouseClick(view.canvas, Qt.MouseButton.LeftButton, pos=QPoint(3, 3))
+    click(qtbot, view, QPoint(3, 3))
     assert view.current == -1
 
 
@@ -111,12 +116,12 @@ def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, t
 def test_work_is_stopped_and_shows_nothing(view, qtbot):
     begun, ended = threading.Event(), threading.Event()
 
-    def job(check, _report):
+    def job(stop, _report):
         begun.set()
         try:
             end = time.monotonic() + PATIENCE_S
             while time.monotonic() < end:
-                check()
+                check_stop(stop)
         finally:
             ended.set()
 

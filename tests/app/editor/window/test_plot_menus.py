@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QImage
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 
-from app.editor.docks.background_work import DrawnEdge
+from app.editor.docks.edges import DrawnEdge
 from window_hands import show_small
 
 COPY, NUMBERS, SAVE = "plot.copy", "plot.copy_numbers", "plot.save"
