@@ -133,11 +133,11 @@ class TradeOffPlots(QWidget):
         down = -(-len(self.graphs) // across)
         width, height = self.width() / across, self.height() / down
         left = self._room_for_ticks(height - _ABOVE, QFontMetricsF(font))
-        for index, graph in enumerate(self.graphs):
+        for index in range(len(self.graphs)):
             area = QRectF(index % across * width, index // across * height, width, height)
             lowest = index + across >= len(self.graphs)
             inside = area.adjusted(2, _ABOVE, -2, 0)
-            self._paint(painter, inside, graph, index, left=left, lowest=lowest)
+            self._paint(painter, inside, index, left=left, lowest=lowest)
         painter.end()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -150,8 +150,6 @@ class TradeOffPlots(QWidget):
         if self._dragged:
             self._drag(event.position())
         frame = self._frame_at(event.position())
-        shape = Qt.CursorShape.ArrowCursor if frame is None else Qt.CursorShape.SplitHCursor
-        self.setCursor(shape)
         self.pointed.emit(math.nan if frame is None else self._value(frame, event.position()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
@@ -177,15 +175,10 @@ class TradeOffPlots(QWidget):
             self.released.emit()
 
     def _across(self) -> int:
-        line, count = self.fontMetrics().height(), len(self.graphs)
-        most = max(1, min(count, self.width() // (11 * line)))
-
-        def shape(across: int) -> float:
-            down = -(-count // across)
-            ratio = self.width() / across / (self.height() / down)
-            return abs(math.log(ratio / 1.7)) + 0.1 * (across * down - count)
-
-        return min(range(1, most + 1), key=shape)
+        """Charts beside one another: as many as are wide enough and fill their rows."""
+        count = len(self.graphs)
+        fitting = max(1, min(count, self.width() // (22 * self.fontMetrics().height())))
+        return -(-count // -(-count // fitting)) if count else 1
 
     def _room_for_ticks(self, height: float, metrics: QFontMetricsF) -> float:
         """What all charts leave free at their left, so that their frames line up."""
@@ -193,15 +186,9 @@ class TradeOffPlots(QWidget):
         return max(room_for_ticks(rows, metrics) for rows in ticks)
 
     def _paint(
-        self,
-        painter: QPainter,
-        area: QRectF,
-        graph: Graph,
-        index: int,
-        *,
-        left: float,
-        lowest: bool,
+        self, painter: QPainter, area: QRectF, index: int, *, left: float, lowest: bool
     ) -> None:
+        graph = self.graphs[index]
         span, theme = self.span, theme_of(self)
         assert span is not None
         x = Axis(span.low, span.high, self._label if lowest else "", log=span.log)
@@ -212,28 +199,15 @@ class TradeOffPlots(QWidget):
         self._frames.append(chart.frame.translated(area.topLeft()))
         colour = theme.curves[index % len(theme.curves)]
         chart.curve(graph.x, graph.y, colour)
-        known = np.isfinite(graph.y)
-        alone = known & ~(np.append(False, known[:-1]) | np.append(known[1:], False))
-        dots = known if len(graph.x) <= _MOST_DOTS else alone
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(colour))
-        for place, value in zip(graph.x[dots].tolist(), graph.y[dots].tolist(), strict=True):
-            painter.drawEllipse(chart.at(place, value), 2.0, 2.0)
+        if len(graph.x) <= _MOST_DOTS:
+            known = np.isfinite(graph.y)
+            chart.dots(graph.x[known], graph.y[known], colour, 2.0)
         frame = chart.frame
-        gaps = [span.share(value) for value in graph.x[~known].tolist()]
-        self._paint_gaps(painter, frame, gaps)
         if self.mark is not None and span.low <= self.mark <= span.high:
             place = frame.left() + span.share(self.mark) * frame.width()
             painter.setPen(QPen(QColor(theme.accent), 2.0))
             painter.drawLine(QPointF(place, frame.top()), QPointF(place, frame.bottom()))
         painter.restore()
-
-    def _paint_gaps(self, painter: QPainter, frame: QRectF, shares: Sequence[float]) -> None:
-        painter.setPen(QPen(QColor(theme_of(self).error), 1.4))
-        for share in shares:
-            x, foot = frame.left() + share * frame.width(), frame.bottom()
-            for side in (-3.0, 3.0):
-                painter.drawLine(QPointF(x - side, foot - 6.0), QPointF(x + side, foot))
 
     def _frame_at(self, point: QPointF) -> QRectF | None:
         return next((frame for frame in self._frames if frame.contains(point)), None)

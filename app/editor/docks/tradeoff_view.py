@@ -6,14 +6,14 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
+    QHBoxLayout,
     QLabel,
     QLineEdit,
     QScrollArea,
@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidgetAction,
 )
 
-from app.editor.declared_text import label_of, shown_figure, shown_number
+from app.editor.declared_text import label_of, shown_figure, shown_number, typed_number
 from app.editor.docks.tradeoff_plots import (
     LEAST_COUNT,
     MOST_COUNT,
@@ -43,25 +43,16 @@ from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import Check, FlowLayout, Menu, filled, labelled, menu_button
-from app.run.output import ancestors
 from app.run.responses import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_drawing import csv_text
-from app.tradeoff.tradeoff_results import (
-    SENSORS,
-    Curve,
-    Figure,
-    Point,
-    Results,
-    figures_of,
-    makes_pixels,
-    parameter_of,
-    points_at,
-)
-from app.tradeoff.values import Variation
+from app.tradeoff.tradeoff_figures import SENSORS, Figure, Point, figures_of, makes_pixels
+from app.tradeoff.tradeoff_results import Curve, Results, parameter_of, points_at
+from app.tradeoff.values import Variation, is_number
 from core.chain.engine import Plan
-from core.errors import UsageError
+from core.errors import ParameterError, UsageError
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from core.modules.parameters import Parameter
 from core.network.network import Network
 
 if TYPE_CHECKING:
@@ -174,21 +165,29 @@ class TradeOffView(Viewer):
         return QSize(75 * width, 20 * line)
 
     def _build(self) -> None:
-        self.bar = TradeOffBar(self.session, self)
+        self.parameter = ParameterChoice(self.session, self)
+        labelled(self.parameter, "tradeoff.parameter", "Parameter to vary")
+        self.range = RangeBar(self.varied, self)
+        self.choose = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
+        self.choice = FigureMenu(self.choose)
+        self.choose.setMenu(self.choice)
+        bar = QWidget(self)
+        parts = (self.parameter, self.range, self.choose)
+        filled(FlowLayout(bar, across=4, down=2), *parts, margins=(2, 2, 2, 0))
         self.plots = TradeOffPlots(self)
-        self.list = self.bar.choice.list
+        self.list = self.choice.list
         self.status = StatusLine(self.owner, "What could not be computed", "Values there", self)
         scrolled = QScrollArea(self)
         scrolled.setFrameShape(QFrame.Shape.NoFrame)
         scrolled.setWidgetResizable(True)
         scrolled.setWidget(self.plots)
-        filled(QVBoxLayout(self), self.bar, (scrolled, 1), self.status, spacing=1)
+        filled(QVBoxLayout(self), bar, (scrolled, 1), self.status, spacing=1)
         self.plots.show_hint(_HINT)
         have_plot_menu(self.plots, self.session.message.emit, self._numbers)
-        self.bar.parameter.chosen.connect(self.trade_off)
-        self.bar.span_chosen.connect(self.set_span)
-        self.bar.refused.connect(self._refuse)
-        self.bar.choice.aboutToShow.connect(self._open_list)
+        self.parameter.chosen.connect(self.trade_off)
+        self.range.chosen.connect(self.set_span)
+        self.range.refused.connect(self._refuse)
+        self.choice.aboutToShow.connect(self._open_list)
         self.list.toggled.connect(self.show_figure)
         self.plots.moved.connect(self.varied.move)
         self.plots.stepped.connect(self._step)
@@ -198,8 +197,8 @@ class TradeOffView(Viewer):
     def _begin(self) -> None:
         self.points.clear()
         self._state = None
-        self.bar.parameter.choose(self.varied.node, self.varied.name)
-        self.bar.show_span(self.span)
+        self.parameter.choose(self.varied.node, self.varied.name)
+        self.range.show_span(self.span)
         self._show_mark()
         self._draw()
         self.ask()
@@ -215,12 +214,12 @@ class TradeOffView(Viewer):
         self._begin()
 
     def _open_list(self) -> None:
-        self.bar.choice.search.clear()
+        self.choice.search.clear()
         self._fill_list(opening=True)
         self.list.scroll_to_ticked()
 
     def _fill_list(self, *, opening: bool = False) -> None:
-        if not opening and not self.bar.choice.isVisible():
+        if not opening and not self.choice.isVisible():
             return
         entries = [Entry(one.text, listed_title(one)) for one in self.figures.values()]
         names = [figure.text for figure in self.shown]
@@ -230,7 +229,7 @@ class TradeOffView(Viewer):
         self.list.fill(
             entries, names, {entry.name: pens.get(entry.name, other) for entry in entries}
         )
-        self.bar.choice.fit()
+        self.choice.fit()
 
     def _draw(self) -> None:
         shown = self.shown
@@ -284,18 +283,6 @@ class TradeOffView(Viewer):
 
 # What the dock calls figures, and which it shows at first.
 
-_PLACES: Mapping[str, str] = MappingProxyType(
-    {
-        "mtf_nyquist_x": "MTF ξ, samples' Nyquist",
-        "mtf_nyquist_y": "MTF η, samples' Nyquist",
-        "mtf_half_nyquist_x": "MTF ξ, ½ samples' Nyquist",
-        "mtf_half_nyquist_y": "MTF η, ½ samples' Nyquist",
-        "mtf_pixel_nyquist_x": "MTF ξ, pixels' Nyquist",
-        "mtf_pixel_nyquist_y": "MTF η, pixels' Nyquist",
-        "mtf_half_pixel_nyquist_x": "MTF ξ, ½ pixels' Nyquist",
-        "mtf_half_pixel_nyquist_y": "MTF η, ½ pixels' Nyquist",
-    }
-)
 _FIRST = ("netd_system_K", "netd_K", "snr")
 _RANGES = ("mrtd_x_K", "detection_range_km", "ttp_range_km")
 _MOST_FIRST = 2
@@ -303,7 +290,10 @@ _MOST_FIRST = 2
 
 def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
     if figure.is_total:
-        return _PLACES[figure.name] + (", with electronics" if figure.node == SYSTEM else "")
+        axis = "ξ" if figure.name.endswith("x") else "η"
+        half, of = "½ " * ("half" in figure.name), "pixels" if "pixel" in figure.name else "samples"
+        more = ", with electronics" if figure.node == SYSTEM else ""
+        return f"MTF {axis}, {half}{of}' Nyquist{more}"
     unit = f" ({figure.unit})" if figure.unit else ""
     alike = [other for other in shown if other.name == figure.name and other.node != figure.node]
     return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
@@ -389,21 +379,12 @@ class TradeOffQuery(Query):
 
     def _state(self, plan: Plan) -> Hashable:
         network = plan.network
-        names = {figure.node for figure in self.figures if not figure.is_total}
-        # A parameter that follows others hangs on nodes that no wire leads from.
-        linked = any(node.linked for node in network.nodes.values())
-        everything = linked or any(f.is_total for f in self.figures)
-        asked = {*network.nodes} if everything else set(names)
-        for name in names & {*network.nodes}:
-            asked |= ancestors(network, name)
         nodes = []
-        for name in sorted({*asked, self.node} & {*network.nodes}):
-            node = network.nodes[name]
-            params = {n: v for n, v in node.params.items() if (name, n) != self._varied}
-            values = repr(sorted(params.items()))
-            nodes.append((name, node.module, node.disabled, values, _files(plan, name)))
-        links = tuple(link for link in network.links if link.target in asked)
-        return tuple(nodes), links, network.seed, network.marked, repr(network.extra.get("final"))
+        for name, node in network.nodes.items():
+            params = sorted((n, v) for n, v in node.params.items() if (name, n) != self._varied)
+            nodes.append((name, node.module, node.disabled, repr(params), _files(plan, name)))
+        links, final = network.links, repr(network.extra.get("final"))
+        return tuple(nodes), links, network.seed, network.marked, final
 
     @property
     def _varied(self) -> tuple[str, str]:
@@ -453,99 +434,84 @@ class SideWork(Work):
         self._work.for_each(function, items)
 
 
-_ROWS = 16  # of figures that are seen at once, at most
+class RangeBar(QWidget):
+    """The ends of a range, whether its steps are factors, and how many points it has."""
 
-
-class TradeOffBar(QWidget):
-    span_chosen = Signal(object)  # (span): another range
+    chosen = Signal(object)  # (span): another range
     refused = Signal(str)  # (text): why what was typed is no range
 
-    def __init__(self, session: Session, parent: QWidget) -> None:
+    def __init__(self, varied: Varied, parent: QWidget) -> None:
         super().__init__(parent)
+        self._varied = varied
         self._span: Span | None = None
-        self.parameter = ParameterChoice(session, self)
-        self.parameter.setObjectName("tradeoff.parameter")
-        self.parameter.setAccessibleName("Parameter to vary")
         self.low = self._edit("low", "From")
         self.high = self._edit("high", "To")
-        self.log = Check("log", self)
-        self.log.setObjectName("tradeoff.log")
-        self.log.setAccessibleName("Equal factors instead of equal steps")
-        self.log.setToolTip("Equal factors instead of equal steps")
-        self.count = labelled(
-            QSpinBox(self), "tradeoff.count", "Number of points", "Number of points"
-        )
+        about = "Equal factors instead of equal steps"
+        self.log = labelled(Check("log", self), "tradeoff.log", about, about)
+        about = "Number of points"
+        self.count = labelled(QSpinBox(self), "tradeoff.count", about, about)
         self.count.setSuffix(" points")
         self.count.setRange(LEAST_COUNT, MOST_COUNT)
         self.count.setKeyboardTracking(False)
-        self.figures = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
-        self.choice = FigureMenu(self.figures)
-        self.figures.setMenu(self.choice)
-        ends = (self._word("from"), self.low, self._word("to"), self.high)
-        parts = (self.parameter, *ends, self.log, self.count, self.figures)
-        filled(FlowLayout(self, across=4, down=2), *parts, margins=(2, 2, 2, 0))
-        self.low.committed.connect(self._typed)
-        self.high.committed.connect(self._typed)
-        self.low.given_up.connect(self._show)
-        self.high.given_up.connect(self._show)
+        parts = (QLabel("from", self), self.low, QLabel("to", self), self.high)
+        filled(QHBoxLayout(self), *parts, self.log, self.count, spacing=4)
+        for edit in (self.low, self.high):
+            edit.committed.connect(self._typed)
+            edit.given_up.connect(lambda: self.show_span(self._span))
         self.log.clicked.connect(self._typed)
         self.count.valueChanged.connect(self._typed)
         self.show_span(None)
 
     def show_span(self, span: Span | None) -> None:
         self._span = span
-        self._show()
-
-    def _show(self) -> None:
-        span = self._span
-        for widget in (self.low, self.high, self.log, self.count):
-            widget.setEnabled(span is not None)
-            widget.blockSignals(True)
+        self.setEnabled(span is not None)
         self.low.show_text("" if span is None else shown_number(span.low))
         self.high.show_text("" if span is None else shown_number(span.high))
         if span is not None:
-            self.log.setChecked(span.log)
-            self.count.setValue(span.count)
-        for widget in (self.low, self.high, self.log, self.count):
-            widget.blockSignals(False)
+            with QSignalBlocker(self.count):
+                self.log.setChecked(span.log)
+                self.count.setValue(span.count)
 
-    def _word(self, text: str) -> QLabel:
-        word = QLabel(text, self)
-        word.setMinimumHeight(self.low.sizeHint().height())
-        return word
-
-    def _edit(self, name: str, description: str) -> TypeIn:
+    def _edit(self, name: str, about: str) -> TypeIn:
         edit = TypeIn(self, characters=7)
         edit.setFixedWidth(edit.minimumWidth())
-        edit.setObjectName(f"tradeoff.{name}")
-        edit.setAccessibleName(f"{description}, end of the range")
-        edit.setToolTip(f"{description} this value")
-        return edit
+        return labelled(
+            edit, f"tradeoff.{name}", f"{about}, end of the range", f"{about} this value"
+        )
 
     def _typed(self, *_: object) -> None:
-        if self._span is None:
+        span, parameter = self._span, self._varied.parameter
+        if span is None or parameter is None:
             return
-        low, high = (_number(edit.text()) for edit in (self.low, self.high))
-        for edit, number in ((self.low, low), (self.high, high)):
-            if number is None:
-                edit.mark()
-                self.refused.emit(f"{edit.text()!r:.40} is not a number")
-                return
-        assert low is not None
-        assert high is not None
-        log = self.log.isChecked()
-        if not low < high or (log and low <= 0):
-            self.low.mark()
-            self.refused.emit(
-                f"from {shown_number(low)} to {shown_number(high)}: the first number must be "
-                + ("above 0 for equal factors" if low < high else "below the second")
-            )
+        try:
+            low, high = (self._number(edit, parameter) for edit in (self.low, self.high))
+            log = self.log.isChecked()
+            if not low < high or (log and low <= 0):
+                self.low.mark()
+                must = "above 0 for equal factors" if low < high else "below the second"
+                ends = f"from {shown_number(low)} to {shown_number(high)}"
+                raise UsageError(f"{ends}: the first number must be {must}")
+        except (UsageError, ParameterError) as error:
+            self.refused.emit(error.message)
             return
-        self.show_span(Span(low, high, log, self._span.whole, self.count.value()))
-        self.span_chosen.emit(self._span)
+        self.show_span(Span(low, high, log, span.whole, self.count.value()))
+        self.chosen.emit(self._span)
+
+    def _number(self, edit: TypeIn, parameter: Parameter) -> float:
+        try:
+            number = typed_number(edit.text(), parameter)
+            if not is_number(number):
+                raise UsageError(f"{edit.text()!r:.40} is not a number")
+        except (UsageError, ParameterError):
+            edit.mark()
+            raise
+        return float(number)  # type: ignore[arg-type] # a number
 
 
 # All figures, to be ticked: those in whose names what is typed occurs.
+
+
+_MOST_ROWS = 16
 
 
 class FigureMenu(Menu):
@@ -567,8 +533,9 @@ class FigureMenu(Menu):
         self.search.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def fit(self) -> None:
+        """Be as wide as the titles, and at most so many rows high."""
         frame, bar = 2 * self.list.frameWidth(), self.list.verticalScrollBar().sizeHint().width()
-        rows = min(self.list.count(), _ROWS) * max(self.list.sizeHintForRow(0), 1)
+        rows = min(self.list.count(), _MOST_ROWS) * max(self.list.sizeHintForRow(0), 1)
         self.list.setFixedSize(self.list.sizeHintForColumn(0) + frame + bar + 4, rows + frame)
         self.narrow()
 
@@ -578,15 +545,3 @@ class FigureMenu(Menu):
             item.setHidden(not all(word in item.text().casefold() for word in words))
         if words:
             self.list.scrollToTop()
-
-
-def _number(text: str) -> float | None:
-    """A number as people type it; None where it is none."""
-    text = text.strip().replace("\N{MINUS SIGN}", "-")
-    if text.count(",") == 1 and "." not in text:
-        text = text.replace(",", ".")
-    try:
-        number = float(text) if "_" not in text else math.nan
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None

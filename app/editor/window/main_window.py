@@ -316,9 +316,7 @@ class MainWindow(QMainWindow):
             "arrange": edits.arrange,
             "zoom_in": partial(canvas.zoom_by, 1.25),
             "zoom_out": partial(canvas.zoom_by, 0.8),
-            "trade_off": partial(
-                toggle_dock, viewers.tradeoff_dock, viewers.tradeoff.bar.parameter
-            ),
+            "trade_off": partial(toggle_dock, viewers.tradeoff_dock, viewers.tradeoff.parameter),
             "history": partial(toggle_dock, self.history_dock, self.history),
             "fit": partial(toggle_dock, self.fit_dock, self.fitting.table),
             "full_screen": self.full_screen.toggle,

@@ -96,7 +96,7 @@ class ViewerDocks(QObject):
 
     def trade_off(self, node: str, parameter: str) -> None:
         self.tradeoff.trade_off(*self._session.plain.parameter_behind(node, parameter))
-        bring_forward(self.tradeoff_dock, self.tradeoff.bar.parameter)
+        bring_forward(self.tradeoff_dock, self.tradeoff.parameter)
 
     def forget_pictures(self) -> None:
         for number, viewer in self.images.items():

@@ -23,7 +23,7 @@ def sigma(window):
 
 def open_figures(view):
     """What a press on the button opens, which would wait in a loop of its own."""
-    view.bar.figures.menu().popup(view.bar.figures.mapToGlobal(QPoint(0, 0)))
+    view.choice.popup(view.choose.mapToGlobal(QPoint(0, 0)))
     return {view.list.item(row).text(): view.list.item(row) for row in range(view.list.count())}
 
 
@@ -38,12 +38,12 @@ def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
     idle(window)
     assert view.isVisible()
     assert action.isChecked()
-    assert view.bar.parameter.hasFocus()
+    assert view.parameter.hasFocus()
     assert view.list.count() == 0
     open_figures(view)
     assert view.list.count() == len(view.figures) > 5
-    view.bar.figures.menu().close()
-    QTest.keyClick(view.bar.parameter, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
+    view.choice.close()
+    QTest.keyClick(view.parameter, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
     assert not view.isVisible()
     assert not action.isChecked()
 
@@ -52,7 +52,7 @@ def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
     window = opened_window
     window.actions_by_name["trade_off"].trigger()
     view = window.viewers.tradeoff
-    combo = view.bar.parameter
+    combo = view.parameter
     give_focus(combo)
     idle(window)
     field = combo.lineEdit()
@@ -70,7 +70,7 @@ def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
     QTest.keyClick(popup, KEY.Key_Down)
     QTest.keyClick(popup, KEY.Key_Return)
     idle(window)
-    assert view.bar.parameter.toolTip() == "blur.sigma_y_mrad"
+    assert view.parameter.toolTip() == "blur.sigma_y_mrad"
     assert len(view.points) == view.span.count
     field.selectAll()
     QTest.keyClicks(field, SIGMA)  # as the history, links and `--vary` write it
@@ -95,7 +95,7 @@ def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
     idle(window)
     view = window.viewers.tradeoff
     assert view.isVisible()
-    assert view.bar.parameter.currentText() == "σ of jitter (mrad)"
+    assert view.parameter.currentText() == "σ of jitter (mrad)"
     assert len(view.points) == view.span.count
 
 
@@ -132,13 +132,13 @@ def test_clicks_and_keys_set_the_parameter_each_as_a_step(opened_window, dock):
 
 
 def test_another_range_and_number_of_points(opened_window, dock, idle, graph):
-    for edit, text in ((dock.bar.low, "0.1"), (dock.bar.high, "10")):
+    for edit, text in ((dock.range.low, "0.1"), (dock.range.high, "10")):
         give_focus(edit)
         edit.selectAll()
         QTest.keyClicks(edit, text)
         QTest.keyClick(edit, KEY.Key_Return)
-    dock.bar.log.click()
-    dock.bar.count.setValue(3)
+    dock.range.log.click()
+    dock.range.count.setValue(3)
     idle(opened_window)
     assert dock.span == Span(0.1, 10.0, log=True, count=3)
     assert graph(MTF).x == pytest.approx([0.1, 1.0, 10.0])
@@ -157,7 +157,7 @@ def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
     ]
     assert np.isfinite(graph("electronics.ner").y).all()
     assert dock.list.isVisible()
-    dock.bar.figures.menu().close()
+    dock.choice.close()
     assert not dock.list.isVisible()
 
 
