@@ -10,7 +10,7 @@ import weakref
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from PySide6.QtCore import QCoreApplication, QObject, Qt, QTimer, Signal
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.evaluation.badges import with_macros
@@ -38,6 +38,13 @@ LOOK_MS = 100
 SWITCH_S = 0.001
 JOIN_S = 1.0
 QUIET_S = 1.0
+FRAME_MS = 8
+"""News are taken at most so often.
+
+A pass delivers its picture, its figures and its end within milliseconds. All were taken and drawn
+in one turn of the event loop, up to 49 ms long; with a pause it takes 25, and as many pictures are
+shown: of 4, 8, 12 and 16 ms, 8 had the shortest gaps at their full number.
+"""
 
 
 class _Bell(QObject):
@@ -74,8 +81,11 @@ class Evaluator(QObject):
         self._session = session
         self._inbox = Inbox()
         bell = _Bell()
-        self._frames = Frames(self._take_news, self)
-        bell.rung.connect(self._frames.notify, Qt.ConnectionType.QueuedConnection)
+        bell.rung.connect(self._rung, Qt.ConnectionType.QueuedConnection)
+        self._drawing = QTimer(
+            self, singleShot=True, interval=FRAME_MS, timerType=Qt.TimerType.PreciseTimer
+        )
+        self._drawing.timeout.connect(self._rung)
         self._outbox = Outbox(bell.ring)
         self._runner = Runner(
             session.library,
@@ -142,7 +152,7 @@ class Evaluator(QObject):
         self._session.changed.disconnect(self._follow_change)
         self._session.opened.disconnect(self._follow_opening)
         self._soon.stop()
-        self._frames.stop()
+        self._drawing.stop()
         self._outbox.closed = True
         self._inbox.stop()
         if self._thread is not None:
@@ -218,6 +228,12 @@ class Evaluator(QObject):
     def _is_quiet(self) -> bool:
         return self.idle and time.perf_counter() - self._edited_at > QUIET_S
 
+    def _rung(self) -> None:
+        """Take the worker's news no faster than they can be drawn."""
+        if self._outbox.full and not self._drawing.isActive():
+            self._take_news()
+            self._drawing.start()
+
     def _take_news(self) -> None:
         news = self._outbox.take()
         if self._closed or news.document != self._document:
@@ -272,47 +288,6 @@ class Evaluator(QObject):
         if shown != self._shown_badges:
             self._shown_badges = shown
             self.badges_changed.emit(dict(shown))
-
-
-# Taking the worker's news no faster than they can be drawn.
-
-FRAME_MS = 8
-"""News are taken at most so often.
-
-A pass delivers its picture, its figures and its end within milliseconds. All were taken and drawn
-in one turn of the event loop, up to 49 ms long; with a pause it takes 25, and as many pictures are
-shown: of 4, 8, 12 and 16 ms, 8 had the shortest gaps at their full number.
-"""
-
-
-class Frames(QObject):
-    def __init__(self, take: Callable[[], None], parent: QObject) -> None:
-        super().__init__(parent)
-        self._take = take
-        self._waiting = False
-        self._pause = QTimer(
-            self, singleShot=True, interval=FRAME_MS, timerType=Qt.TimerType.PreciseTimer
-        )
-        self._pause.timeout.connect(self._end)
-
-    def notify(self) -> None:
-        if self._pause.isActive():
-            self._waiting = True
-        else:
-            self._pass_on()
-
-    def stop(self) -> None:
-        self._pause.stop()
-        self._waiting = False
-
-    def _end(self) -> None:
-        if self._waiting:
-            self._waiting = False
-            self._pass_on()
-
-    def _pass_on(self) -> None:
-        self._take()
-        self._pause.start()
 
 
 # Which queries are to be answered, by who posted them, and which answers are still of use.
@@ -370,9 +345,6 @@ class OwnedQueries:
 # crashes.
 
 COLLECT_MS = 200
-# Properties of the application: collectors at work in its process, and whether Python's own
-# collection was on before the first.
-_COUNT, _WAS_ON = "imagechain_collectors", "imagechain_collection_was_on"
 
 
 class Collector(QObject):
@@ -381,23 +353,20 @@ class Collector(QObject):
     def __init__(self, is_quiet: Callable[[], bool], parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._is_quiet = is_quiet
+        self._was_on = False
         self._timer = QTimer(self, interval=COLLECT_MS)
         self._timer.timeout.connect(self._look)
 
     def start(self) -> None:
-        if not self._timer.isActive():
-            self._timer.start()
-            _count(1)
+        self._was_on = gc.isenabled()
+        gc.disable()
+        self._timer.start()
 
     def stop(self, *, resume: bool = True) -> None:
-        """Collect no more; the last one switches Python's own collection on if it was on before.
-
-        It stays off without `resume`, for a thread that goes on computing.
-        """
-        if self._timer.isActive():
-            self._timer.stop()
-            if resume:
-                _count(-1)
+        """Collect no more; Python does again, unless a thread goes on computing."""
+        self._timer.stop()
+        if resume and self._was_on:
+            gc.enable()
 
     def _look(self) -> None:
         """Collect what is due by Python's own thresholds."""
@@ -405,22 +374,8 @@ class Collector(QObject):
         resting = QGuiApplication.mouseButtons() == Qt.MouseButton.NoButton
         if due[2] and resting and self._is_quiet():
             gc.collect()
-        elif due[1]:
-            gc.collect(1)
-        elif due[0]:
-            gc.collect(0)
-
-
-def _count(change: int) -> None:
-    """Note that one more, or one less, collects; Python's switch is that of the whole process."""
-    application = QCoreApplication.instance()
-    before = application.property(_COUNT) or 0
-    application.setProperty(_COUNT, before + change)
-    if before == 0:
-        application.setProperty(_WAS_ON, gc.isenabled())
-        gc.disable()
-    elif before + change == 0 and application.property(_WAS_ON):
-        gc.enable()
+        elif due[1] or due[0]:
+            gc.collect(1 if due[1] else 0)
 
 
 # Whether what a part of the window shows is of the network as it stands.

@@ -209,6 +209,10 @@ class Outbox:
         self._news = News(0)
         self.closed = False
 
+    @property
+    def full(self) -> bool:
+        return self._woken
+
     def begin(self, document: int) -> None:
         """From now on it is about that document; what is left of another is dropped."""
         with self._lock:
