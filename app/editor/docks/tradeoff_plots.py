@@ -18,20 +18,19 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
+    QPalette,
     QPen,
     QResizeEvent,
     QStandardItem,
 )
-from PySide6.QtWidgets import QComboBox, QCompleter, QLineEdit, QWidget
+from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
 
 from app.editor.declared_text import label_of, tip, titled
-from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
+from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
-from app.editor.theme import theme_of
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
-from app.editor.widgets import labelled
+from app.editor.widgets import centred_hint, filled, labelled, show_or_hide
 from app.run.output import ANALYSIS
 from app.tradeoff.values import is_number, spaced
 from core.editing.operations import set_parameter
@@ -45,8 +44,8 @@ Vector = NDArray[np.float64]
 DECADES_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
-_ABOVE = 2.0  # dots free above a chart
 _LINES = 5.5  # of text, the least height of a chart
+_WIDE = 22  # lines of text, the least width of a chart beside others
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 
 
@@ -56,6 +55,43 @@ class Graph:
     title: str
     x: Vector
     y: Vector
+
+
+class FigureChart(ChartWidget):
+    """A figure over the parameter, with the mark at its present value."""
+
+    def __init__(self, plots: TradeOffPlots) -> None:
+        super().__init__(width=_WIDE, height=_LINES, parent=plots)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.plots = plots
+        self.frame = QRectF()
+
+    def minimumSizeHint(self) -> QSize:
+        line = self.fontMetrics().height()
+        return QSize(10 * line, round(_LINES * line))
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        plots = self.plots
+        index, span = plots.charts.index(self), plots.span
+        if span is None:
+            return
+        graph = plots.graphs[index]
+        metrics = QFontMetricsF(painter.font())
+        rows = (ordinate_ticks(_ordinate(each), area.height(), metrics) for each in plots.graphs)
+        left = max(room_for_ticks(ticks, metrics) for ticks in rows)  # so that frames line up
+        title = plots.label if index + plots.across >= len(plots.graphs) else ""
+        x = Axis(span.low, span.high, title, log=span.log)
+        chart = Chart(painter, area, x, _ordinate(graph), self.theme, left=left)
+        colour, frame = self.theme.curves[index % len(self.theme.curves)], chart.frame
+        chart.curve(graph.x, graph.y, colour)
+        if len(graph.x) <= _MOST_DOTS:
+            known = np.isfinite(graph.y)
+            chart.dots(graph.x[known], graph.y[known], colour, 2.0)
+        if plots.mark is not None and span.low <= plots.mark <= span.high:
+            place = frame.left() + span.share(plots.mark) * frame.width()
+            painter.setPen(QPen(QColor(self.theme.accent), 2.0))
+            painter.drawLine(QPointF(place, frame.top()), QPointF(place, frame.bottom()))
+        self.frame = frame.translated(self.pos())
 
 
 class TradeOffPlots(QWidget):
@@ -69,26 +105,26 @@ class TradeOffPlots(QWidget):
         labelled(self, "tradeoff.plots", "Figures of merit; arrow keys move the parameter")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
+        self.setAutoFillBackground(True)
+        self.setBackgroundRole(QPalette.ColorRole.Base)
         self.graphs: tuple[Graph, ...] = ()
         self.span: Span | None = None
         self.mark: float | None = None
-        self._label, self._hint = "", ""
-        self._frames: list[QRectF] = []
-        self._dragged = False
+        self.label = ""
+        self.across = 1
+        self.charts: list[FigureChart] = []
+        self._dragged: FigureChart | None = None
+        self._hint = centred_hint("", self)
+        self._grid = filled(QGridLayout(self), self._hint, spacing=0)
 
     def show_graphs(self, graphs: Sequence[Graph], span: Span | None, label: str) -> None:
-        self.graphs, self.span, self._label = tuple(graphs), span, label
-        self._make_room()
+        self.graphs, self.span, self.label = tuple(graphs) if span else (), span, label
+        while len(self.charts) > len(self.graphs):
+            self.charts.pop().deleteLater()
+        while len(self.charts) < len(self.graphs):
+            self.charts.append(FigureChart(self))
+        self._place_charts()
         self.update()
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        super().resizeEvent(event)
-        self._make_room()
-
-    def _make_room(self) -> None:
-        """Leave each chart so high that it is read: what it stands in scrolls."""
-        down = -(-len(self.graphs) // self._across()) if self.graphs else 1
-        self.setMinimumHeight(round(down * _LINES * self.fontMetrics().height()))
 
     def show_mark(self, value: float | None) -> None:
         if value != self.mark:
@@ -96,65 +132,39 @@ class TradeOffPlots(QWidget):
             self.update()
 
     def show_hint(self, text: str) -> None:
-        if text != self._hint:
-            self._hint = text
-            self.setAccessibleDescription(text)
-            self.update()
+        show_or_hide(self._hint, text)
 
     def place(self, index: int, value: float) -> QPointF:
         """Where an abscissa lies, half the way up a chart that has been drawn."""
-        frame = self._frames[index]
+        frame = self.charts[index].frame
         assert self.span is not None
         return QPointF(frame.left() + self.span.share(value) * frame.width(), frame.center().y())
 
-    def sizeHint(self) -> QSize:
-        line = self.fontMetrics().height()
-        return QSize(26 * line, 12 * line)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._place_charts()
 
-    def minimumSizeHint(self) -> QSize:
-        line = self.fontMetrics().height()
-        return QSize(10 * line, round(_LINES * line))
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(theme_of(self).base))
-        self._frames = []
-        if self.span is None or not self.graphs:
-            painter.setPen(QColor(theme_of(self).faint_text))
-            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(self.rect().adjusted(8, 8, -8, -8), int(flags), self._hint)
-            painter.end()
-            return
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        font = painter.font()
-        font.setPointSizeF(0.9 * font.pointSizeF())
-        painter.setFont(font)
-        across = self._across()
-        down = -(-len(self.graphs) // across)
-        width, height = self.width() / across, self.height() / down
-        left = self._room_for_ticks(height - _ABOVE, QFontMetricsF(font))
-        for index in range(len(self.graphs)):
-            area = QRectF(index % across * width, index // across * height, width, height)
-            lowest = index + across >= len(self.graphs)
-            inside = area.adjusted(2, _ABOVE, -2, 0)
-            self._paint(painter, inside, index, left=left, lowest=lowest)
-        painter.end()
+    def _place_charts(self) -> None:
+        """Beside one another as many as are wide enough and fill their rows."""
+        count = max(1, len(self.charts))
+        fitting = max(1, min(count, self.width() // (_WIDE * self.fontMetrics().height())))
+        self.across = -(-count // -(-count // fitting))
+        for index, chart in enumerate(self.charts):
+            self._grid.addWidget(chart, *divmod(index, self.across))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        inside = self._frame_at(event.position()) is not None
-        if event.button() == Qt.MouseButton.LeftButton and inside:
-            self._dragged = True
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._dragged = self._chart_at(event.position())
             self._drag(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._dragged:
-            self._drag(event.position())
-        frame = self._frame_at(event.position())
-        self.pointed.emit(math.nan if frame is None else self._value(frame, event.position()))
+        self._drag(event.position())
+        chart = self._chart_at(event.position())
+        self.pointed.emit(math.nan if chart is None else self._value(chart, event.position()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._dragged and event.button() == Qt.MouseButton.LeftButton:
-            self._dragged = False
+        if self._dragged is not None and event.button() == Qt.MouseButton.LeftButton:
+            self._dragged = None
             self.released.emit()
 
     def leaveEvent(self, event: QEvent) -> None:
@@ -174,55 +184,16 @@ class TradeOffPlots(QWidget):
         if event.key() in _STEPS and not event.isAutoRepeat():
             self.released.emit()
 
-    def _across(self) -> int:
-        """Charts beside one another: as many as are wide enough and fill their rows."""
-        count = len(self.graphs)
-        fitting = max(1, min(count, self.width() // (22 * self.fontMetrics().height())))
-        return -(-count // -(-count // fitting)) if count else 1
+    def _chart_at(self, point: QPointF) -> FigureChart | None:
+        return next((chart for chart in self.charts if chart.frame.contains(point)), None)
 
-    def _room_for_ticks(self, height: float, metrics: QFontMetricsF) -> float:
-        """What all charts leave free at their left, so that their frames line up."""
-        ticks = (ordinate_ticks(_ordinate(graph), height, metrics) for graph in self.graphs)
-        return max(room_for_ticks(rows, metrics) for rows in ticks)
-
-    def _paint(
-        self, painter: QPainter, area: QRectF, index: int, *, left: float, lowest: bool
-    ) -> None:
-        graph = self.graphs[index]
-        span, theme = self.span, theme_of(self)
-        assert span is not None
-        x = Axis(span.low, span.high, self._label if lowest else "", log=span.log)
-        painter.save()
-        painter.translate(area.topLeft())
-        room = QRectF(QPointF(), area.size())
-        chart = Chart(painter, room, x, _ordinate(graph), theme, left=left)
-        self._frames.append(chart.frame.translated(area.topLeft()))
-        colour = theme.curves[index % len(theme.curves)]
-        chart.curve(graph.x, graph.y, colour)
-        if len(graph.x) <= _MOST_DOTS:
-            known = np.isfinite(graph.y)
-            chart.dots(graph.x[known], graph.y[known], colour, 2.0)
-        frame = chart.frame
-        if self.mark is not None and span.low <= self.mark <= span.high:
-            place = frame.left() + span.share(self.mark) * frame.width()
-            painter.setPen(QPen(QColor(theme.accent), 2.0))
-            painter.drawLine(QPointF(place, frame.top()), QPointF(place, frame.bottom()))
-        painter.restore()
-
-    def _frame_at(self, point: QPointF) -> QRectF | None:
-        return next((frame for frame in self._frames if frame.contains(point)), None)
-
-    def _value(self, frame: QRectF, point: QPointF) -> float:
+    def _value(self, chart: FigureChart, point: QPointF) -> float:
         assert self.span is not None
-        return self.span.value_at((point.x() - frame.left()) / frame.width())
+        return float(self.span.value_at((point.x() - chart.frame.left()) / chart.frame.width()))
 
     def _drag(self, point: QPointF) -> None:
-        """Below or above the charts the nearest one counts."""
-        if self._frames:
-            frame = self._frame_at(point) or min(
-                self._frames, key=lambda candidate: abs(candidate.center().x() - point.x())
-            )
-            self.moved.emit(float(self._value(frame, point)))
+        if self._dragged is not None:
+            self.moved.emit(self._value(self._dragged, point))
 
 
 def _ordinate(graph: Graph) -> Axis:
