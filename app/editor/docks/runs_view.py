@@ -24,7 +24,7 @@ from app.editor.docks.run_queue import Run, RunQueue
 from app.editor.widgets import FlowLayout, centred_hint, filled, labelled, tool_button
 
 _TICK_MS = 1000
-_ONE_PX, _SEVERAL_PX = 256, 96
+_ONE_PX, _SEVERAL_PX = 160, 96
 _HINT = (
     "No runs yet. Add… starts one: a sweep of a parameter, frames, a list of pictures, or one "
     "run that also writes the network's files. You can edit while it runs."

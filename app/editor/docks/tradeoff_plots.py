@@ -25,16 +25,16 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
 
-from app.editor.declared_text import label_of, tip, titled
+from app.editor.declared_text import label_of, shown_number, tip, titled
 from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
 from app.editor.widgets import centred_hint, filled, labelled, show_or_hide
 from app.run.output import ANALYSIS
-from app.tradeoff.values import is_number, spaced
+from app.tradeoff.values import MOST, OPTION, Variation, is_number, spaced, variation
 from core.editing.operations import set_parameter
-from core.errors import ParameterError
+from core.errors import ParameterError, UsageError
 from core.modules.parameters import Parameter, plain
 from core.modules.preview import Axis
 from core.names import thaw
@@ -45,7 +45,7 @@ DECADES_FROM = 100.0  # the largest over the smallest value, from which on decad
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
 _LINES = 5.5  # of text, the least height of a chart
-_WIDE = 22  # lines of text, the least width of a chart beside others
+_WIDE = 11  # lines of text, the least width of a chart beside others
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 
 
@@ -213,7 +213,8 @@ PART = 8  # values in one query: it starts anew if an edit comes
 NEAR = 0.2  # of a declared range: below that share of its end it would hide what happens
 LOG_FROM = 3000.0  # the end of a range over its beginning, from which on its steps are factors
 DEFAULT_COUNT = 25
-LEAST_COUNT, MOST_COUNT = 2, 201
+MOST_COUNT = 201
+RANGE = "FROM:TO:COUNT, or FROM:TO:COUNT:log for equal factors"
 
 
 @dataclass(frozen=True)
@@ -225,6 +226,11 @@ class Span:
     log: bool = False
     whole: bool = False
     count: int = DEFAULT_COUNT
+
+    @property
+    def text(self) -> str:
+        ends = f"{shown_number(self.low)}:{shown_number(self.high)}"
+        return f"{ends}:{self.count}{':log' if self.log else ''}"
 
     def values(self) -> tuple[float | int, ...]:
         return spaced(self.low, self.high, self.count, log=self.log, whole=self.whole)
@@ -270,6 +276,25 @@ def usual_span(parameter: Parameter, present: Any) -> Span:
     start = 0.5 * value if _zero_is_empty(parameter) or param.above else 0.0
     low, high = sorted((start, 2.0 * value))
     return _within(parameter, Span(low, high, whole=whole))
+
+
+def typed_values(session: Session, target: str, text: str, most: int = MOST) -> Variation:
+    """Values of a parameter, typed as ``--vary`` takes them."""
+    try:
+        given = f"{target}={text.replace(' ', '')}"
+        return variation(given, session.plain, library=session.library, most=most)
+    except UsageError as error:
+        words = error.message.replace(f"{OPTION} ", "").replace("NODE.PARAM=", "")
+        raise UsageError(words) from error
+
+
+def typed_span(session: Session, varied: Varied, text: str) -> Span:
+    values = typed_values(session, f"{varied.node}.{varied.name}", text, MOST_COUNT)
+    parts = text.split(":")
+    if len(parts) == 1:
+        raise UsageError(f"{text!r:.40} is no range: {RANGE}")
+    low, high = sorted(map(float, parts[:2]))
+    return Span(low, high, values.log, values.parameter.kind == "integer", int(parts[2]))
 
 
 def coarse_first(values: tuple[Any, ...]) -> tuple[tuple[Any, ...], ...]:

@@ -9,30 +9,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PySide6.QtCore import QEvent, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSize, Qt
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
-    QHBoxLayout,
-    QLabel,
     QLineEdit,
     QScrollArea,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
     QWidgetAction,
 )
 
-from app.editor.declared_text import label_of, shown_figure, shown_number, typed_number
+from app.editor.declared_text import label_of, shown_figure, shown_number
 from app.editor.docks.tradeoff_plots import (
-    LEAST_COUNT,
-    MOST_COUNT,
+    RANGE,
     Graph,
     ParameterChoice,
     Span,
     TradeOffPlots,
     Varied,
     coarse_first,
+    typed_span,
     usual_span,
 )
 from app.editor.evaluation.queries import Answer, Passing, Query
@@ -42,17 +39,16 @@ from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
-from app.editor.widgets import Check, FlowLayout, Menu, filled, labelled, menu_button
+from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button
 from app.run.responses import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_drawing import csv_text
 from app.tradeoff.tradeoff_figures import SENSORS, Figure, Point, figures_of, makes_pixels
 from app.tradeoff.tradeoff_results import Curve, Results, parameter_of, points_at
-from app.tradeoff.values import Variation, is_number
+from app.tradeoff.values import Variation
 from core.chain.engine import Plan
-from core.errors import ParameterError, UsageError
+from core.errors import ImagechainError, UsageError
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.modules.parameters import Parameter
 from core.network.network import Network
 
 if TYPE_CHECKING:
@@ -167,7 +163,7 @@ class TradeOffView(Viewer):
     def _build(self) -> None:
         self.parameter = ParameterChoice(self.session, self)
         labelled(self.parameter, "tradeoff.parameter", "Parameter to vary")
-        self.range = RangeBar(self.varied, self)
+        self.range = labelled(TypeIn(self, characters=16), "tradeoff.range", "Range", RANGE)
         self.choose = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
         self.choice = FigureMenu(self.choose)
         self.choose.setMenu(self.choice)
@@ -185,8 +181,8 @@ class TradeOffView(Viewer):
         self.plots.show_hint(_HINT)
         have_plot_menu(self.plots, self.session.message.emit, self._numbers)
         self.parameter.chosen.connect(self.trade_off)
-        self.range.chosen.connect(self.set_span)
-        self.range.refused.connect(self._refuse)
+        self.range.committed.connect(self._typed)
+        self.range.given_up.connect(self._show_range)
         self.choice.aboutToShow.connect(self._open_list)
         self.list.toggled.connect(self.show_figure)
         self.plots.moved.connect(self.varied.move)
@@ -198,10 +194,21 @@ class TradeOffView(Viewer):
         self.points.clear()
         self._state = None
         self.parameter.choose(self.varied.node, self.varied.name)
-        self.range.show_span(self.span)
+        self._show_range()
         self._show_mark()
         self._draw()
         self.ask()
+
+    def _show_range(self) -> None:
+        self.range.setEnabled(self.span is not None)
+        self.range.show_text("" if self.span is None else self.span.text)
+
+    def _typed(self, text: str) -> None:
+        try:
+            self.set_span(typed_span(self.session, self.varied, text))
+        except ImagechainError as error:
+            self.range.mark()
+            self._refuse(error.message)
 
     def _follow_nodes(self) -> None:
         network = self.session.network
@@ -432,80 +439,6 @@ class SideWork(Work):
 
     def for_each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
         self._work.for_each(function, items)
-
-
-class RangeBar(QWidget):
-    """The ends of a range, whether its steps are factors, and how many points it has."""
-
-    chosen = Signal(object)  # (span): another range
-    refused = Signal(str)  # (text): why what was typed is no range
-
-    def __init__(self, varied: Varied, parent: QWidget) -> None:
-        super().__init__(parent)
-        self._varied = varied
-        self._span: Span | None = None
-        self.low = self._edit("low", "From")
-        self.high = self._edit("high", "To")
-        about = "Equal factors instead of equal steps"
-        self.log = labelled(Check("log", self), "tradeoff.log", about, about)
-        about = "Number of points"
-        self.count = labelled(QSpinBox(self), "tradeoff.count", about, about)
-        self.count.setSuffix(" points")
-        self.count.setRange(LEAST_COUNT, MOST_COUNT)
-        self.count.setKeyboardTracking(False)
-        parts = (QLabel("from", self), self.low, QLabel("to", self), self.high)
-        filled(QHBoxLayout(self), *parts, self.log, self.count, spacing=4)
-        for edit in (self.low, self.high):
-            edit.committed.connect(self._typed)
-            edit.given_up.connect(lambda: self.show_span(self._span))
-        self.log.clicked.connect(self._typed)
-        self.count.valueChanged.connect(self._typed)
-        self.show_span(None)
-
-    def show_span(self, span: Span | None) -> None:
-        self._span = span
-        self.setEnabled(span is not None)
-        self.low.show_text("" if span is None else shown_number(span.low))
-        self.high.show_text("" if span is None else shown_number(span.high))
-        if span is not None:
-            with QSignalBlocker(self.count):
-                self.log.setChecked(span.log)
-                self.count.setValue(span.count)
-
-    def _edit(self, name: str, about: str) -> TypeIn:
-        edit = TypeIn(self, characters=7)
-        edit.setFixedWidth(edit.minimumWidth())
-        return labelled(
-            edit, f"tradeoff.{name}", f"{about}, end of the range", f"{about} this value"
-        )
-
-    def _typed(self, *_: object) -> None:
-        span, parameter = self._span, self._varied.parameter
-        if span is None or parameter is None:
-            return
-        try:
-            low, high = (self._number(edit, parameter) for edit in (self.low, self.high))
-            log = self.log.isChecked()
-            if not low < high or (log and low <= 0):
-                self.low.mark()
-                must = "above 0 for equal factors" if low < high else "below the second"
-                ends = f"from {shown_number(low)} to {shown_number(high)}"
-                raise UsageError(f"{ends}: the first number must be {must}")
-        except (UsageError, ParameterError) as error:
-            self.refused.emit(error.message)
-            return
-        self.show_span(Span(low, high, log, span.whole, self.count.value()))
-        self.chosen.emit(self._span)
-
-    def _number(self, edit: TypeIn, parameter: Parameter) -> float:
-        try:
-            number = typed_number(edit.text(), parameter)
-            if not is_number(number):
-                raise UsageError(f"{edit.text()!r:.40} is not a number")
-        except (UsageError, ParameterError):
-            edit.mark()
-            raise
-        return float(number)  # type: ignore[arg-type] # a number
 
 
 # All figures, to be ticked: those in whose names what is typed occurs.

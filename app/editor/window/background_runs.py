@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +22,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import label_of, shown_number
+from app.editor.declared_text import label_of
 from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.docks.run_queue import Run, RunQueue, job_of, proposed_folder
 from app.editor.docks.runs_view import RunsView, failures_text
-from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, usual_span
+from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
 from app.editor.session import Session
 from app.editor.theme import ERROR
 from app.editor.widgets import Check, filled, labelled, plain_label, show_or_hide, tool_button
@@ -34,7 +35,7 @@ from app.run.job import Kind
 from app.run.option_values import REPORTS
 from app.run.saving import MOST_FRAMES
 from app.run.staging import check_folder
-from app.tradeoff.values import OPTION, taken_value, variation
+from app.tradeoff.values import taken_value
 from core.errors import ImagechainError, UsageError
 from core.names import shown
 from core.network.network import MACRO
@@ -266,8 +267,7 @@ class AddRun(QDialog):
         parameter = self._varied.parameter
         if parameter is not None:
             span = usual_span(parameter, self._varied.present)
-            ends = f"{shown_number(span.low)}:{shown_number(span.high)}"
-            self.values.setText(f"{ends}:{_USUAL_COUNT}{':log' if span.log else ''}")
+            self.values.setText(replace(span, count=_USUAL_COUNT).text)
             unit = parameter.param.unit
             self.values.setToolTip(f"{FORM}{unit and f'; in {unit}'}")
             self._say("")
@@ -311,7 +311,7 @@ class AddRun(QDialog):
             job = job_of(self._session, self.kind, output, **choices)
         except (ImagechainError, RuntimeError) as error:  # of a home that nobody has
             text = error.message if isinstance(error, ImagechainError) else str(error)
-            self._say(text.replace(f"{OPTION} ", "").replace("NODE.PARAM=", ""), field)
+            self._say(text, field)
             return
         path = self._session.document.path
         name = path.stem if path else self._session.network.name or "untitled"
@@ -344,13 +344,13 @@ class AddRun(QDialog):
         return "one run", {}
 
     def _sweep(self) -> tuple[str, dict[str, Any]]:
-        varied, text = self._varied, self.values.text().replace(" ", "")
+        varied, text = self._varied, self.values.text().strip()
         if varied.parameter is None:
             raise UsageError("choose the parameter to sweep")
         if not text:
             raise UsageError(f"no values: {FORM}")
-        target, session = f"{varied.node}.{varied.name}", self._session
-        swept = variation(f"{target}={text}", session.plain, library=session.library)
+        target = f"{varied.node}.{varied.name}"
+        swept = typed_values(self._session, target, text)
         values = tuple(taken_value(swept.parameter, value) for value in swept.values)
         pictures = self.pictures.isChecked()
         choices = {"target": target, "values": values, "log": swept.log, "pictures": pictures}

@@ -132,13 +132,14 @@ def test_clicks_and_keys_set_the_parameter_each_as_a_step(opened_window, dock):
 
 
 def test_another_range_and_number_of_points(opened_window, dock, idle, graph):
-    for edit, text in ((dock.range.low, "0.1"), (dock.range.high, "10")):
-        give_focus(edit)
-        edit.selectAll()
-        QTest.keyClicks(edit, text)
-        QTest.keyClick(edit, KEY.Key_Return)
-    dock.range.log.click()
-    dock.range.count.setValue(3)
+    give_focus(dock.range)
+    for text in ("0.1:10", "0.1:10:3:log"):
+        dock.range.selectAll()
+        QTest.keyClicks(dock.range, text)
+        QTest.keyClick(dock.range, KEY.Key_Return)
+        if text == "0.1:10":
+            assert "write FROM:TO:COUNT" in dock.status.title.text()
+            assert dock.span == Span(0.0, 1.0)
     idle(opened_window)
     assert dock.span == Span(0.1, 10.0, log=True, count=3)
     assert graph(MTF).x == pytest.approx([0.1, 1.0, 10.0])
