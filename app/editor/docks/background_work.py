@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
-from PySide6.QtGui import QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QMimeData, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QDragEnterEvent, QDropEvent, QKeyEvent
+from PySide6.QtWidgets import QSplitter, QWidget
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.badges import as_error
@@ -137,15 +137,25 @@ class MeasureWorker(QObject):
 
 
 class WorkerView(QWidget):
+    """Works on pictures, also on files that are dropped; networks are left to its window."""
+
     status: StatusLine
 
     def __init__(self, name: str, words: str) -> None:
         super().__init__()
         labelled(self, name, words)
+        self.setAcceptDrops(True)
         self.worker = MeasureWorker(self)
+
+    def take_files(self, paths: tuple[Path, ...]) -> None:
+        raise NotImplementedError
 
     def cancel(self) -> None:
         self.worker.cancel()
+
+    def sizeHint(self) -> QSize:
+        line = self.fontMetrics().height()
+        return QSize(48 * line, 21 * line)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and self.worker.busy:
@@ -154,6 +164,15 @@ class WorkerView(QWidget):
         else:
             super().keyPressEvent(event)
 
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if _dropped(event.mimeData()):
+            accept_copy(event)
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        accept_copy(event)
+        if event.isAccepted():
+            self.take_files(_dropped(event.mimeData()))
+
     def _report(self, kind: str, text: str) -> None:
         self._say(text, failed=kind == "error")
 
@@ -161,10 +180,24 @@ class WorkerView(QWidget):
         self.status.show_text(text, failed=failed)
 
 
+def split(across: Qt.Orientation, *parts: tuple[QWidget, int]) -> QSplitter:
+    """Parts with their stretches, between which the person moves the border."""
+    splitter = QSplitter(across, childrenCollapsible=False)
+    for index, (part, stretch) in enumerate(parts):
+        splitter.addWidget(part)
+        splitter.setStretchFactor(index, stretch)
+    return splitter
+
+
+def _dropped(data: QMimeData) -> tuple[Path, ...]:
+    paths = tuple(map(Path, local_files(data)))
+    network = any(path.suffix.lower() in JSON.suffixes for path in paths)
+    return () if network or len(paths) < len(data.urls()) else paths
+
+
 # The pictures that are measured, or fitted to: files, or what a viewer shows.
 
 Pictures = tuple[Path, ...] | ViewerPicture
-_DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
 
 
 def pictures_name(pictures: Pictures) -> str:
@@ -178,31 +211,3 @@ def pictures_text(pictures: Pictures) -> str:
     if isinstance(pictures, ViewerPicture):
         return pictures.name
     return "\n".join(map(str, pictures))
-
-
-class PictureDrops(QObject):
-    """Takes picture files that are dropped on a widget. Networks are left to its window."""
-
-    def __init__(self, widget: QWidget, taken: Callable[[tuple[Path, ...]], object]) -> None:
-        super().__init__(widget)
-        self._taken = taken
-        widget.setAcceptDrops(True)
-        widget.installEventFilter(self)
-
-    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
-            return False
-        paths = _dropped(event.mimeData())
-        if not paths:
-            event.ignore()
-            return True
-        accept_copy(event)
-        if event.type() == QEvent.Type.Drop and event.isAccepted():
-            self._taken(paths)
-        return True
-
-
-def _dropped(data: QMimeData) -> tuple[Path, ...]:
-    paths = tuple(map(Path, local_files(data)))
-    network = any(path.suffix.lower() in JSON.suffixes for path in paths)
-    return () if network or len(paths) < len(data.urls()) else paths

@@ -8,17 +8,16 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from math import floor, log10
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QEvent, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QHeaderView,
     QLabel,
-    QPlainTextEdit,
-    QSplitter,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -28,7 +27,6 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
 from app.editor.dialogs import choose_pictures
 from app.editor.docks.background_work import (
-    PictureDrops,
     Pictures,
     Report,
     ViewerPicture,
@@ -36,9 +34,10 @@ from app.editor.docks.background_work import (
     check_stop,
     pictures_name,
     pictures_text,
+    split,
 )
 from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
-from app.editor.notices import NoticeList, sentence
+from app.editor.notices import NoticeList, Severity, sentence
 from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu
@@ -60,8 +59,7 @@ if TYPE_CHECKING:
     from app.fit.picture_fit import FittedPictures
 
 _NO_PICTURE = "no picture"
-_NOTHING_FREE = "Right-click a number on a panel and choose Free for a fit"
-_SAID_HERE = "Fit reports here how well the chain matches the picture"
+_NOTHING_FREE = "no parameter is free: right-click a number on a panel, choose Free for a fit"
 _TAKE = "Write all fitted values into the network, as one step that you can undo"
 _HELD_BYTES = 1 << 28
 _PAUSE_S = 0.05  # between edges that are shown while values change
@@ -87,7 +85,6 @@ class FitView(WorkerView):
         self._own: Pictures | None = None
         self._fits: list[object] = []  # what was fitted, and that with the values taken
         self._edges: dict[str, DrawnEdge] = {}
-        self.drops = PictureDrops(self, self.choose_pictures)
         self._build()
         self._connect()
         have_plot_menu(self.chart, self._report, self.chart.numbers)
@@ -100,6 +97,9 @@ class FitView(WorkerView):
     def choose_pictures(self, pictures: Pictures) -> None:
         self._own = pictures
         self.show_state()
+
+    def take_files(self, paths: tuple[Path, ...]) -> None:
+        self.choose_pictures(paths)
 
     def _choose_file(self) -> None:
         window, name = self.window(), "fit_dialog"
@@ -182,10 +182,6 @@ class FitView(WorkerView):
 
     # --- the widget --------------------------------------------------------------------------
 
-    def sizeHint(self) -> QSize:
-        line = self.fontMetrics().height()
-        return QSize(48 * line, 20 * line)
-
     def _build(self) -> None:
         self.file = tool_button(
             "fit.file",
@@ -208,33 +204,19 @@ class FitView(WorkerView):
             "picture has edges",
             self,
         )
-        self.remove = tool_button(
-            "fit.remove", "Remove", "Fix the selected parameter again (Del)", self
-        )
-        self.which = QComboBox(self)
-        self.which.setObjectName("fit.edges")
-        self.which.setAccessibleName("Edge to plot")
-        self.which.setToolTip("Choose which of the picture's edges is plotted")
+        about = "Fix the selected parameter again (Del)"
+        self.remove = tool_button("fit.remove", "Remove", about, self)
+        about = "Choose which of the picture's edges is plotted"
+        self.which = labelled(QComboBox(self), "fit.edges", "Edge to plot", about)
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         bar = QWidget(self)
         buttons = (self.file, self.known, self.fit, self.stop, self.taking, self.remove)
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
-        self.notices = NoticeList("fit.notices", "Warnings of the fit", self)
+        self.notices = NoticeList("fit.notices", "Warnings and notes of the fit", self)
         self.table = FreeTable(self._session, self)
-        self.words = labelled(QPlainTextEdit(self, readOnly=True), "fit.words", "Result of the fit")
-        self.words.setTabChangesFocus(True)
         self.chart = SpreadChart(self)
-        left = QSplitter(Qt.Orientation.Vertical, self)
-        left.addWidget(self.table)
-        left.addWidget(self.words)
-        halves = QSplitter(Qt.Orientation.Horizontal, self)
-        halves.addWidget(left)
-        halves.addWidget(self.chart)
-        for splitter in (left, halves):
-            splitter.setChildrenCollapsible(False)
-            splitter.setStretchFactor(0, 1)
-            splitter.setStretchFactor(1, 1)
+        halves = split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))
         self.status = StatusLine("fit", "What is fitted, or why no fit is possible", "", self)
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
@@ -262,8 +244,6 @@ class FitView(WorkerView):
         self.name.setText(_NO_PICTURE if pictures is None else pictures_name(pictures))
         self.name.setToolTip("" if pictures is None else pictures_text(pictures))
         count = len(self._session.free.all)
-        self.words.setPlaceholderText(_SAID_HERE if count else _NOTHING_FREE)
-        self.words.viewport().update()  # Qt does not draw it anew
         self._show_buttons()
         if self.worker.busy:
             return
@@ -271,7 +251,7 @@ class FitView(WorkerView):
         if self.outcome is not None:
             self._say("Fitted before a change: fit again" if old else self._result)
         elif old:
-            self._say(f"{count} free" if count else "no parameter is free")
+            self._say(f"{count} free" if count else _NOTHING_FREE)
 
     @property
     def _determined(self) -> list[FittedParameter]:
@@ -289,8 +269,8 @@ class FitView(WorkerView):
     def _result(self) -> str:
         assert self.outcome is not None
         count, many = len(self._determined), len(self.outcome.parameters)
-        chi2 = f"χ² per degree of freedom {self.outcome.chi2_per_degree:.3g}"
-        return f"{count} of {many} determined, {chi2}"
+        chi2, degrees = self.outcome.chi2_per_degree, self.outcome.fit.misfit.degrees
+        return f"{count} of {many} determined, χ² per degree of freedom {chi2:.3g} ({degrees})"
 
     def _show_buttons(self) -> None:
         busy, free = self.worker.busy, self._session.free.all
@@ -303,9 +283,7 @@ class FitView(WorkerView):
     def _show_outcome(self, outcome: FitResult | None) -> None:
         self.outcome = outcome
         self.table.show_fitted(() if outcome is None else outcome.parameters)
-        self.words.setPlainText("" if outcome is None else _words(outcome))
-        warned = () if outcome is None else outcome.warnings
-        self.notices.show_notices(("warning", sentence(line)) for line in warned)
+        self.notices.show_notices(() if outcome is None else _said(outcome))
         if outcome is None or outcome.fit.edges is None:
             self._show_edges(())
         else:
@@ -360,7 +338,7 @@ def limited(
     from app.fit.free_parameter import free_parameters
 
     if not numbers:
-        raise UsageError("no parameter is free: " + _NOTHING_FREE)
+        raise UsageError(_NOTHING_FREE)
     free = free_parameters([one.port for one in numbers], network, session.library, option="")
     return tuple(
         replace(
@@ -390,12 +368,12 @@ def read(pictures: Pictures) -> FittedPictures:
     return FittedPictures((pictures.name,), samples, taken=(taken,))
 
 
-def _words(result: FitResult) -> str:
-    degrees = result.fit.misfit.degrees
+def _said(result: FitResult) -> list[tuple[Severity, str]]:
     noise = [result.noise] if isinstance(result.noise, str) and result.noise else []
-    fitted = f"χ² per degree of freedom {result.chi2_per_degree:.4g} ({degrees} degrees)"
     whole = ["the picture was fitted as a whole"] if result.fit.edges is None else []
-    return "\n".join([fitted, *map(sentence, (*whole, *result.notes, *noise))])
+    warnings: list[tuple[Severity, str]] = [("warning", sentence(one)) for one in result.warnings]
+    notes = (*whole, *result.notes, *noise)
+    return [*warnings, *(("information", sentence(one)) for one in notes)]
 
 
 def _rounded(fitted: FittedParameter) -> float:

@@ -8,12 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QSpinBox,
-    QSplitter,
     QTabWidget,
     QVBoxLayout,
     QWidget,
@@ -22,7 +21,6 @@ from PySide6.QtWidgets import (
 from app.editor.dialogs import SaveDialog, choose_pictures, show_beside
 from app.editor.docks.background_work import (
     Job,
-    PictureDrops,
     Pictures,
     Report,
     WorkerView,
@@ -30,6 +28,7 @@ from app.editor.docks.background_work import (
     picture_of,
     pictures_name,
     shown_in,
+    split,
 )
 from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.gestures import without_argument
@@ -84,7 +83,6 @@ class MeasureView(WorkerView):
         self._shown: _Measuring | None = None
         self._coming: _Measuring | None = None
         self._files: tuple[Path, ...] = ()
-        self.drops = PictureDrops(self, self.measure_files)
         self._build()
         self._connect()
         have_plot_menu(self.chart, self._report, table=self._choose_target)
@@ -128,7 +126,7 @@ class MeasureView(WorkerView):
         network = self._session.document.network
         self._begin(_Measuring(picture.name, picture, network), job)
 
-    def measure_files(self, paths: tuple[Path, ...]) -> None:
+    def take_files(self, paths: tuple[Path, ...]) -> None:
         self._files = paths
         with QSignalBlocker(self.band):
             self.band.setValue(_NO_BAND)
@@ -151,7 +149,7 @@ class MeasureView(WorkerView):
 
     def _choose_files(self) -> None:
         title, name = "Measure pictures of one camera", "measure_dialog"
-        choose_pictures(self.window(), title, name=name, chosen=self.measure_files)
+        choose_pictures(self.window(), title, name=name, chosen=self.take_files)
 
     def _choose_target(self) -> None:
         name, title = "measure_export_dialog", "Save the measurement"
@@ -234,21 +232,12 @@ class MeasureView(WorkerView):
 
     # --- the widget --------------------------------------------------------------------------
 
-    def sizeHint(self) -> QSize:
-        line = self.fontMetrics().height()
-        return QSize(48 * line, 22 * line)
-
     def _build(self) -> None:
         self.viewer = menu_button(
             "measure.viewer", "Measure Viewer", "Measure the picture of a viewer (Ctrl+M)", self
         )
-        self.file = tool_button(
-            "measure.file",
-            "Files…",
-            "Measure a picture, or several from the same camera together; you can also drop "
-            "them here",
-            self,
-        )
+        about = "Measure a picture, or several of one camera together; you can also drop them here"
+        self.file = tool_button("measure.file", "Files…", about, self)
         self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
         about = "Leave the selected edge out of the pooled MTF, or use it again (Del)"
         self.remove = tool_button("measure.remove", "Remove Edge", about, self)
@@ -257,15 +246,10 @@ class MeasureView(WorkerView):
             "measure.unused", "Not Used", "Also draw the edges that cannot be used", self
         )
         self.unused.setChecked(True)
-        self.write = tool_button(
-            "measure.export",
-            "Export…",
-            "Save everything (.json), the MTF (.csv) or a page (.html)",
-            self,
-        )
-        self.pictures = labelled(
-            QComboBox(self), "measure.pictures", "Picture to show", "Picture to show"
-        )
+        about = "Save everything (.json), the MTF (.csv) or a page (.html)"
+        self.write = tool_button("measure.export", "Export…", about, self)
+        about = "Picture to show"
+        self.pictures = labelled(QComboBox(self), "measure.pictures", about, about)
         self.band = labelled(QSpinBox(self), "measure.band", _BAND, _BAND)
         self.band.setRange(_NO_BAND, _LAST_BAND)
         self.band.setPrefix("Band ")
@@ -285,22 +269,11 @@ class MeasureView(WorkerView):
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")
         self.tabs.tabBar().setAccessibleName("Figures or edges")
-        right = QSplitter(Qt.Orientation.Vertical, self)
-        right.addWidget(self.chart)
-        right.addWidget(self.tabs)
-        right.setStretchFactor(0, 1)
-        right.setStretchFactor(1, 1)
-        self.halves = QSplitter(Qt.Orientation.Horizontal, self)
-        self.halves.addWidget(self.canvas)
-        self.halves.addWidget(right)
-        self.halves.setStretchFactor(0, 5)
-        self.halves.setStretchFactor(1, 4)
-        for splitter in (right, self.halves):
-            splitter.setChildrenCollapsible(False)
-        self.status = StatusLine(
-            "measure", "What is measured, or why it cannot be", "Values there", self
-        )
-        filled(QVBoxLayout(self), bar, self.notices, (self.halves, 1), self.status, spacing=1)
+        right = split(Qt.Orientation.Vertical, (self.chart, 1), (self.tabs, 1))
+        halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (right, 4))
+        about = "What is measured, or why it cannot be"
+        self.status = StatusLine("measure", about, "Values there", self)
+        filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
         self.file.clicked.connect(self._choose_files)

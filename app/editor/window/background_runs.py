@@ -23,7 +23,15 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
-from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
+from app.editor.dialogs import (
+    ROLE,
+    FileDialog,
+    Question,
+    SaveDialog,
+    choose_pictures,
+    drop_dialogs,
+    show_beside,
+)
 from app.editor.docks.run_queue import Run, RunQueue, job_of, proposed_folder
 from app.editor.docks.runs_view import RunsView, failures_text
 from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
@@ -40,7 +48,6 @@ from core.errors import ImagechainError, UsageError
 from core.names import shown
 from core.network.network import MACRO
 from nodes.files.common.file_format import HTML, dialog_filter, suffixes
-from nodes.files.formats import WRITTEN
 
 Next = Callable[[], object]
 
@@ -54,7 +61,6 @@ class BackgroundRuns(QObject):
         self._window = window
         self._finish_typing = finish_typing
         self._question: Question | None = None
-        self._next: Next = int
         self.queue = RunQueue(self)
         self.view = RunsView(self.queue)
         area = Qt.DockWidgetArea.BottomDockWidgetArea
@@ -100,22 +106,19 @@ class BackgroundRuns(QObject):
     def go_on(self, following: Next) -> bool:
         """Ask whether to end what runs, then go on; False where nothing runs."""
         unfinished = self.queue.unfinished
-        if not unfinished:
-            return False
-        self._next = following
-        if self._question is None:
+        if unfinished and self._question is None:
             self._question = runs_go_on(self._window, unfinished)
-            self._question.finished.connect(self._answered)
+            self._question.finished.connect(lambda _: self._answered(following))
             self._question.open()
-        else:
+        elif self._question is not None:
             self._question.raise_()
             self._question.activateWindow()
-        return True
+        return bool(unfinished)
 
-    def _answered(self) -> None:
+    def _answered(self, following: Next) -> None:
         question, self._question = self._question, None
         if question is not None and question.answer == "stop":
-            self._next()
+            following()
 
     def _add(self, title: str, job: Any) -> None:
         self.queue.add(title, job)  # the list marks it
@@ -273,28 +276,20 @@ class AddRun(QDialog):
             self._say("")
 
     def _choose_files(self) -> None:
-        dialog = self._dialog("Choose pictures", QFileDialog.FileMode.ExistingFiles)
-        pictures = dialog_filter("Pictures", *WRITTEN)
-        dialog.setNameFilters([*pictures.split(";;"), "All files (*)"])
-        dialog.filesSelected.connect(self._take_files)
-        show_beside(self, dialog)
+        choose_pictures(self, "Choose pictures", name="add_run.dialog", chosen=self._take_files)
 
     def _choose_folder(self) -> None:
-        dialog = self._dialog("Choose the output folder", QFileDialog.FileMode.Directory)
+        folder = str(self._session.folder.absolute())
+        dialog = labelled(FileDialog(self, "Choose the output folder", folder), "add_run.dialog")
+        dialog.setFileMode(QFileDialog.FileMode.Directory)
         dialog.setOption(QFileDialog.Option.ShowDirsOnly)
         dialog.fileSelected.connect(self.folder.setText)
         show_beside(self, dialog)
 
-    def _dialog(self, title: str, mode: QFileDialog.FileMode) -> QFileDialog:
-        dialog = FileDialog(self, title, str(self._session.folder.absolute()))
-        dialog.setObjectName("add_run.dialog")
-        dialog.setFileMode(mode)
-        return dialog
-
-    def _take_files(self, names: list[str]) -> None:
-        self._files = tuple(names)
-        self.files.setText(", ".join(Path(name).name for name in names))
-        self.files.setToolTip("\n".join(names))
+    def _take_files(self, paths: tuple[Path, ...]) -> None:
+        self._files = tuple(map(str, paths))
+        self.files.setText(", ".join(path.name for path in paths))
+        self.files.setToolTip("\n".join(self._files))
         self._say("")
 
     # --- adding ------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ def view(qtbot, session):
 
 @pytest.fixture
 def measured(view, qtbot, two_edges):
-    view.measure_files((two_edges,))
+    view.take_files((two_edges,))
     assert view.stop.isEnabled()
     qtbot.waitUntil(lambda: view.measured is not None)
     return view
@@ -104,7 +104,7 @@ def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, t
     assert facts["mtf"]["x"]["mtf50"] == view.measured.x.mtf50
     view.export(tmp_path / "m.txt")
     qtbot.waitUntil(lambda: "must end in" in view.status.title.text())
-    view.measure_files((tmp_path / "none.npy",))
+    view.take_files((tmp_path / "none.npy",))
     qtbot.waitUntil(lambda: "no such file" in view.status.title.text())
     assert view.measured.x.edges == 2
     assert view.status.title.text().endswith("; still showing two.npy")
