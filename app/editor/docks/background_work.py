@@ -1,7 +1,5 @@
 """Work beside the window, one piece at a time, and the pictures that it is done on."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

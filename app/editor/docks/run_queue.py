@@ -1,7 +1,5 @@
 """The runs of a window: those waiting, the one that runs, and those that have ended."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import time

@@ -1,7 +1,5 @@
 """The list of runs: what each does, how far it is, and what it has made."""
 
-from __future__ import annotations
-
 import math
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Snapshots of the open document: what was shown of a state, A, beside the present one, B."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime

@@ -1,7 +1,5 @@
 """The dock of snapshots: their list, what is done with them, and which figures have changed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any

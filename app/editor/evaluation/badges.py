@@ -1,7 +1,5 @@
 """What each node shows of its state."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from app.editor.declared_text import error_text

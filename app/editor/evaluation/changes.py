@@ -6,8 +6,6 @@ parameters count in samples is counted in those blocks; all that is given in mra
 seconds stays.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field, replace

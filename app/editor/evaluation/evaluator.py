@@ -1,7 +1,5 @@
 """Keeps what the window shows up to date: a worker's thread, and the signals of its answers."""
 
-from __future__ import annotations
-
 import gc
 import sys
 import threading

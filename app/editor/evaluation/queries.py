@@ -1,7 +1,5 @@
 """Questions about a network, their answers, and how both pass between window and worker."""
 
-from __future__ import annotations
-
 import threading
 import time
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
 """Runs beside the window: what lists and reports them, and the dialog that adds one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
