@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
@@ -415,11 +415,6 @@ class FreeTable(QTableWidget):
         head.setHighlightSections(False)
         self.itemChanged.connect(self._typed)
 
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange:
-            self.write()
-
     def show_fitted(self, fitted: tuple[FittedParameter, ...]) -> None:
         self._fitted = fitted
         self.write()
@@ -464,7 +459,7 @@ class FreeTable(QTableWidget):
             if column not in (0, _UNIT):
                 item.setTextAlignment(RIGHT)
         item.setText(text)
-        item.setForeground(self.palette().text())
+        item.setData(Qt.ItemDataRole.ForegroundRole, None)
         return item
 
     def _cells(

@@ -92,9 +92,7 @@ class SnapshotQuery(Query):
     def _answer(self, wanted: str | Query, passing: Passing) -> Any:
         state = self.state
         try:
-            if state.plan is None and passing.plan.network is state.network:
-                state.plan = passing.plan
-            elif state.plan is None:
+            if state.plan is None:
                 state.plan = passing.engine.plan(state.network, folder=state.folder)
             of_state = replace(passing, plan=state.plan, work=SideWork(passing.work), reduced=1)
             if isinstance(wanted, str):
@@ -151,11 +149,9 @@ class Snapshots(QObject):
             self._say("the network is empty: there is nothing to keep", "advice")
             return
         network = session.plain if evaluator.posted is None else evaluator.posted
-        plan = evaluator.plan
-        planned = plan if plan is not None and plan.network is network else None
         self._numbers += 1
         name, document = f"Snapshot {self._numbers}", session.document.network
-        state = Snapshot(name, datetime.now(), document, network, session.folder, planned)
+        state = Snapshot(name, datetime.now(), document, network, session.folder)
         self.states.append(state)
         if self.way == "flip":  # it would look as if nothing followed edits
             self.way = None
@@ -258,13 +254,11 @@ class Snapshots(QObject):
         self._update()
 
     def _forget(self) -> None:
-        count = len(self.states)
+        if self.states:
+            text = "the snapshots were removed with the previous network"
+            QTimer.singleShot(0, self, lambda: self._say(text))
         self.states, self.way, self._numbers = [], None, 0
         self.choose(None)
-        if count:
-            gone = "the snapshot was" if count == 1 else f"the {count} snapshots were"
-            text = f"{gone} removed with the previous network"
-            QTimer.singleShot(0, self, lambda: self._say(text))
 
     def _update(self) -> None:
         self.follow()

@@ -24,7 +24,7 @@ from app.editor.docks.snapshots import (
     Snapshots,
     changed_figures,
 )
-from app.editor.evaluation.evaluator import Evaluator, Freshness
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.gestures import without_argument
 from app.editor.session import Session
@@ -41,8 +41,6 @@ class SnapshotsView(Viewer):
         self._snapshots = snapshots
         self._now: Figures | None = None
         self._build()
-        self._freshness = Freshness(session, evaluator, self)
-        self._freshness.changed.connect(self.figures.setDisabled)
         snapshots.changed.connect(self._follow_snapshots)
         self.keep.clicked.connect(snapshots.keep)
         self.flip.clicked.connect(lambda: snapshots.compare("flip"))
@@ -56,7 +54,6 @@ class SnapshotsView(Viewer):
 
     def take(self, answer: Answer) -> None:
         self._now = answer.value
-        self._freshness.catch_up(answer.generation)
         self._fill_figures()
 
     def follow_opening(self) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PySide6.QtCore import QEvent, QSize, Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
@@ -117,11 +117,6 @@ class TradeOffView(Viewer):
         curves = (Curve(None, points),)
         return csv_text(Results(self.session.network.name, varied, None, self.shown, curves))
 
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange:
-            self._fill_list()
-
     def queries(self) -> tuple[Query, ...]:
         if self.span is None or not self.shown:
             return ()
@@ -133,11 +128,11 @@ class TradeOffView(Viewer):
         if answer.error is not None:
             self.status.show_text(str(answer.error), failed=True)
             return
-        part: Part = answer.value
-        if part.state != self._state:
-            self._state = part.state
+        state, points = answer.value
+        if state != self._state:
+            self._state = state
             self.points.clear()
-        self.points.update({point.value: point for point in part.points})
+        self.points.update({point.value: point for point in points})
         self._draw()
 
     def follow(self, before: Network, after: Network) -> None:
@@ -213,7 +208,7 @@ class TradeOffView(Viewer):
     def _follow_nodes(self) -> None:
         network = self.session.network
         self._known = ports_depend_on(network)
-        self.figures = in_order(figures_of(network, self.session.library), network)
+        self.figures = figures_of(network, self.session.library)
         if self.varied.parameter is None:
             self.varied.choose()
             self.span = None
@@ -228,7 +223,7 @@ class TradeOffView(Viewer):
     def _fill_list(self, *, opening: bool = False) -> None:
         if not opening and not self.choice.isVisible():
             return
-        entries = [Entry(one.text, listed_title(one)) for one in self.figures.values()]
+        entries = [Entry(one.text, title_of(one)) for one in self.figures.values()]
         names = [figure.text for figure in self.shown]
         colours = self.theme.curves
         pens = {name: thick(colours[n % len(colours)], 2) for n, name in enumerate(names)}
@@ -253,7 +248,8 @@ class TradeOffView(Viewer):
             numbers = [self.points[value].figures.get(figure.text, math.nan) for value in values]
             y = np.array(numbers, np.float64)
             y[~np.isfinite(y)] = np.nan
-            graphs.append(Graph(figure.text, title_of(figure, shown), x, y))
+            alike = sum(other.name == figure.name for other in shown) > 1
+            graphs.append(Graph(figure.text, title_of(figure, whose=alike), x, y))
         self.plots.show_graphs(graphs, self.span, self.varied.label)
         self._show_gaps()
 
@@ -295,38 +291,19 @@ _RANGES = ("mrtd_x_K", "detection_range_km", "ttp_range_km")
 _MOST_FIRST = 2
 
 
-def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
+def title_of(figure: Figure, *, whose: bool = True) -> str:
     if figure.is_total:
         axis = "ξ" if figure.name.endswith("x") else "η"
         half, of = "½ " * ("half" in figure.name), "pixels" if "pixel" in figure.name else "samples"
         more = ", with electronics" if figure.node == SYSTEM else ""
         return f"MTF {axis}, {half}{of}' Nyquist{more}"
     unit = f" ({figure.unit})" if figure.unit else ""
-    alike = [other for other in shown if other.name == figure.name and other.node != figure.node]
-    return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
-
-
-def listed_title(figure: Figure) -> str:
-    if figure.is_total:
-        return title_of(figure)
-    unit = f" ({figure.unit})" if figure.unit else ""
-    return f"{label_of(figure.name)} of {figure.node}{unit}"
+    return f"{label_of(figure.name)}{f' of {figure.node}' if whose else ''}{unit}"
 
 
 def renamed(text: str, old: str, new: str) -> str:
     node, _, name = text.rpartition(".")
     return f"{new}.{name}" if node == old else text
-
-
-def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]:
-    """The figures as they are listed: what is looked for most comes first."""
-
-    def place(figure: Figure) -> int:
-        if figure.is_total:
-            return 1 if figure.node == TOTAL else 2
-        return 0 if network.nodes[figure.node].module in SENSORS else 3
-
-    return {figure.text: figure for figure in sorted(known.values(), key=place)}
 
 
 def first_figures(
@@ -357,12 +334,6 @@ def first_figures(
 
 
 @dataclass(frozen=True)
-class Part:
-    state: Hashable
-    points: tuple[Point, ...]
-
-
-@dataclass(frozen=True)
 class TradeOffQuery(Query):
     """Figures at some of the values, the coarsest first; nodes held back count as generated."""
 
@@ -377,12 +348,12 @@ class TradeOffQuery(Query):
         """The question, and all that the figures depend on but the parameter that is varied."""
         return self, self._state(plan)
 
-    def answer(self, passing: Passing) -> Part:
+    def answer(self, passing: Passing) -> tuple[Hashable, list[Point]]:
         parameter_of(passing.plan.network, passing.engine, self.node, self.parameter)
         places = ((value,) for value in self.values)
         work = SideWork(passing.work)
         points = points_at(passing.engine, passing.plan, work, [self._varied], places, self.figures)
-        return Part(self._state(passing.plan), tuple(points))
+        return self._state(passing.plan), list(points)
 
     def _state(self, plan: Plan) -> Hashable:
         network = plan.network
@@ -418,8 +389,8 @@ SIDE_BYTES = 1 << 28
 class SideStore(Store):
     """Finds values in another store too, and keeps its own to itself."""
 
-    def __init__(self, base: Store, capacity_bytes: int = SIDE_BYTES) -> None:
-        super().__init__(capacity_bytes)
+    def __init__(self, base: Store) -> None:
+        super().__init__(SIDE_BYTES)
         self._base = base
 
     def peek(self, key: str, default: Any = None) -> Any:

@@ -1,6 +1,7 @@
 """Keeps what the window shows up to date: a worker's thread, and the signals of its answers."""
 
 import gc
+import itertools
 import sys
 import threading
 import time
@@ -14,7 +15,6 @@ from PySide6.QtGui import QGuiApplication
 from app.editor.evaluation.badges import with_macros
 from app.editor.evaluation.changes import computes_alike
 from app.editor.evaluation.queries import (
-    Answer,
     Badge,
     Busy,
     Inbox,
@@ -93,7 +93,9 @@ class Evaluator(QObject):
             self._outbox,
         )
         self._thread: threading.Thread | None = None
-        self._queries = OwnedQueries()
+        self._requests: dict[str, tuple[Request, ...]] = {}
+        self._least: dict[str, int] = {}  # generation of an answer that is still of use
+        self._numbers = itertools.count(1)
         self.generation = self._finished = 0
         self._document = self._edits = self._generates = self._gestures = 0
         self._planned_document = 0
@@ -125,11 +127,19 @@ class Evaluator(QObject):
 
     def ask(self, owner: str, queries: Sequence[Query]) -> None:
         """Keep these queries answered from now on, in place of those the owner had before."""
-        if self._queries.post(owner, queries, self.generation + 1):
+        before = self._requests.get(owner)
+        known = {request.query: request for request in before or ()}
+        requests = tuple(
+            known.get(query) or Request(owner, query, next(self._numbers)) for query in queries
+        )
+        if requests != before:
+            self._least.setdefault(owner, self.generation + 1)
+            self._requests[owner] = requests
             self._post_soon()
 
     def forget(self, owner: str) -> None:
-        self._queries.drop(owner)
+        self._requests.pop(owner, None)
+        self._least.pop(owner, None)
         self._post_soon()
 
     def generate(self) -> None:
@@ -196,7 +206,7 @@ class Evaluator(QObject):
                 self._document,
                 network,
                 self._session.folder,
-                self._queries.all() if self._is_planned else (),
+                tuple(itertools.chain(*self._requests.values())) if self._is_planned else (),
                 self._edits,
                 self._generates,
                 self._gestures,
@@ -251,7 +261,9 @@ class Evaluator(QObject):
                 self.planned.emit(news.plan)
             self._post()
         for answer in news.answers.values():
-            if self._queries.accept(answer):
+            least = self._least.get(answer.owner)
+            if least is not None and answer.generation >= least:  # else its owner has a newer one
+                self._least[answer.owner] = answer.generation
                 self.answered.emit(answer)
         if self.idle:
             self._rest()
@@ -286,52 +298,6 @@ class Evaluator(QObject):
         if shown != self._shown_badges:
             self._shown_badges = shown
             self.badges_changed.emit(dict(shown))
-
-
-# Which queries are to be answered, by who posted them, and which answers are still of use.
-
-
-class OwnedQueries:
-    """The queries of every owner, numbered, and what of their answers has come."""
-
-    def __init__(self) -> None:
-        self._requests: dict[str, tuple[Request, ...]] = {}
-        self._least: dict[str, int] = {}  # generation of an answer that is still of use
-        self._numbers = 0
-
-    def post(self, owner: str, queries: Sequence[Query], generation: int) -> bool:
-        """Have these queries in place of those the owner had; whether they are others.
-
-        Answers count for a new owner from that generation on. A query that stays has the number
-        it had.
-        """
-        before = self._requests.get(owner)
-        known = {request.query: request for request in before or ()}
-        requests = tuple(known.get(query) or self._numbered(owner, query) for query in queries)
-        if requests == before:
-            return False
-        self._least.setdefault(owner, generation)
-        self._requests[owner] = requests
-        return True
-
-    def drop(self, owner: str) -> None:
-        self._requests.pop(owner, None)
-        self._least.pop(owner, None)
-
-    def all(self) -> tuple[Request, ...]:
-        return tuple(request for group in self._requests.values() for request in group)
-
-    def accept(self, answer: Answer) -> bool:
-        """Whether an answer is of use: its owner is there still, and has had no newer one."""
-        least = self._least.get(answer.owner)
-        if least is None or answer.generation < least:
-            return False
-        self._least[answer.owner] = answer.generation
-        return True
-
-    def _numbered(self, owner: str, query: Query) -> Request:
-        self._numbers += 1
-        return Request(owner, query, self._numbers)
 
 
 # Collecting Python's garbage in the window's thread, and the long way only in quiet moments.

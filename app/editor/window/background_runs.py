@@ -145,8 +145,7 @@ class BackgroundRuns(QObject):
 
 def runs_go_on(parent: QWidget, runs: list[Run]) -> Question:
     box = Question(parent, "runs_go_on", "Stop the runs?")
-    number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
-    box.setText(f"{number} not done yet: {runs[0].title}{' …' if len(runs) > 1 else ''}")
+    box.setText(f"Not done yet: {', '.join(run.title for run in runs)}")
     box.setTextFormat(Qt.TextFormat.PlainText)
     box.setInformativeText("Results that are not written yet are lost.")
     box.offer("cancel", "&Keep Running", ROLE.RejectRole)

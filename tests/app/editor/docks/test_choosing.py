@@ -151,10 +151,10 @@ def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
     rows["NER of electronics (W/m²/sr)"].setCheckState(Qt.CheckState.Checked)
     idle(opened_window)
     assert [each.name for each in dock.plots.graphs] == [
+        MTF,
         "electronics.ner",
         "electronics.netd_system_K",
         "electronics.snr",
-        MTF,
     ]
     assert np.isfinite(graph("electronics.ner").y).all()
     assert dock.list.isVisible()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.editor.docks.tradeoff_view import first_figures, listed_title
+from app.editor.docks.tradeoff_view import first_figures, title_of
 from app.run.shipped import shipped_networks
 from app.tradeoff.tradeoff_results import figures_of
 from core.network.file import load_network
@@ -21,7 +21,7 @@ def test_a_parameter_of_the_chain_moves_the_electronics_figures(known):
 
 def test_the_list_has_each_figure_in_full(known):
     _, figures = known
-    titles = {name: listed_title(figure) for name, figure in figures.items()}
+    titles = {name: title_of(figure) for name, figure in figures.items()}
     assert titles["electronics.netd_system_K"] == "NETD system of electronics (K)"
     assert titles["electronics.snr"] == "SNR of electronics"
     assert titles["merit.snr"] == "SNR of merit"
