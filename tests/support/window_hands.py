@@ -112,3 +112,9 @@ def answer(qtbot, window, button):
     box = window.findChild(QMessageBox, "save_changes")
     box.setObjectName("answered")
     QTest.mouseClick(box.button(button), Qt.MouseButton.LeftButton)
+
+
+def place_in(plots, index, value):
+    """Where an abscissa of a trade-off lies, half the way up a chart that has been drawn."""
+    frame = plots.charts[index].frame
+    return QPointF(frame.left() + plots.span.share(value) * frame.width(), frame.center().y())

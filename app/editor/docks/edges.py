@@ -276,12 +276,6 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
     def fit(self) -> None:
         self.view.autoRange(padding=0.0, items=[self._image])
 
-    def point_of(self, place: int) -> QPointF:
-        """Where an edge's middle is on the widget."""
-        assert self._measured is not None
-        found = self._measured.edges[place].found
-        return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(found.x, found.y))))
-
     def sizeHint(self) -> QSize:
         line = self.fontMetrics().height()
         return QSize(24 * line, 18 * line)

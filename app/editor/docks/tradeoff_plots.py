@@ -133,12 +133,6 @@ class TradeOffPlots(QWidget):
     def show_hint(self, text: str) -> None:
         show_or_hide(self._hint, text)
 
-    def place(self, index: int, value: float) -> QPointF:
-        """Where an abscissa lies, half the way up a chart that has been drawn."""
-        frame = self.charts[index].frame
-        assert self.span is not None
-        return QPointF(frame.left() + self.span.share(value) * frame.width(), frame.center().y())
-
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._place_charts()

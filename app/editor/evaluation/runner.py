@@ -335,9 +335,20 @@ class Runner:
         return self._done is None or self._done.edits != snapshot.edits
 
     def _must_stop(self, task: Task, position: Position) -> bool:
-        if self._inbox.stopped or self._is_cancelled(task.snapshot):
+        """Whether a pass gives way to what has come since it began."""
+        snapshot, newest = task.snapshot, self._inbox.newest
+        if self._inbox.stopped or self._is_cancelled(snapshot):
             return True
-        return overtaken(task, self._inbox.newest, self._pace, position.seconds)
+        if newest is None or newest.edits == snapshot.edits:
+            return False
+        if newest.document != snapshot.document:
+            return True
+        return task.reduced == 1 and self._pace.gives_way(
+            position.seconds,
+            task.expected,
+            has_preview=task.has_preview,
+            new_gesture=newest.gestures != snapshot.gestures,
+        )
 
     def _settle(self, snapshot: Snapshot) -> None:
         """Once edits pause, look at what was skipped, and whether a preview could be made."""
@@ -400,21 +411,6 @@ class Runner:
         if shown != self._badges:
             self._badges = shown
             self._outbox.deliver(badges=shown)
-
-
-def overtaken(task: Task, newest: Snapshot | None, pace: Pace, elapsed: float) -> bool:
-    """Whether a pass gives way to what has come since it began, `elapsed` seconds ago."""
-    snapshot = task.snapshot
-    if newest is None or newest.edits == snapshot.edits:
-        return False
-    if newest.document != snapshot.document:
-        return True
-    return task.reduced == 1 and pace.gives_way(
-        elapsed,
-        task.expected,
-        has_preview=task.has_preview,
-        new_gesture=newest.gestures != snapshot.gestures,
-    )
 
 
 # An evaluation that can be stopped, with the node it is at.

@@ -188,10 +188,6 @@ class AddRun(QDialog):
     def kind(self) -> Kind:
         return KINDS[self.kinds.currentIndex()][0]
 
-    def vary(self, node: str, name: str) -> None:
-        self.parameter.choose(node, name)
-        self._chosen(node, name)
-
     def _build(self) -> None:
         self.kinds: QComboBox = self._row("kind", "&Run", QComboBox(self))
         self.kinds.addItems([text for _, text in KINDS])

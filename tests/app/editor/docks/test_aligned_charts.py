@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from app.editor.docks.tradeoff_plots import Graph, Span, TradeOffPlots
+from window_hands import place_in
 
 X = np.linspace(0.0, 1.0, 11)
 GRAPHS = [  # numbers of one digit, of many, and powers
@@ -30,6 +31,7 @@ def test_their_scales_are_in_line(plots):
     assert across == (1 if plots.width() < 400 else 4)
     for value in (0.0, 0.5, 1.0):
         places = [
-            plots.place(index, value).x() % (plots.width() / across) for index in range(len(GRAPHS))
+            place_in(plots, index, value).x() % (plots.width() / across)
+            for index in range(len(GRAPHS))
         ]
         assert max(places) - min(places) < 0.01, places

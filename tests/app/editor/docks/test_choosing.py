@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMenu
 
 from app.editor.docks.tradeoff_plots import Span
-from window_hands import give_focus
+from window_hands import give_focus, place_in
 
 KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
 SIGMA, LISTED = "blur.sigma_x_mrad", "σ x of blur (mrad)"
@@ -101,7 +101,7 @@ def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
 
 def test_a_drag_of_the_mark_is_one_step_to_undo(opened_window, dock, idle, qtbot):
     plots, before = dock.plots, opened_window.session.network
-    start, end = (plots.place(0, value).toPoint() for value in (0.5, 0.9))
+    start, end = (place_in(plots, 0, value).toPoint() for value in (0.5, 0.9))
     QTest.mousePress(plots, LEFT, pos=start)
     for share in (0.25, 0.5, 0.75, 1.0):
         QTest.mouseMove(plots, start + (end - start) * share)
@@ -116,9 +116,9 @@ def test_a_drag_of_the_mark_is_one_step_to_undo(opened_window, dock, idle, qtbot
 
 
 def test_clicks_and_keys_set_the_parameter_each_as_a_step(opened_window, dock):
-    QTest.mouseClick(dock.plots, LEFT, pos=dock.plots.place(1, 0.2).toPoint())
+    QTest.mouseClick(dock.plots, LEFT, pos=place_in(dock.plots, 1, 0.2).toPoint())
     assert sigma(opened_window) == pytest.approx(0.2, abs=0.01)
-    QTest.mouseClick(dock.plots, LEFT, pos=dock.plots.place(0, 0.7).toPoint())
+    QTest.mouseClick(dock.plots, LEFT, pos=place_in(dock.plots, 0, 0.7).toPoint())
     opened_window.session.undo()
     assert sigma(opened_window) == pytest.approx(0.2, abs=0.01)
     opened_window.session.undo()

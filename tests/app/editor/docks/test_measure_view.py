@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtWidgets import QApplication
 from scipy.special import erf
 
@@ -68,7 +68,8 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     both = view.measured.x
     assert both.edges == 2
     second = max(used, key=lambda place: view.measured.edges[place].found.x)
-    click(qtbot, view, view.canvas.point_of(second).toPoint())
+    found, canvas = view.measured.edges[second].found, view.canvas
+    click(qtbot, view, canvas.mapFromScene(canvas.view.mapViewToScene(QPointF(found.x, found.y))))
     assert view.current == second
     assert f"edge {second + 1}" in view.status.title.text()
     assert view.table.currentItem().text(0) == str(second + 1)

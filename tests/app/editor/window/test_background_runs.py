@@ -194,7 +194,7 @@ def test_a_run_is_of_the_network_as_it_stands_with_what_is_typed(desk, qtbot):
 )
 def test_bad_input_is_said_and_its_field_has_the_focus(desk, qtbot, name, text, said):
     dialog = dialog_of(desk, qtbot)
-    dialog.vary("blur", "sigma_x_mrad")
+    dialog.parameter.take("blur.sigma_x_mrad")
     field = getattr(dialog, name)
     give_focus(field)
     field.selectAll()
