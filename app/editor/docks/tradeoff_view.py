@@ -316,18 +316,17 @@ def first_figures(
     They do not hang on the parameters of an analysis node: where one of these is varied, it is
     that node's own figures.
     """
-    own = [figure.text for figure in known.values() if analysis and figure.node == analysis]
+    own = [figure.text for figure in known.values() if figure.node == analysis]
     if own:
         ranges = [name for name in own if name.rpartition(".")[2] in _RANGES]
         return frozenset(ranges or own[:_MOST_FIRST])
-    electronics = [node.id for node in network.nodes.values() if node.module in SENSORS]
-    names = [f"{electronics[-1]}.{name}" for name in _FIRST] if electronics else []
-    of_pixels = "pixel_" if makes_pixels(network) else ""
-    names += [f"{TOTAL}.mtf_{of_pixels}nyquist_x"]
-    if not electronics:
-        names += [f"{TOTAL}.mtf_half_{of_pixels}nyquist_x"]
-    known_names = [name for name in names if name in known]
-    return frozenset(known_names or list(known)[:_MOST_FIRST])
+    sensors = [node.id for node in network.nodes.values() if node.module in SENSORS][-1:]
+    of = "pixel_" if makes_pixels(network) else ""
+    names = {f"{node}.{name}" for node in sensors for name in _FIRST}
+    names |= {f"{TOTAL}.mtf_{of}nyquist_x"}
+    if not sensors:
+        names |= {f"{TOTAL}.mtf_half_{of}nyquist_x"}
+    return frozenset(names & {*known} or [*known][:_MOST_FIRST])
 
 
 # The query of the trade-off dock: figures at some values of a parameter.
