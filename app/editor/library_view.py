@@ -17,10 +17,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import tip
+from app.editor.declared_text import label_of, shown_value, tip
 from app.editor.theme import theme_of
 from app.library_index import declarations
-from app.run.preset_files import KEY, Preset
+from app.run.preset_files import KEY, Difference, Preset, told_apart
 from core.modules.declaration import Declaration, Library
 from nodes.files.formats import readable_formats
 
@@ -68,8 +68,9 @@ class ModuleTree(QTreeWidget):
             self.modules[key] = item
         self.expandAll()
 
-    def show_presets(self, presets: Sequence[Preset]) -> None:
+    def show_presets(self, presets: Sequence[Preset], library: Library) -> None:
         """List these presets below all modules, in place of those listed before."""
+        apart = told_apart(presets, library)
         for key in [key for key in self.modules if key.startswith(KEY)]:
             item = self.modules.pop(key)
             self._texts.pop(key)
@@ -79,7 +80,7 @@ class ModuleTree(QTreeWidget):
             group = self._group(OWN_PRESETS if preset.own else kind)
             item = QTreeWidgetItem(group, [preset.title])
             item.setData(0, _KEY, preset.key)
-            item.setToolTip(0, tip("\n\n".join(filter(None, (preset.title, preset.text)))))
+            item.setToolTip(0, tip(about_preset(preset, apart.get(preset.key, ()))))
             item.setDisabled(bool(preset.problem))
             if not preset.problem:
                 item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
@@ -131,6 +132,17 @@ class ModuleTree(QTreeWidget):
         return self.groups[name]
 
 
+def about_preset(preset: Preset, apart: Sequence[Difference]) -> str:
+    """What it is, its whole name first, and the values in which it differs from its siblings."""
+    values = " · ".join(
+        f"{label_of(one.name)} {shown_value(one, value)} {one.param.unit}".strip()
+        for _, one, value in apart
+        if value is not None
+    )
+    differs = f"Differs from the other presets of its kind: {values}" if values else ""
+    return "\n\n".join(filter(None, (preset.title, preset.text, differs)))
+
+
 class LibraryView(QWidget):
     """The library with a field that filters it."""
 
@@ -148,7 +160,8 @@ class LibraryView(QWidget):
         self.filter.setPlaceholderText("Filter")
         self.filter.setClearButtonEnabled(True)
         self.tree = ModuleTree(library, self)
-        self.tree.show_presets(presets)
+        self._library = library
+        self.tree.show_presets(presets, library)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(_MARGIN, _MARGIN, _MARGIN, _MARGIN)
         layout.setSpacing(4)
@@ -183,7 +196,7 @@ class LibraryView(QWidget):
             item.setIcon(0, QIcon(mark))
 
     def show_presets(self, presets: Sequence[Preset]) -> None:
-        self.tree.show_presets(presets)
+        self.tree.show_presets(presets, self._library)
         self.tree.show_matching(self.filter.text())
         self._colour_groups()
 

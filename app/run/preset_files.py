@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,10 +15,12 @@ from core.editing.document import rebased
 from core.editing.layout import Point
 from core.editing.operations import ABSENT, Operation, Together, check_plain, set_parameter
 from core.errors import FileError, ImagechainError, NetworkError
-from core.modules.declaration import Declaration, Library
+from core.modules.declaration import Declaration, Library, declaration
+from core.modules.parameters import Parameter
 from core.names import shown, thaw
 from core.network.file import format_network, read_network, read_text, read_unchanged, save_network
 from core.network.linked_values import expression_text
+from core.network.macro import face_of_macro
 from core.network.network import Network, Node
 from core.network.parsing import read_json
 
@@ -112,6 +114,43 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     )
     save_network(alone, path, library=library)
     return path
+
+
+Difference = tuple[str, Parameter, Any]
+"""A node of a preset's inside, a parameter of it, and its value."""
+
+
+def told_apart(presets: Iterable[Preset], library: Library) -> dict[str, list[Difference]]:
+    """How presets differ from others of their module, or with the same inputs; by their keys."""
+    found: dict[str, list[Difference]] = {}
+    kinds: dict[Collection[str], list[Preset]] = {}
+    for preset in presets:
+        if preset.body is not None:
+            alike = (
+                frozenset(face_of_macro(preset.body).inputs) if preset.is_macro else preset.modules
+            )
+            kinds.setdefault(alike, []).append(preset)
+    for siblings in kinds.values():
+        inside = {preset.key: preset.body.nodes for preset in siblings if preset.body is not None}
+        used = [
+            (node.id, node.module, name)
+            for nodes in inside.values()
+            for node in nodes.values()
+            for name in node.params
+        ]
+        for place, key, name in dict.fromkeys(used):
+            declared = declaration(library[key]).parameter(name) if key in library else None
+            if declared is None:
+                continue
+            values = {
+                which: nodes[place].params.get(name, declared.default)
+                for which, nodes in inside.items()
+                if place in nodes and nodes[place].module == key
+            }
+            if any(value != next(iter(values.values())) for value in values.values()):
+                for which, value in values.items():
+                    found.setdefault(which, []).append((place, declared, value))
+    return found
 
 
 def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
