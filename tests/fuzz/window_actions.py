@@ -28,7 +28,7 @@ NODE_ACTIONS = ("copy_values", "paste_values", "save_preset", "mark_output", "co
 WINDOW_ACTIONS = (
     "keep_snapshot", "flip", "wipe", "go_back", "snapshots", "history", "trade_off", "runs",
     "light", "zoom_in", "zoom_out", "next_part", "previous_part", "generate", "cancel", "welcome",
-    "report", "add_run", "shortcuts", "module_help", "export", "about", "leave_macro", "minimap",
+    "report", "add_run", "shortcuts", "export", "about", "leave_macro", "minimap",
     "thumbnails", "save_as", "open",
 )  # fmt: skip
 

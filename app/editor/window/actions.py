@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -177,9 +177,9 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _compare("snapshots", "&Snapshots",
              "List the snapshots, with their figures beside the current ones", "Ctrl+Shift+K",
              checkable=True),
-    _help("shortcuts", "&Shortcuts", "List every shortcut, and change its keys", "?", "Ctrl+/"),
+    _help("shortcuts", "&Shortcuts", "List every shortcut", "?", "Ctrl+/"),
     _help("handbook", "&Handbook", "Open the handbook in the browser"),
-    _help("module_help", "&Module", "Show what the selected module does", "F1"),
+    _help("module_help", "&Module", "Read what the selected module does, in the handbook", "F1"),
     _help("about", "&About", "Version and sources"),
     *(_run(f"view_{number}", f"Show in Viewer &{number}",
            f"Show the selected node in viewer {number}", str(number), scope="canvas", selected=True)
@@ -224,22 +224,13 @@ class Actions(dict[str, QAction]):
         *,
         window: QWidget,
         canvas: QWidget,
-        keys: Mapping[str, Sequence[str]],
     ) -> None:
         super().__init__()
         for spec in ACTIONS:
             action = _made(spec, window)
-            if spec.name in keys:
-                action.setShortcuts([QKeySequence(key) for key in keys[spec.name]])
             action.triggered.connect(partial(without_argument, targets[spec.name]))
             (canvas if spec.scope == "canvas" else window).addAction(action)
             self[spec.name] = action
-
-    def own_keys(self) -> dict[str, list[str]]:
-        """The keys that the user has changed, by the action's name."""
-        portable = QKeySequence.SequenceFormat.PortableText
-        now = {name: [key.toString(portable) for key in self[name].shortcuts()] for name in self}
-        return {one.name: now[one.name] for one in ACTIONS if now[one.name] != default_keys(one)}
 
     def of_names(self, names: Iterable[str]) -> list[QAction]:
         return [self[name] for name in names]
@@ -270,11 +261,6 @@ class Actions(dict[str, QAction]):
             action = self[name]
             action.setEnabled(bool(step))
             action.setText(f"{verb} {step.replace('&', '&&')}".strip())
-
-
-def default_keys(spec: ActionSpec) -> list[str]:
-    portable = QKeySequence.SequenceFormat.PortableText
-    return [QKeySequence(key).toString(portable) for key in spec.keys]
 
 
 def _made(spec: ActionSpec, parent: QWidget) -> QAction:

@@ -80,7 +80,7 @@ class MainWindow(QMainWindow):
         self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.level, self.canvas, self)
-        self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, settings, self)
+        self.help = Help(self.session, self.viewers, self)
         self.shelf = PresetShelf(
             self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
         )
@@ -90,9 +90,7 @@ class MainWindow(QMainWindow):
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.part_focus = PartFocus(self.parts, self)
-        self.actions_by_name = Actions(
-            self._targets(), window=self, canvas=self.canvas, keys=settings.keys
-        )
+        self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
         self._spread_actions()
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
@@ -337,7 +335,7 @@ class MainWindow(QMainWindow):
             "wipe": partial(snapshots.compare, "wipe"),
             "go_back": snapshots.go_back,
             "snapshots": partial(toggle_dock, self.snapshots_dock, self.snapshots_view.list),
-            "shortcuts": self.help.shortcuts,
+            "shortcuts": lambda: self.help.shortcuts(self.actions_by_name),
             "module_help": self.help.module,
             "handbook": self.help.handbook.open,
             "about": self.help.about,

@@ -164,17 +164,6 @@ class Settings:
     def layouts(self, layouts: dict[str, list[Any]]) -> None:
         self._stored.setValue("layouts", layouts)
 
-    @property
-    def keys(self) -> dict[str, list[str]]:
-        """The keys of actions that have others than at first, by the action's name."""
-        stored = self._stored.value("keys", {})
-        known = stored.items() if isinstance(stored, dict) else ()
-        return {name: keys for name, keys in known if isinstance(keys, list)}
-
-    @keys.setter
-    def keys(self, keys: dict[str, list[str]]) -> None:
-        self._stored.setValue("keys", keys)
-
     def remember_window(self, window: QMainWindow, layout: str) -> None:
         self._stored.setValue("geometry", window.saveGeometry())
         self._stored.setValue("layout", layout)

@@ -7,7 +7,6 @@ from PySide6.QtCore import QObject, Qt, QUrl, Slot
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtTest import QTest
 
-from app.editor.window.help import ModuleText
 from app.handbook.written_pages import MARK, content_mark
 from nodes.library import standard_library
 from window_hands import add
@@ -56,7 +55,6 @@ def test_help_leads_to_the_page_of_the_module(window, browser, written, lines, q
     window.session.select([add(window, "jitter_mtf")])
     page = str(written / "modules" / "jitter_mtf.html")
     window.actions_by_name["module_help"].trigger()
-    window.findChild(ModuleText).more.click()
     qtbot.waitUntil(lambda: browser.pages == [page])
     assert ("note", f"the handbook is in the browser: {page}") in lines
     head = window.panels.panels["jitter_mtf"].head
