@@ -151,7 +151,7 @@ def main(folder):
         made.settle()
     window.viewers.docks[1].raise_()
     to_canvas()
-    ring, parts = window.part_focus.ring, []
+    ring, parts = window.focus_ring, []
     for _ in range(6):
         hands.keys("F6")
         process_events(0.2)

@@ -35,13 +35,12 @@ from app.editor.window.history_list import HistoryList
 from app.editor.window.recent_files import RecentMenu, Settings
 from app.editor.window.viewer_docks import (
     FirstViews,
+    FocusRing,
     FullScreen,
-    PartFocus,
     ViewerDocks,
     add_dock,
     bring_forward,
     in_front,
-    stand_behind,
     toggle_dock,
 )
 from app.editor.window.welcome import WelcomePage
@@ -89,7 +88,7 @@ class MainWindow(QMainWindow):
         self.panels.illustrations_changed.connect(partial(setattr, settings, "illustrations"))
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
-        self.part_focus = PartFocus(self.parts, self)
+        self.focus_ring = FocusRing(self.parts, self)
         self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
         self._spread_actions()
         self.layout_in_use.place()
@@ -106,8 +105,6 @@ class MainWindow(QMainWindow):
         if remembered:
             with self.layout_in_use.placing():
                 has_sizes = settings.restore_window(self)
-                stand_behind(self, self.viewers.plot_dock, self.history_dock)
-                stand_behind(self, self.measure_dock, self.fit_dock)
             # Where a layout is remembered, it sizes the docks.
             self.pages.sizes_remembered = has_sizes and not self.layout_in_use.restore(
                 settings.layout
@@ -207,8 +204,8 @@ class MainWindow(QMainWindow):
         if self._ended:
             return
         self._ended = True
-        self.full_screen.close()
-        self.part_focus.close()
+        self.full_screen.leave()
+        self.focus_ring.end()
         self.pages.show_docks()
         if self._remembered:
             self.settings.remember_window(self, self.layout_in_use.state())
@@ -322,8 +319,8 @@ class MainWindow(QMainWindow):
             "picture_beside": partial(self.choose_layout, "picture_beside"),
             "canvas_first": partial(self.choose_layout, "canvas_first"),
             "reset_layout": partial(self.choose_layout, DEFAULT),
-            "next_part": partial(self.part_focus.go, 1),
-            "previous_part": partial(self.part_focus.go, -1),
+            "next_part": partial(self.focus_ring.go, 1),
+            "previous_part": partial(self.focus_ring.go, -1),
             "light": self.toggle_light,
             "generate": self.generate,
             "runs": partial(toggle_dock, self.runs.dock, self.runs.view),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QKeySequence, QPainter, QPaintEvent, QPalette, QRegion, QShortcut
@@ -151,12 +151,6 @@ def add_dock(
     return dock
 
 
-def stand_behind(window: QMainWindow, front: QDockWidget, dock: QDockWidget) -> None:
-    """Have a closed dock open behind another: older remembered layouts lack a place for it."""
-    if dock.isHidden() and not front.isFloating():
-        window.tabifyDockWidget(front, dock)
-
-
 def in_front(dock: QDockWidget) -> bool:
     """Whether a dock is seen: Qt calls one visible behind another's tab, and has it outside."""
     return dock.isVisible() and not dock.visibleRegion().isEmpty()
@@ -181,53 +175,50 @@ _BACK = ("F11", "Esc")
 
 
 class FullScreen(QObject):
-    """Makes the viewer used last a window over the whole screen, `page`, and puts it back."""
+    """Makes the viewer in use a window over the whole screen, `page`, and puts it back."""
 
     def __init__(self, viewers: ViewerDocks, session: Session, window: QWidget) -> None:
         super().__init__(window)
         self._viewers = viewers
         self._session = session
         self._window = window
-        self._used: QDockWidget | None = None
+        self._dock = viewers.plot_dock
         self._keys: list[QShortcut] = []
         self.page: QWidget | None = None
-        QApplication.instance().focusChanged.connect(self._focus_changed)
 
     def toggle(self) -> None:
-        docks = (self._used, *self._viewers.docks.values(), self._viewers.plot_dock)
-        dock = next((dock for dock in docks if dock is not None and dock.isVisible()), None)
+        viewers, focus = self._viewers, QApplication.focusWidget()
+        docks = (*viewers.docks.values(), viewers.plot_dock, viewers.tradeoff_dock)
+        seen = [dock for dock in docks if dock.isVisible()]
         if self.page is not None:
             self.leave()
-        elif dock is None:
+        elif not seen:
             self._session.message.emit("note", "no viewer is open to show in full screen")
         else:
-            self._used, self.page = dock, dock.widget()
-            focus = self.page.focusWidget() or self.page.findChild(QGraphicsView)
-            self._keys = [QShortcut(QKeySequence(key), self.page, self.leave) for key in _BACK]
-            self.page.installEventFilter(self)
-            self.page.setParent(self._window, Qt.WindowType.Window)
-            self.page.setWindowTitle(f"{dock.windowTitle()} — Imagechain")
-            self.page.setGeometry(self._window.screen().geometry())
-            self.page.showFullScreen()
-            self.page.activateWindow()
+            self._dock = dock = next((dock for dock in seen if _holds(dock, focus)), seen[0])
+            self.page = page = dock.widget()
+            focus = page.focusWidget() or page.findChild(QGraphicsView)
+            self._keys = [QShortcut(QKeySequence(key), page, self.leave) for key in _BACK]
+            page.installEventFilter(self)
+            page.setParent(self._window, Qt.WindowType.Window)
+            page.setWindowTitle(f"{dock.windowTitle()} — Imagechain")
+            page.setGeometry(self._window.screen().geometry())
+            page.showFullScreen()
+            page.activateWindow()
             focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def leave(self) -> None:
         page, self.page = self.page, None
-        if page is None or self._used is None:
+        if page is None:
             return
         page.removeEventFilter(self)
         while self._keys:
             self._keys.pop().deleteLater()
         focus = page.focusWidget()
-        self._used.setWidget(page)
+        self._dock.setWidget(page)
         self._window.activateWindow()
         if focus is not None:
             focus.setFocus(Qt.FocusReason.OtherFocusReason)
-
-    def close(self) -> None:
-        self.leave()
-        QApplication.instance().focusChanged.disconnect(self._focus_changed)
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         """Closed by the window manager, or with all windows: back to the dock."""
@@ -235,46 +226,11 @@ class FullScreen(QObject):
             QTimer.singleShot(0, self, self.leave)  # once Qt has hidden it
         return False
 
-    def _focus_changed(self, _before: object, now: QWidget | None) -> None:
-        viewers = self._viewers
-        for dock in (*viewers.docks.values(), viewers.plot_dock, viewers.tradeoff_dock):
-            if now is not None and self.page is None and dock.isAncestorOf(now):
-                self._used = dock
-
 
 # What is most useful of a network that has just been opened: its picture first, and the panel and
 # curve of its first analysis node with figures; without one, the chain's transfer functions.
 
 DIFFERENCE = "difference"  # the output of what a node's picture differs in from the usual
-
-
-@dataclass(frozen=True)
-class FirstLook:
-    """What to look at first: a node whose panel is opened, a curve, and pictures.
-
-    Without a `curve` the chain's transfer functions are plotted. There are as many `pictures` as
-    image viewers show, up to two; `front` is the number of the viewer in front.
-    """
-
-    node: str | None
-    curve: str | None
-    pictures: tuple[str, ...]
-    front: int = 1
-
-
-def first_look(plan: Plan) -> FirstLook:
-    """The node with figures, its curve; the final picture, and beside it the input picture.
-
-    In front of the input picture's place comes the difference that this node makes, if it makes
-    one: it is what cannot be seen by comparing the two.
-    """
-    node = node_with_figures(plan)
-    outputs = plan.nodes[node].outputs if node is not None else {}
-    curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
-    pictures = first_ports(plan)
-    if pictures and isinstance(outputs.get(DIFFERENCE), Image):
-        return FirstLook(node, (*curves, None)[0], (pictures[0], f"{node}.{DIFFERENCE}"), 2)
-    return FirstLook(node, (*curves, None)[0], pictures)
 
 
 def node_with_figures(plan: Plan) -> str | None:
@@ -300,9 +256,8 @@ def first_ports(plan: Plan) -> tuple[str, ...]:
 class FirstViews(QObject):
     """Follows what is opened.
 
-    The picture is looked at as soon as the network is planned, before anything is computed. What
-    stands beside it comes with the end of that pass: a viewer of its own takes 0.1 s to make, in
-    which the picture would wait.
+    The final picture is looked at as soon as the network is planned. What stands beside it comes
+    with the end of that pass: a viewer of its own takes 0.1 s to make.
     """
 
     def __init__(self, session: Session, evaluator: Evaluator, viewers: ViewerDocks) -> None:
@@ -311,7 +266,7 @@ class FirstViews(QObject):
         self._evaluator = evaluator
         self._viewers = viewers
         self._due = False
-        self._beside: FirstLook | None = None
+        self._beside: Callable[[], None] | None = None
         session.opened.connect(self._opened)
         evaluator.planned.connect(self._planned)
         evaluator.pass_done.connect(self._pass_done)
@@ -325,32 +280,36 @@ class FirstViews(QObject):
         if not self._due or plan is None or not plan.network.nodes:
             return  # an empty network waits for its first nodes
         self._due = False
-        self._beside = look = first_look(plan)
-        if look.pictures:
-            self._viewers.look_at(1, look.pictures[0])
-        if look.front > 1:
-            self._look_beside()
+        node, pictures, front = node_with_figures(plan), first_ports(plan), 1
+        outputs = plan.nodes[node].outputs if node is not None else {}
+        if pictures and isinstance(outputs.get(DIFFERENCE), Image):
+            # What cannot be seen by comparing the two.
+            pictures, front = (pictures[0], f"{node}.{DIFFERENCE}"), 2
+        if pictures:
+            self._viewers.look_at(1, pictures[0])
+        curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
+        self._beside = partial(self._look_beside, node, curves[:1], pictures[1:], front)
 
     def _pass_done(self, done: object) -> None:
         if self._due:
             self._planned(done)
         elif self._beside is not None:
             self._viewers.images[1].canvas.viewport().repaint()  # before the others are made
-            self._look_beside()
+            look, self._beside = self._beside, None
+            look()
 
-    def _look_beside(self) -> None:
-        look, self._beside = self._beside, None
-        if look is None:
-            return
+    def _look_beside(
+        self, node: str | None, curves: Sequence[str], pictures: Sequence[str], front: int
+    ) -> None:
         viewers = self._viewers
         shown = viewers.images.get(2)
-        if len(look.pictures) > 1 and (shown is None or shown.choices.port is None):
-            viewers.look_at(2, look.pictures[1])
-            viewers.docks[look.front].raise_()
-        if look.curve is not None:
-            viewers.plot.look_at(look.curve)
-        if look.node is not None and not self._session.selection:
-            self._session.select([look.node])
+        if pictures and (shown is None or shown.choices.port is None):
+            viewers.look_at(2, pictures[0])
+            viewers.docks[front].raise_()
+        for curve in curves:
+            viewers.plot.look_at(curve)
+        if node is not None and not self._session.selection:
+            self._session.select([node])
 
 
 # Which part of the window has the keyboard: a ring around it, F6 from part to part.
@@ -360,19 +319,23 @@ _FOLLOWED = (QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Show, QEvent.Type
 _DOTS = 2
 
 
-class PartFocus(QObject):
-    """Raises what gets the focus behind other tabs, and rings it; `parts` as F6 has them."""
+class FocusRing(QWidget):
+    """A ring round the part of the window that has the keyboard; `parts` as F6 has them.
+
+    Only its edges are a widget, so what is inside is not hit. What gets the focus behind other
+    tabs is raised.
+    """
 
     def __init__(self, parts: Callable[[], Sequence[QWidget]], window: QWidget) -> None:
         super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.hide()
         self._parts = parts
-        self._window = window
         self._at: QWidget | None = None
         # A page that comes back into its dock has the focus before it has its place, and a widget
         # that is shown has the window laid out at once.
         self._settled = QTimer(self, singleShot=True, interval=0)
         self._settled.timeout.connect(self._settle)
-        self.ring = FocusRing(window)
         QApplication.instance().focusChanged.connect(self._follow)
 
     def go(self, step: int) -> None:
@@ -387,12 +350,12 @@ class PartFocus(QObject):
                 if _holds(part, QApplication.focusWidget()):
                     return
 
-    def close(self) -> None:
+    def end(self) -> None:
         self._settled.stop()
         QApplication.instance().focusChanged.disconnect(self._follow)
 
     def _follow(self, _old: QWidget | None, new: QWidget | None) -> None:
-        if new is None or new.window() is not self._window:
+        if new is None or new.window() is not self.window():
             return  # a menu or a dialog; the part has the keyboard again after it
         part = next((part for part in self._parts() if _holds(part, new)), None)
         if part is not self._at:
@@ -403,43 +366,23 @@ class PartFocus(QObject):
             self._at = part
         self._settled.start()
 
-    def _settle(self) -> None:
-        above = QApplication.focusWidget()
-        while above is not None and not isinstance(above, QDockWidget):
-            above = above.parentWidget()
-        if above is not None and above.window() is self._window and not in_sight(above):
-            above.raise_()
-        self._place()
-
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         if event.type() in _FOLLOWED:
             self._settled.start()
         return False
 
-    def _place(self) -> None:
-        part = self._at
-        if part is None or not part.isVisible():
-            self.ring.hide()
-            return
-        self.ring.surround(QRect(part.mapTo(self._window, QPoint(0, 0)), part.size()))
-
-
-class FocusRing(QWidget):
-    """A frame of the accent's colour; only its edges are a widget, so what is inside is not hit."""
-
-    def __init__(self, window: QWidget) -> None:
-        super().__init__(window)
-        self.setObjectName("focus_ring")
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.hide()
-
-    def surround(self, place: QRect) -> None:
-        if place != self.geometry():
-            self.setGeometry(place)
+    def _settle(self) -> None:
+        above, part = QApplication.focusWidget(), self._at
+        while above is not None and not isinstance(above, QDockWidget):
+            above = above.parentWidget()
+        if above is not None and above.window() is self.window() and not in_sight(above):
+            above.raise_()
+        self.setVisible(part is not None and part.isVisible())
+        if part is not None:
+            self.setGeometry(QRect(part.mapTo(self.window(), QPoint(0, 0)), part.size()))
             inside = self.rect().adjusted(_DOTS, _DOTS, -_DOTS, -_DOTS)
             self.setMask(QRegion(self.rect()) - QRegion(inside))
-        self.show()
-        self.raise_()
+            self.raise_()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         QPainter(self).fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Highlight))
