@@ -32,7 +32,7 @@ from app.editor.window.background_runs import BackgroundRuns
 from app.editor.window.files import Drops, Files, Opened, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList
-from app.editor.window.recent_files import RecentMenu, Settings
+from app.editor.window.recent_files import DOCKS_VERSION, RecentMenu, Settings
 from app.editor.window.viewer_docks import (
     FirstViews,
     FocusRing,
@@ -41,7 +41,6 @@ from app.editor.window.viewer_docks import (
     add_dock,
     bring_forward,
     in_front,
-    toggle_dock,
 )
 from app.editor.window.welcome import WelcomePage
 from app.editor.window.window_layout import DEFAULT, LayoutMenu, LayoutName, Pages, WindowLayout
@@ -91,24 +90,23 @@ class MainWindow(QMainWindow):
         self.focus_ring = FocusRing(self.parts, self)
         self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
         self._spread_actions()
-        self.layout_in_use.place()
+        self.layout_in_use.choose(DEFAULT)
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles(self.menus["&View"])
-        self.layout_menu = LayoutMenu(settings, self.pages)
+        self.layout_menu = LayoutMenu(settings, self.layout_in_use, self.workbench)
         self.menus["&View"].insertMenu(self.actions_by_name["reset_layout"], self.layout_menu)
         self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
-        self.recent_menu.stand_after(self.actions_by_name["open"], self.menus["&File"])
+        file_actions = self.menus["&File"].actions()
+        after_open = file_actions[file_actions.index(self.actions_by_name["open"]) + 1]
+        self.menus["&File"].insertMenu(after_open, self.recent_menu)
         self.autosaver = Autosaver(self.session, recovery, self)
         self._connect()
         self.set_theme(self.theme)
         self.resize(self.screen().availableSize() * 0.92)  # once it is not maximised
         if remembered:
-            with self.layout_in_use.placing():
-                has_sizes = settings.restore_window(self)
-            # Where a layout is remembered, it sizes the docks.
-            self.pages.sizes_remembered = has_sizes and not self.layout_in_use.restore(
-                settings.layout
-            )
+            geometry, docks, layout = settings.window
+            self.restoreGeometry(geometry)
+            self.layout_in_use.restore(docks, layout)
         self.show_welcome()
         self._follow_state()
         self._follow_level()
@@ -151,15 +149,12 @@ class MainWindow(QMainWindow):
         self.welcome.show_lists(self.settings.recent, recoverable(self._recovery))
 
     def show_canvas(self) -> None:
-        if self.session.network.nodes:
-            self.pages.show_work()
-        else:
-            self.pages.show_canvas_alone()
+        self.pages.show_work()
         self.canvas.setFocus()
 
     def choose_layout(self, name: LayoutName) -> None:
         self.full_screen.leave()
-        self.pages.choose_layout(name)
+        self.layout_in_use.choose(name)
 
     def parts(self) -> tuple[QWidget, ...]:
         """The parts of the window that can have the keyboard, in the order of F6."""
@@ -206,16 +201,17 @@ class MainWindow(QMainWindow):
         self._ended = True
         self.full_screen.leave()
         self.focus_ring.end()
-        self.pages.show_docks()
         if self._remembered:
-            self.settings.remember_window(self, self.layout_in_use.state())
+            docks = self.workbench.saveState(DOCKS_VERSION)
+            layout = self.layout_in_use.state()
+            self.settings.remember_window(self.saveGeometry(), docks, layout)
         # Dialogs, docks that float: the process goes on while one is shown.
         for other in self.findChildren(QWidget):
             if other.isWindow():
                 other.hide()
         self.runs.queue.close()
         self.measuring.worker.close()
-        self.fitting.worker.close()
+        self.fitting.close_worker()
         self.help.handbook.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
@@ -226,33 +222,35 @@ class MainWindow(QMainWindow):
         self.library_view = LibraryView(library)
         self.panels = PanelArea(self.session, self.evaluator)
         self.figures = FiguresStrip(self.session, self.evaluator)
-        self.welcome = WelcomePage(library)
+        self.welcome = WelcomePage()
         self.status = StatusBar(self.menuBar())
-        work_page = QWidget()
-        filled(QVBoxLayout(work_page), (self.canvas, 1), self.figures, spacing=0)
         self.canvas.setMinimumHeight(_LEAST_CANVAS * self.fontMetrics().height())
-        self.layout_in_use = WindowLayout(self)
-        self.pages = Pages(self.welcome, work_page, self.layout_in_use, self)
+        self.workbench = workbench = QMainWindow(flags=Qt.WindowType.Widget)
+        workbench.setObjectName("workbench")
+        workbench.setCentralWidget(QWidget())
+        middle = QVBoxLayout(workbench.centralWidget())
+        filled(middle, (self.canvas, 1), self.figures, spacing=0)
+        workbench.setDockNestingEnabled(True)
+        workbench.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
+        workbench.setCorner(Qt.Corner.TopRightCorner, _RIGHT)
+        self.pages = Pages(self)
+        self.pages.addWidget(self.welcome)
+        self.pages.addWidget(workbench)
         self.setCentralWidget(self.pages)
-        self.setDockNestingEnabled(True)
-        self.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
-        self.setCorner(Qt.Corner.TopRightCorner, _RIGHT)
-        self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
-        self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
-        self.viewers = ViewerDocks(self.session, self.evaluator, self)
+        self.library_dock = add_dock(workbench, "Library", "dock.library", self.library_view, _LEFT)
+        self.panel_dock = add_dock(workbench, "Control panels", "dock.panels", self.panels, _RIGHT)
+        self.viewers = ViewerDocks(self.session, self.evaluator, workbench)
         self.history = HistoryList(self.session)
-        self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
+        self.history_dock = add_dock(workbench, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
         self.snapshots = Snapshots(
             self.session, self.evaluator, self.viewers.images, self.viewers.plot, self
         )
-        # A viewer that is made is in its place a moment later.
-        self.viewers.made.connect(
-            lambda _: QTimer.singleShot(0, self.snapshots, self.snapshots.follow)
-        )
+        self.viewers.made.connect(lambda _: self.snapshots.follow())
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
-        self.runs = BackgroundRuns(self.session, self, self.finish_typing)
+        self.runs = BackgroundRuns(self.session, workbench, self.finish_typing)
+        self.status.add(self.runs.status)
         self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
         self.measuring = measuring = MeasureView(self.session, self.viewers.images)
         self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
@@ -260,9 +258,13 @@ class MainWindow(QMainWindow):
         self.fit_dock = self._hidden_dock("Fit", "fit", self.fitting)
         self.fit_dock.visibilityChanged.connect(self.fitting.show_state)
         measuring.source_changed.connect(self.fitting.show_state)
+        self.layout_in_use = WindowLayout(workbench)
+        for dock in workbench.findChildren(QDockWidget):
+            self.layout_in_use.follow(dock)
+        self.viewers.made.connect(self.layout_in_use.follow)
 
     def _hidden_dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
-        dock = add_dock(self, title, f"dock.{name}", widget, _BOTTOM)
+        dock = add_dock(self.workbench, title, f"dock.{name}", widget, _BOTTOM)
         dock.hide()
         dock.visibilityChanged.connect(self.viewers.name_tabs)
         return dock
@@ -311,9 +313,11 @@ class MainWindow(QMainWindow):
             "arrange": edits.arrange,
             "zoom_in": partial(canvas.zoom_by, 1.25),
             "zoom_out": partial(canvas.zoom_by, 0.8),
-            "trade_off": partial(toggle_dock, viewers.tradeoff_dock, viewers.tradeoff.parameter),
-            "history": partial(toggle_dock, self.history_dock, self.history),
-            "fit": partial(toggle_dock, self.fit_dock, self.fitting.table),
+            "trade_off": partial(
+                self._toggle, viewers.tradeoff_dock, viewers.tradeoff.bar.parameter
+            ),
+            "history": partial(self._toggle, self.history_dock, self.history),
+            "fit": partial(self._toggle, self.fit_dock, self.fitting.table),
             "full_screen": self.full_screen.toggle,
             "picture_below": partial(self.choose_layout, "picture_below"),
             "picture_beside": partial(self.choose_layout, "picture_beside"),
@@ -323,7 +327,7 @@ class MainWindow(QMainWindow):
             "previous_part": partial(self.focus_ring.go, -1),
             "light": self.toggle_light,
             "generate": self.generate,
-            "runs": partial(toggle_dock, self.runs.dock, self.runs.view),
+            "runs": partial(self._toggle, self.runs.dock, self.runs.view),
             "add_run": self.runs.add,
             "measure": self._measure,
             "cancel": self.cancel,
@@ -331,7 +335,7 @@ class MainWindow(QMainWindow):
             "flip": partial(snapshots.compare, "flip"),
             "wipe": partial(snapshots.compare, "wipe"),
             "go_back": snapshots.go_back,
-            "snapshots": partial(toggle_dock, self.snapshots_dock, self.snapshots_view.list),
+            "snapshots": partial(self._toggle, self.snapshots_dock, self.snapshots_view.list),
             "shortcuts": lambda: self.help.shortcuts(self.actions_by_name),
             "module_help": self.help.module,
             "handbook": self.help.handbook.open,
@@ -404,7 +408,6 @@ class MainWindow(QMainWindow):
     def _opened(self) -> None:
         self.viewers.forget_pictures()
         self.status.forget(closed=True)
-        self._end_canvas_alone()
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 
@@ -412,15 +415,6 @@ class MainWindow(QMainWindow):
         self.status.forget()
         if self.pages.at_first:
             self.show_canvas()
-        self._end_canvas_alone()
-
-    def _end_canvas_alone(self) -> None:
-        """Show the pictures' docks with the first node; later they would move what is clicked."""
-        if self.session.network.nodes and not (self.pages.at_first or self.pages.shows_docks):
-            self.pages.show_docks()
-            canvas = self.canvas
-            # Once the canvas is smaller.
-            QTimer.singleShot(0, canvas, lambda: canvas.view.make_visible(canvas.content.bounds()))
 
     def _follow_state(self) -> None:
         document = self.session.document
@@ -438,10 +432,9 @@ class MainWindow(QMainWindow):
 
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
-        self.status.forget_advice()
         if alike := self.session.selected_alike:
             text = f"{len(alike)} nodes of one module are selected: a change of a value is for all"
-            self.session.message.emit("advice", text)
+            self.session.message.emit("note", text)
 
     def _follow_level(self) -> None:
         self.actions_by_name["leave_macro"].setEnabled(bool(self.level.path))
@@ -492,12 +485,20 @@ class MainWindow(QMainWindow):
         for name in self.session.selection[-1:]:
             self.viewers.look_at_node(name, number)
 
+    def _toggle(self, dock: QDockWidget, focus: QWidget) -> None:
+        if in_front(dock):
+            dock.hide()
+        else:
+            self.pages.show_work()
+            bring_forward(dock, focus)
+
     def _measure(self) -> None:
         """Measure what a viewer shows, unless files were measured that are out of sight.
 
         Those are brought to the front first: edges may have been chosen in them by hand.
         """
         before = isinstance(self.measuring.source, tuple) and not in_front(self.measure_dock)
+        self.pages.show_work()
         bring_forward(self.measure_dock, self.measuring.canvas)
         if not before:
             self.measuring.measure_shown()

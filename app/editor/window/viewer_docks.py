@@ -35,7 +35,7 @@ _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 class ViewerDocks(QObject):
     """Viewers by number; one that is not there yet is made when something is shown in it."""
 
-    made = Signal(object)  # (dock): a dock has been made
+    made = Signal(object)  # (dock): a viewer has been made, and is in its place
 
     def __init__(self, session: Session, evaluator: Evaluator, window: QMainWindow) -> None:
         super().__init__(window)
@@ -92,7 +92,7 @@ class ViewerDocks(QObject):
         elif declared.inputs:
             self._look_at_input(name, number)
         else:
-            self._session.message.emit("advice", f"{name} has nothing to show")
+            self._session.message.emit("note", f"{name} has nothing to show")
 
     def trade_off(self, node: str, parameter: str) -> None:
         self.tradeoff.trade_off(*self._session.plain.parameter_behind(node, parameter))
@@ -108,7 +108,7 @@ class ViewerDocks(QObject):
         for link in self._session.network.links_into(name):
             self.look_at(number, f"{link.source}.{link.output}")
             return
-        self._session.message.emit("advice", f"{name} has nothing to show: it has no input")
+        self._session.message.emit("note", f"{name} has nothing to show: it has no input")
 
     def _viewer(self, number: int) -> ImageViewer:
         viewer = self.images.get(number)
@@ -122,12 +122,12 @@ class ViewerDocks(QObject):
             self._window.restoreDockWidget(dock)  # to where it was the last time, if anywhere
             self.images[number] = viewer
             self.docks[number] = dock
+            self.made.emit(dock)
         return viewer
 
     def _dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
         dock = add_dock(self._window, title, name, widget, _BOTTOM)
         dock.visibilityChanged.connect(self.name_tabs)
-        self.made.emit(dock)
         return dock
 
     def name_tabs(self, _visible: bool) -> None:
@@ -160,13 +160,6 @@ def bring_forward(dock: QDockWidget, focus: QWidget) -> None:
     dock.show()
     dock.raise_()
     focus.setFocus(Qt.FocusReason.OtherFocusReason)
-
-
-def toggle_dock(dock: QDockWidget, focus: QWidget) -> None:
-    if in_front(dock):
-        dock.hide()
-    else:
-        bring_forward(dock, focus)
 
 
 # One viewer over the whole screen, and back to its dock.

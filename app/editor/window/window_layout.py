@@ -3,151 +3,112 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from functools import partial
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
+    QApplication,
     QDockWidget,
     QInputDialog,
     QMainWindow,
     QStackedWidget,
     QStyle,
-    QTabBar,
-    QWidget,
 )
 
-from app.editor.gestures import SecondClick, without_argument
+from app.editor.gestures import without_argument
 from app.editor.library_view import LibraryView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.widgets import Menu
 from app.editor.window.recent_files import DOCKS_VERSION, Settings
 
-Share = tuple[float, float]  # of the window's width and height
 Sizes = dict[str, tuple[int, int]]
 
 
 class WindowLayout(QObject):
-    """Places the docks by a named layout, and sizes them when the window is resized."""
+    """Places the docks by a named layout, and sizes them when the window is resized.
+
+    Once the user has dragged a line between docks, all keep their `shares` of the window's width
+    and height instead.
+    """
 
     def __init__(self, window: QMainWindow) -> None:
         super().__init__(window)
         self.name: LayoutName = DEFAULT
+        self.shares: dict[str, tuple[float, float]] = {}  # by the docks' object names
         self._window = window
-        self._shares: dict[str, Share] = {}  # by the docks' object names
-        self._shown = self._placing = False
         self._pressed: Sizes | None = None
-        self._followed: set[str] = set()
-        self._soon = QTimer(self, singleShot=True)
-        self._soon.timeout.connect(self.keep)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._keep)
         window.installEventFilter(self)
 
     def choose(self, name: LayoutName) -> None:
-        self.name = name
-        self._shares = {}
-        self.place()
-        self.begin()
-
-    def place(self) -> None:
-        with self.placing():
-            place(self._window, self.name)
-
-    @contextmanager
-    def placing(self) -> Iterator[None]:
-        """While docks are moved by the program, not by the user."""
-        self._placing = True
-        try:
-            yield
-        finally:
-            self._placing = False
-
-    def begin(self) -> None:
-        self._shown = True
-        self._follow_docks()
+        self.name, self.shares = name, {}
+        place(self._window, name)
         self._size()
-
-    def keep(self) -> None:
-        """Keep the sizes of the docks, remembered or dragged, as shares of the window."""
-        self._shown = True
-        self._follow_docks()
-        width, height = self._window.width(), self._window.height()
-        shares = {name: (w / width, h / height) for name, (w, h) in self._sizes().items()}
-        if shares:  # none is shown beside the first page
-            self._shares = shares
+        self._soon.stop()  # it was not the user who moved them
 
     def state(self) -> str:
-        return json.dumps({"name": self.name, "shares": self._shares})
+        return json.dumps({"name": self.name, "shares": self.shares})
 
-    def restore(self, state: str) -> bool:
-        """Use what `state` gave; whether it is that."""
-        try:
+    def restore(self, docks: QByteArray, state: str) -> None:
+        """Use what `saveState` and `state` gave; nothing of what is damaged."""
+        self._window.restoreState(docks, DOCKS_VERSION)
+        with suppress(ValueError, TypeError, LookupError, AttributeError):
             stored = json.loads(state)
-            name = stored["name"]
-            shares = {
-                dock: (float(share[0]), float(share[1])) for dock, share in stored["shares"].items()
-            }
-        except (ValueError, TypeError, LookupError, AttributeError):
-            return False
-        sound = all(0 < part <= 1 for share in shares.values() for part in share)
-        if name not in get_args(LayoutName) or not sound:
-            return False
-        self.name, self._shares = name, shares
-        return True
+            shares = {dock: (float(w), float(h)) for dock, (w, h) in stored["shares"].items()}
+            if stored["name"] in get_args(LayoutName):
+                self.name, self.shares = stored["name"], shares
+        self._size()
+        self._soon.stop()
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+    def follow(self, dock: Any) -> None:
+        """See the dock put somewhere else: the shares are those once all are laid out."""
+        dock.topLevelChanged.connect(lambda _: self._soon.start())
+        dock.dockLocationChanged.connect(lambda _: self._soon.start())
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         """See the window resized, and the end of a drag at the line between two docks."""
-        if watched is self._window and self._shown:
-            if event.type() is QEvent.Type.Resize:
-                self._size()
-            elif event.type() is QEvent.Type.MouseButtonPress:
-                self._pressed = self._sizes()
-            elif event.type() is QEvent.Type.MouseButtonRelease:
-                pressed, self._pressed = self._pressed, None
-                if pressed is not None and pressed != self._sizes():
-                    self.keep()
+        if event.type() in (QEvent.Type.Resize, QEvent.Type.Show):
+            self._size()
+        elif event.type() is QEvent.Type.MouseButtonPress:
+            self._pressed = self._sizes()
+        elif event.type() is QEvent.Type.MouseButtonRelease:
+            pressed, self._pressed = self._pressed, None
+            if pressed is not None and pressed != self._sizes():
+                self._keep()
         return False
+
+    def _keep(self) -> None:
+        width, height = self._window.width(), self._window.height()
+        if sizes := self._sizes():  # none is shown beside the first page
+            self.shares = {name: (w / width, h / height) for name, (w, h) in sizes.items()}
 
     def _sizes(self) -> Sizes:
         window = self._window
         return {
             dock.objectName(): (dock.width(), dock.height())
-            for dock in Docks(self._window).all
+            for dock in Docks(window).all
             if dock.isVisible()
             and not dock.isFloating()
             and window.rect().intersects(dock.geometry())  # Qt has those behind another outside
         }
 
-    def _follow_docks(self) -> None:
-        for dock in Docks(self._window).all:
-            if dock.objectName() not in self._followed:
-                self._followed.add(dock.objectName())
-                dock.topLevelChanged.connect(self._moved)
-                dock.dockLocationChanged.connect(self._moved)
-
-    def _moved(self, *_: object) -> None:
-        """A dock has another place: the shares are those of a while later, once all are laid."""
-        if self._shown and not self._placing:
-            self._soon.start(0)
-
     def _size(self) -> None:
-        if not self._shares:
-            size(self._window, self.name)
+        window, shares = self._window, self.shares
+        if not shares:
+            size(window, self.name)
             return
-        width, height = self._window.width(), self._window.height()
         docks = [
             dock
-            for dock in Docks(self._window).all
-            if dock.objectName() in self._shares and not dock.isFloating()
+            for dock in Docks(window).all
+            if dock.objectName() in shares and not dock.isFloating()
         ]
-        shares = [self._shares[dock.objectName()] for dock in docks]
-        widths = [max(1, round(share[0] * width)) for share in shares]
-        heights = [max(1, round(share[1] * height)) for share in shares]
-        self._window.resizeDocks(docks, widths, Qt.Orientation.Horizontal)
-        self._window.resizeDocks(docks, heights, Qt.Orientation.Vertical)
+        for side, whole, way in ((0, window.width(), _Across), (1, window.height(), _Along)):
+            dots = [max(1, round(shares[dock.objectName()][side] * whole)) for dock in docks]
+            window.resizeDocks(docks, dots, way)
 
 
 # Named layouts: where the docks stand, and what share of the window each has.
@@ -227,15 +188,14 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     unit, line = window.fontMetrics().averageCharWidth(), window.fontMetrics().height()
     width, height = window.width(), window.height()
     viewer = docks.viewers[0]
-    picture = PICTURE_SHARE * width * height
+    picture = PICTURE_SHARE * width * window.window().height()
     library = docks.library.widget()  # as narrow as its headings are read without an ellipsis
     headings = library.headings_width() if isinstance(library, LibraryView) else library.width()
     bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
-    room = height - window.menuBar().height()
     if layout == "picture_beside":
-        tall = max(1, room - bars)
+        tall = max(1, height - bars)
         window.resizeDocks([viewer, docks.library], [round(picture / tall), headings], _Across)
-        below = round(0.52 * room)
+        below = round(0.52 * height)
         window.resizeDocks([docks.curves, docks.panels], [below, below], _Along)
         left = width - round(picture / tall)
         window.resizeDocks([docks.curves, docks.panels], [round(0.5 * left)] * 2, _Across)
@@ -246,13 +206,15 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     side = max(round(min(max(60 * unit, 0.21 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
         window.resizeDocks([docks.library, docks.panels], [headings, 52 * unit], _Across)
-        window.resizeDocks([viewer, docks.curves], [min(24 * line, round(0.42 * room))] * 2, _Along)
+        window.resizeDocks(
+            [viewer, docks.curves], [min(24 * line, round(0.42 * height))] * 2, _Along
+        )
         window.resizeDocks([viewer, docks.curves], [62 * unit, 75 * unit], _Across)
         return
     tall = round(picture / (width - side)) + bars
     window.resizeDocks([docks.library, docks.panels], [headings, side], _Across)
-    window.resizeDocks([viewer], [max(tall, round(0.62 * room))], _Along)
-    shares = [round(0.6 * room), round(0.4 * room)]
+    window.resizeDocks([viewer], [max(tall, round(0.62 * height))], _Along)
+    shares = [round(0.6 * height), round(0.4 * height)]
     window.resizeDocks([docks.panels, docks.curves], shares, _Along)
 
 
@@ -271,146 +233,62 @@ def _height_of_bars(dock: QDockWidget, viewer: ImageViewer) -> int:
     return bars + title + tabs
 
 
-# The pages of the window: the first page, beside which there are no docks, and the network.
-
-
 class Pages(QStackedWidget):
-    """Shows one of both. The docks get their sizes with the network that is shown first."""
-
-    def __init__(
-        self, first: QWidget, work: QWidget, layout: WindowLayout, window: QMainWindow
-    ) -> None:
-        super().__init__(window)
-        self._first, self._work = first, work
-        self._layout = layout
-        self._window = window
-        self._docks: QByteArray | None = None  # as they were before the first page hid them
-        self._away: list[QDockWidget] = []  # what an empty network has no use for
-        self._second_click = SecondClick(self)
-        self._sized = False
-        self._tidying = QTimer(self, singleShot=True, interval=0)
-        self._tidying.timeout.connect(self._put_away_tab_bars)
-        self.sizes_remembered = False
-        """Whether the docks have the sizes of the last window, to be kept."""
-        self.addWidget(first)
-        self.addWidget(work)
+    """The first page, or the network with its docks."""
 
     @property
     def at_first(self) -> bool:
-        return self.currentWidget() is self._first
-
-    @property
-    def shows_docks(self) -> bool:
-        return self._docks is None and not self._away
+        return self.currentIndex() == 0
 
     def show_first(self) -> None:
-        self.setCurrentWidget(self._first)
-        self._hide_docks()
+        self.setCurrentIndex(0)
 
     def show_work(self) -> None:
         if self.at_first:
-            self._second_click.drop()
-        self.setCurrentWidget(self._work)
-        self.show_docks()
-        if not self._sized:
-            self._sized = True
-            (self._layout.keep if self.sizes_remembered else self._layout.begin)()
+            QApplication.instance().installEventFilter(self)
+            QTimer.singleShot(QApplication.doubleClickInterval(), self, self._let_clicks_through)
+        self.setCurrentIndex(1)
 
-    def show_canvas_alone(self) -> None:
-        """Show an empty network on a large canvas; what would show its pictures comes with them."""
-        self.show_work()
-        docks = Docks(self._window)
-        of_pictures = (*docks.viewers, *docks.tools, *docks.beside)
-        self._away = [dock for dock in of_pictures if not (dock.isHidden() or dock.isFloating())]
-        for dock in self._away:
-            dock.hide()
+    def _let_clicks_through(self) -> None:
+        QApplication.instance().removeEventFilter(self)
 
-    def show_docks(self) -> None:
-        docks, self._docks = self._docks, None
-        if docks is not None:
-            with self._layout.placing():
-                self._window.restoreState(docks)
-        self._bring_back()
-        self._tidying.start()
-
-    def _bring_back(self) -> None:
-        away, self._away = self._away, []
-        if away:
-            docks = Docks(self._window)
-            opened = [dock for dock in docks.beside if dock.isVisible()]
-            for dock in away:
-                dock.show()
-            for dock in (docks.curves, docks.viewers[0], *opened):
-                dock.raise_()
-            self._layout.begin()
-
-    def showEvent(self, event: QShowEvent) -> None:
-        super().showEvent(event)
-        self._tidying.start()
-
-    def _put_away_tab_bars(self) -> None:
-        """Qt forgets bars of a single tab in the window's corner when docks come back."""
-        direct = Qt.FindChildOption.FindDirectChildrenOnly
-        for bar in self._window.findChildren(QTabBar, options=direct):
-            if bar.count() <= 1:
-                bar.move(-bar.width(), -bar.height())
-
-    def _hide_docks(self) -> None:
-        if self._docks is None:
-            self._docks = self._window.saveState()
-        for dock in self._window.findChildren(QDockWidget):
-            if not dock.isFloating():
-                dock.hide()
-
-    def choose_layout(self, name: LayoutName) -> None:
-        self.show_docks()
-        self._layout.choose(name)
-        self._hide_at_first()
-
-    def places(self) -> tuple[QByteArray, str]:
-        return self._window.saveState(DOCKS_VERSION), self._layout.state()
-
-    def restore_layout(self, docks: QByteArray, state: str) -> None:
-        self.show_docks()
-        with self._layout.placing():
-            self._window.restoreState(docks, DOCKS_VERSION)
-        if self._layout.restore(state):
-            self._layout.begin()
-        self._hide_at_first()
-
-    def _hide_at_first(self) -> None:
-        if self.at_first:
-            self._hide_docks()
-            self.sizes_remembered = self._sized = False
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Hold back a second click: it was meant for what was there before."""
+        second = event.type() == QEvent.Type.MouseButtonDblClick
+        if second:
+            self._let_clicks_through()
+        return second
 
 
 class LayoutMenu(Menu):
     """View > Saved Layouts, made anew each time it opens."""
 
-    def __init__(self, settings: Settings, pages: Pages) -> None:
-        super().__init__("Saved La&youts", pages)
-        self._settings, self._pages = settings, pages
+    def __init__(self, settings: Settings, layout: WindowLayout, window: QMainWindow) -> None:
+        super().__init__("Saved La&youts", window)
+        self._settings, self._layout, self._window = settings, layout, window
         self.aboutToShow.connect(self._fill)
 
     def _fill(self) -> None:
         self.clear()
         deleting = Menu("&Delete", self)
         for name, places in self._settings.layouts.items():
-            choosing = partial(self._pages.restore_layout, *places)
+            choosing = partial(self._layout.restore, *places)
             for menu, act in ((self, choosing), (deleting, partial(self._keep, name))):
                 action = menu.addAction(name.replace("&", "&&"))
                 action.triggered.connect(partial(without_argument, act))
         self.addSeparator()
-        saving = self.addAction("&Save Current as…")
-        saving.triggered.connect(self._ask)
-        saving.setEnabled(self._pages.shows_docks)
+        self.addAction("&Save Current as…").triggered.connect(self._ask)
         deleting.setEnabled(not deleting.isEmpty())
         self.addMenu(deleting)
 
     def _ask(self) -> None:
-        dialog = QInputDialog(self._pages)
+        dialog = QInputDialog(self._window)
         dialog.setLabelText("Name of the layout:")
-        dialog.textValueSelected.connect(lambda name: self._keep(name, *self._pages.places()))
+        dialog.textValueSelected.connect(
+            lambda name: self._keep(
+                name, self._window.saveState(DOCKS_VERSION), self._layout.state()
+            )
+        )
         dialog.open()
 
     def _keep(self, name: str, *places: object) -> None:

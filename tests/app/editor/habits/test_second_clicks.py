@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QPushButton
+from PySide6.QtWidgets import QApplication, QPushButton, QWidget
 
 from app.editor.recovery_files import Autosave, recoverable
 from app.run.shipped import shipped_networks
@@ -77,7 +77,7 @@ def test_opening_by_double_clicks_changes_nothing(make_window, qtbot, tmp_path, 
     for _ in range(3):  # the library remembers where it was pressed last
         window.show_welcome()
         qtbot.wait(50)
-        row = window.findChild(QPushButton, "welcome.recent.mine.json")
+        row = window.findChild(QWidget, "welcome.recent.mine.json")
         under = (spot for spot in modules if row.rect().contains(row.mapFrom(window, spot)))
         double_click(window, next(under))
         assert window.canvas.isVisible()

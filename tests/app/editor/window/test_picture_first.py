@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QFontInfo, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QInputDialog, QMenu, QMessageBox, QPushButton
+from PySide6.QtWidgets import QApplication, QInputDialog, QMenu
 
 from app.editor.canvas.node_item import OVERVIEW
 from window_hands import show_small
@@ -76,13 +76,13 @@ def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened
 
 def drag_separator(window, dx):
     """Drag the line left of the panels as a person does."""
-    start = QPoint(window.panel_dock.x() - 3, window.panel_dock.y() + 200)
+    start, bench = QPoint(window.panel_dock.x() - 3, window.panel_dock.y() + 200), window.workbench
     left = Qt.MouseButton.LeftButton
-    QTest.mousePress(window, left, Qt.KeyboardModifier.NoModifier, start)
+    QTest.mousePress(bench, left, Qt.KeyboardModifier.NoModifier, start)
     for step in (4, dx // 2, dx):
-        QTest.mouseMove(window, start + QPoint(step, 0))
+        QTest.mouseMove(bench, start + QPoint(step, 0))
         QTest.qWait(30)
-    QTest.mouseRelease(window, left, Qt.KeyboardModifier.NoModifier, start + QPoint(dx, 0))
+    QTest.mouseRelease(bench, left, Qt.KeyboardModifier.NoModifier, start + QPoint(dx, 0))
 
 
 def test_what_is_dragged_keeps_its_share_when_the_window_grows(opened, idle):
@@ -146,34 +146,9 @@ def test_a_layout_is_saved_chosen_in_another_window_and_deleted(opened, make_win
     now = again.viewers.docks[1].geometry()
     for before, after in zip(place.getRect(), now.getRect(), strict=True):
         assert abs(before - after) <= 4
-    again.files.new()
-    idle(again)
-    assert not entries(again)["&Save Current as…"].isEnabled()  # its docks are put away
     (delete,) = entries(again)["&Delete"].menu().actions()
     delete.trigger()
     assert list(entries(again)) == ["&Save Current as…", "&Delete"]
-
-
-def test_an_empty_network_has_a_large_canvas_until_there_is_a_picture(make_window, idle):
-    window = make_window()
-    window.files.new()
-    idle(window)
-    shown = window.canvas.width() * window.canvas.height()
-    assert shown >= 0.5 * window.width() * window.height()
-    assert window.library_view.isVisible()
-    assert not canvas(window).isVisible()
-    window.canvas.add_module("test_scene")
-    idle(window)
-    assert share(window) >= SHARE
-    window.files.new(None)  # the scene was not saved: it asks
-    window.findChild(QMessageBox).findChild(QPushButton, "discard").click()
-    idle(window)
-    assert not canvas(window).isVisible()
-    window.close()
-    again = make_window()
-    again.files.open_now("first_steps")
-    idle(again)
-    assert share(again) >= SHARE  # and no word of the empty canvas
 
 
 # --- over the whole screen ---------------------------------------------------------------------

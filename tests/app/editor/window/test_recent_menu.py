@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QPushButton
+from PySide6.QtWidgets import QWidget
 
 from app.editor.window.recent_files import Settings, folder_text
 from app.run.shipped import shipped_networks
@@ -73,11 +73,11 @@ def test_a_file_that_goes_while_the_menu_is_open_is_named(window, settings, save
 def test_clearing_empties_the_menu_and_the_first_page_for_good(window, settings, saved):
     saved(settings, "mine.json")
     window.show_welcome()
-    assert window.findChild(QPushButton, "welcome.recent.mine.json") is not None
+    assert window.findChild(QWidget, "welcome.recent.mine.json") is not None
     entries(window)
     window.recent_menu.actions()[-1].trigger()
     QTest.qWait(20)
-    assert window.findChild(QPushButton, "welcome.recent.mine.json") is None
+    assert window.findChild(QWidget, "welcome.recent.mine.json") is None
     shown = entries(window)
     assert shown == ["No network has been opened yet", "", "Clear List"]
     assert not any(action.isEnabled() for action in window.recent_menu.actions() if action.text())
