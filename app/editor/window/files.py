@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QPointF, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QMessageBox, QWidget
 
@@ -44,7 +44,6 @@ from core.network.validation import NetworkProblems, problems
 NETWORK_SUFFIX = ".json"
 _FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"
 _DIALOG = "file_dialog"
-_SETTLED_MS = 200
 Next = Callable[[], object]
 
 
@@ -64,17 +63,12 @@ class Files(QObject):
         self._session = session
         self._settings = settings
         self._window = window
-        self._watcher = QFileSystemWatcher(self)
-        self._told = ""
-        # Programs that replace a file take it away first.
-        self._settled = QTimer(self, singleShot=True, interval=_SETTLED_MS)
-        self._settled.timeout.connect(self._look_at_file)
-        self._watcher.fileChanged.connect(lambda _: self._settled.start())
         self._next: Next | None = None
         self._question: Question | None = None
 
-    def new(self, following: Next | None = None) -> None:
-        self.after_asking(lambda: self._new(following))
+    def new(self, *_: object) -> None:
+        empty = Opened(Document(Network(), library=self._session.library))
+        self.after_asking(lambda: self.show(empty))
 
     def open_dialog(self) -> None:
         path = self._session.document.path
@@ -102,7 +96,6 @@ class Files(QObject):
         if opened.document.path is not None:
             self._settings.add_recent(opened.document.path)
         self._session.open(opened.document)
-        self._watch()
         self.opened.emit()
         if opened.remark:
             self._session.message.emit("note", opened.remark)
@@ -146,35 +139,9 @@ class Files(QObject):
                 session.undo()
             return
         self._settings.add_recent(path)
-        self._watch()
         session.message.emit("note", f"saved {path}")
         if following is not None:
             following()
-
-    def _watch(self) -> None:
-        """Follow the document's own file, to say at once that another program changes it."""
-        if self._told:
-            self._session.message.emit("warning", "")  # it holds no longer
-        self._told = ""
-        path = self._session.document.path
-        if watched := self._watcher.files():
-            self._watcher.removePaths(watched)
-        if path is not None:
-            self._watcher.addPath(str(path))
-            self._settled.start()
-
-    def _look_at_file(self) -> None:
-        document = self._session.document
-        if document.path is None:
-            return
-        if str(document.path) not in self._watcher.files():
-            self._watcher.addPath(str(document.path))  # another file has its name now
-        name, said = document.path.name, ""
-        if done := document.disagreement():
-            said = f"another program has {done} {name}: Save asks what to do"
-        if said != self._told:
-            self._session.message.emit("warning", said)
-        self._told = said
 
     def has_unsaved_work(self) -> bool:
         self.about_to_save.emit()
@@ -216,11 +183,6 @@ class Files(QObject):
             self.save_to(path, following, over=True)
         elif answer == "reload" and path is not None:
             self.open_now(str(path))
-
-    def _new(self, following: Next | None) -> None:
-        self.show(Opened(Document(Network(), library=self._session.library)))
-        if following is not None:
-            following()
 
 
 # The questions before work is lost. Each blocks the window until it is answered.

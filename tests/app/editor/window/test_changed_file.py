@@ -91,21 +91,3 @@ def test_closing_saves_only_once_that_is_answered(two, file, qtbot):
         click(qtbot, other, reply)
     qtbot.waitUntil(lambda: not other.isVisible())
     assert modules(file)[-1] == "test_scene"
-
-
-def test_a_change_by_another_program_is_told_when_it_happens(make_window, file, qtbot):
-    window = make_window()
-    assert window.files.open_now(str(file))
-    said = []
-    window.session.message.connect(lambda kind, text: said.append((kind, text)))
-    for content in (file.read_text() + "\n", file.read_text() + "\n\n"):
-        new = file.with_name("new")
-        new.write_text(content)
-        new.replace(file)  # as most editors save
-        qtbot.waitUntil(lambda: bool(said), timeout=60000)
-        assert said == [("warning", "another program has changed mine.json: Save asks what to do")]
-    window.files.save_to(file, over=True)
-    said.clear()
-    file.unlink()
-    qtbot.waitUntil(lambda: bool(said), timeout=60000)
-    assert said == [("warning", "another program has removed mine.json: Save asks what to do")]
