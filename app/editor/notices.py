@@ -9,15 +9,13 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any, Literal, get_args
 
-from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMenuBar,
     QProgressBar,
     QPushButton,
-    QSizePolicy,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -31,14 +29,7 @@ ROLES = {"information": FAINT, "warning": CHANGED, "error": ERROR}
 _GRAVEST_FIRST = tuple(reversed(get_args(Severity)))
 _MOST = 2  # notices in sight
 
-# Shapes in a square from -1 to 1: they are told apart without their colours.
-_TRIANGLE = ((0.0, -0.95), (1.0, 0.85), (-1.0, 0.85))
-_OCTAGON = ((-0.4, -1), (0.4, -1), (1, -0.4), (1, 0.4), (0.4, 1), (-0.4, 1), (-1, 0.4), (-1, -0.4))
-_SIGNS: dict[str, tuple[tuple[float, ...], ...]] = {  # lines; of no length, dots
-    "information": ((0, -0.05, 0, 0.55), (0, -0.5, 0, -0.5)),
-    "warning": ((0, -0.35, 0, 0.2), (0, 0.58, 0, 0.58)),
-    "error": ((-0.4, -0.4, 0.4, 0.4), (-0.4, 0.4, 0.4, -0.4)),
-}
+_SIGNS = {"information": "●", "warning": "▲", "error": "■"}  # told apart without colours
 
 
 def sentence(line: str) -> str:
@@ -46,48 +37,14 @@ def sentence(line: str) -> str:
     return f"{line[:1].upper()}{line[1:]}."
 
 
-def draw_mark(
-    painter: QPainter, room: QRectF, severity: Severity, ink: QColor, ground: QColor
-) -> None:
-    """The mark of a severity: an i in a disc, an ! in a triangle, or a cross in an octagon."""
-    side = min(room.width(), room.height())
-    painter.save()
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.translate(room.center())
-    painter.scale(0.46 * side, 0.46 * side)
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(ink)
-    if severity == "information":
-        painter.drawEllipse(QPointF(), 1.0, 1.0)
-    else:
-        corners = _TRIANGLE if severity == "warning" else _OCTAGON
-        painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
-    painter.setPen(QPen(ground, 0.27, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-    for x, y, to_x, to_y in _SIGNS[severity]:
-        painter.drawLine(QPointF(x, y), QPointF(to_x, to_y + 1e-3))
-    painter.restore()
-
-
-class Mark(QWidget):
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.severity: Severity = "information"
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+class Mark(QLabel):
+    severity: Severity = "information"
 
     def show_severity(self, severity: Severity) -> None:
         self.severity = severity
+        self.setText(_SIGNS[severity])
+        self.setForegroundRole(ROLES[severity])
         self.setAccessibleName(severity)
-        self.update()
-
-    def sizeHint(self) -> QSize:
-        side = self.fontMetrics().height()
-        return QSize(side, side)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        painter, palette = QPainter(self), self.palette()
-        ink, ground = palette.color(ROLES[self.severity]), palette.color(palette.ColorRole.Window)
-        draw_mark(painter, QRectF(self.rect()), self.severity, ink, ground)
-        painter.end()
 
 
 def close_button(name: str, parent: QWidget) -> QToolButton:
@@ -193,7 +150,6 @@ class StatusBar(QWidget):
         self._menus = menus
         menus.setNativeMenuBar(False)  # a desktop's own bar of menus has no place for messages
         menus.installEventFilter(self)
-        self._advises = False
         self._said: list[tuple[Severity, str]] = []  # the latest at the end
         self._notice = Notice("status.message", self, one_line=True)
         self._notice.closed.connect(self._close)
@@ -227,14 +183,10 @@ class StatusBar(QWidget):
         return self._of("information")
 
     def report(self, kind: str, text: str) -> None:
-        """Show a "note", "warning" or "error"; "advice" is a note on what is selected.
-
-        An empty warning takes the last one back.
-        """
-        self._advises = kind == "advice"
+        """Show a "note", "warning" or "error"."""
         severity: Severity = kind if kind in ("error", "warning") else "information"  # type: ignore[assignment]
         self._drop("information", severity if severity == "warning" else "error")
-        self._said += [(severity, text)] if text else []
+        self._said.append((severity, text))
         if severity == "information":
             self._over.start()
         self._show()
@@ -242,10 +194,6 @@ class StatusBar(QWidget):
     def forget(self, *, closed: bool = False) -> None:
         """Clear what was about the network as it was; warnings too where it is closed."""
         self._drop("information", "error", *(["warning"] if closed else []))
-
-    def forget_advice(self) -> None:
-        if self._advises:
-            self._drop("information")
 
     def show_busy(self, busy: Any) -> None:
         for widget in (self._where, self._progress, self._cancel):

@@ -120,7 +120,7 @@ class Adding:
         surface = self._surface
         session = surface.session
         if not session.selection:
-            session.message.emit("advice", "select the node you want to wire first")
+            session.message.emit("note", "select the node you want to wire first")
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [
@@ -133,7 +133,7 @@ class Adding:
             if {link.source, link.target} & set(session.selection)
         ]
         if not choices:
-            session.message.emit("advice", "there is nothing to wire the selected nodes to")
+            session.message.emit("note", "there is nothing to wire the selected nodes to")
             return
         item = surface.content.nodes[session.selection[-1]]
         title = f"Wire {', '.join(session.selection[:3])}{' …' * (len(session.selection) > 3)}"

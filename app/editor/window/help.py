@@ -63,7 +63,7 @@ class Help(QObject):
     def handbook_of(self, name: str) -> None:
         declared = self._session.declared(name)
         if declared is None:
-            self._session.message.emit("advice", "select a node to read what its module does")
+            self._session.message.emit("note", "select a node to read what its module does")
         else:
             self.handbook.open(declared.key if declared.key in self._session.library else _MACROS)
 
