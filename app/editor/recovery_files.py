@@ -10,7 +10,6 @@ import contextlib
 import json
 import os
 import secrets
-import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -35,11 +34,10 @@ from core.network.parsing import parse_network
 FORMAT = "imagechain-recovery"
 VERSION = 1
 SUFFIX, LOCK_SUFFIX = ".recovery", ".lock"
-LARGEST = 64 * 2**20  # bytes; four times what a network's text may have
 
 
 class Autosave:
-    """Keeps the unsaved work of one document. Its methods may be called from any thread."""
+    """Keeps the unsaved work of one document."""
 
     def __init__(self, document: Document, folder: Path) -> None:
         self._document = document
@@ -47,7 +45,6 @@ class Autosave:
         self.path = folder / f"{secrets.token_hex(8)}{SUFFIX}"
         self._lock: FileLock | None = None
         self._written: tuple[Network, Path | None] | None = None
-        self._busy = threading.Lock()
 
     def write_if_changed(self) -> bool:
         """Write the recovery file if the document has changed since; whether it did.
@@ -55,53 +52,41 @@ class Autosave:
         Of a document that is saved as it is, there is none. Where it cannot be written, a
         `FileError` or `NetworkError` is raised, and what was kept before is still there.
         """
-        with self._busy:
-            if not self._document.modified:
-                self._remove()
+        document = self._document
+        if not document.modified:
+            self.finish()
+            return False
+        network, path = document.network, document.path
+        if self._written is not None and self.path.exists():
+            before, as_path = self._written
+            if before is network and as_path == path:
                 return False
-            state = self._document.network, self._document.path
-            if self._written is not None and self.path.exists():
-                network, path = self._written
-                if network is state[0] and path == state[1]:
-                    return False
-            self._write(*state)
-            self._written = state
-            return True
-
-    def finish(self) -> None:
-        with self._busy:
-            self._remove()
-
-    def _write(self, network: Network, path: Path | None) -> None:
         content = {
             "format": FORMAT,
             "version": VERSION,
             "original": str(path.absolute()) if path is not None else None,
-            "stored": self._document.stored if path is not None else None,
+            "stored": document.stored if path is not None else None,
             "folder": _here() if path is None else None,
             "pid": os.getpid(),
             "started": own_token(),
             "time": time.time(),
-            "network": format_network(network, library=self._document.library),
+            "network": format_network(network, library=document.library),
         }
-        self._prepare()
-        # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
-        write_text(self.path, json.dumps(content, indent=1) + "\n")
-
-    def _prepare(self) -> None:
-        """Make the folder and the lock before the file: without a lock it counts as left behind."""
-        folder = self.path.parent
         try:
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            if self._lock is None:
+            self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if self._lock is None:  # before the file: without a lock it counts as left behind
                 self._lock = take(self.path.with_suffix(LOCK_SUFFIX))
         except OSError as error:
             reason = error.strerror or type(error).__name__
-            raise FileError(f"cannot write in {folder}: {reason}") from error
+            raise FileError(f"cannot write in {self.path.parent}: {reason}") from error
+        # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
+        write_text(self.path, json.dumps(content, indent=1) + "\n")
+        self._written = network, path
+        return True
 
-    def _remove(self) -> None:
+    def finish(self) -> None:
         # The lock is removed last: a file without one counts as left behind.
-        if self._written is not None or self._lock is not None:
+        if self._written is not None:
             with contextlib.suppress(OSError):
                 self.path.unlink(missing_ok=True)
         if self._lock is not None:
@@ -150,11 +135,9 @@ class Recovered:
 def recoverable(folder: Path) -> tuple[Recovered, ...]:
     """What processes that are no more have left in a folder, damaged too, the latest first."""
     with contextlib.suppress(OSError):
-        recovered = [
-            _read(path) for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith(".")
-        ]
+        read = [_read(path) for path in folder.glob(f"*{SUFFIX}") if path.name[0] != "."]
         _sweep(folder)
-        found = (work for work in recovered if work is not None)
+        found = [work for work in read if work is not None]
         return tuple(sorted(found, key=lambda work: -work.time))
     return ()
 
@@ -165,12 +148,6 @@ def _read(path: Path) -> Recovered | None:
     if held:
         return None
     try:
-        status = path.stat()
-    except OSError:
-        return None
-    try:
-        if status.st_size > LARGEST:
-            raise ValueError("it is too large")
         content = json.loads(path.read_bytes())
         if held is None and runs(_get(content, "pid", int), _get(content, "started", str)):
             return None
@@ -181,22 +158,19 @@ def _read(path: Path) -> Recovered | None:
         problem = f"it cannot be read: {error.strerror or type(error).__name__}"
     except (ValueError, RecursionError) as error:
         problem = f"the recovery file is damaged: {' '.join(str(error).split())[:200]}"
-    return Recovered(path, None, status.st_mtime, problem)
+    return Recovered(path, None, time.time(), problem)
 
 
 def _recovered(path: Path, content: Any) -> Recovered:
-    if _get(content, "format", str) != FORMAT:
-        raise ValueError(f"its format is not {FORMAT}")
-    if _get(content, "version", int) != VERSION:
-        raise ValueError("it was written by another version")
+    if _get(content, "format", str) != FORMAT or _get(content, "version", int) != VERSION:
+        raise ValueError(f"it is not of {FORMAT}, version {VERSION}")
     original, folder = (_path(content, name) for name in ("original", "folder"))
     moment = _get(content, "time", float)
-    # A date far off is none that a calendar could show.
-    if not 0 <= moment < 2.0**35:
+    if not 0 <= moment < 2.0**35:  # a date far off is none that a calendar could show
         raise ValueError("time is not a date")
     stored = content.get("stored")  # not kept by earlier versions
-    if stored is not None and not isinstance(stored, str):
-        raise ValueError("stored is not a text")
+    if stored is not None:
+        stored = _get(content, "stored", str)
     text = _get(content, "network", str)
     return Recovered(path, original, moment, text=text, folder=folder, stored=stored)
 
@@ -255,10 +229,9 @@ class Autosaver(QObject):
         self._timer = QTimer(self, singleShot=True, interval=DELAY_MS)
         self._timer.timeout.connect(self._write)
         self._written.connect(self._after)
-        session.changed.connect(self._begin)
         session.opened.connect(self._opened)
-        session.state_changed.connect(self._saved)
-        self._begin()
+        session.state_changed.connect(self._follow)
+        self._follow()
 
     def keep(self) -> ImagechainError | None:
         """Write now, and leave the file: the process has to end. Returns what went wrong."""
@@ -284,27 +257,22 @@ class Autosaver(QObject):
     def close(self) -> None:
         """The window is closed: nothing is left to recover, unless `keep` was called."""
         self._timer.stop()
-        self._session.changed.disconnect(self._begin)
         self._session.opened.disconnect(self._opened)
-        self._session.state_changed.disconnect(self._saved)
+        self._session.state_changed.disconnect(self._follow)
         if not self._leave_file:
             self._thread.submit(self._autosave.finish)
         self._thread.shutdown(wait=True)
 
-    def _begin(self, *_: object) -> None:
-        if self._session.document.modified and not self._timer.isActive():
-            self._timer.start()
-
     def _opened(self) -> None:
-        self._timer.stop()
         self._thread.submit(self._autosave.finish)
         self._autosave = Autosave(self._session.document, self._folder)
-        self._begin()
 
-    def _saved(self) -> None:
+    def _follow(self) -> None:
         if not self._session.document.modified:
             self._timer.stop()
             self._thread.submit(self._autosave.finish)
+        elif not self._timer.isActive():
+            self._timer.start()
 
     def _write(self) -> None:
         writing = self._thread.submit(self._autosave.write_if_changed)
