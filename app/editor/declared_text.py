@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -13,8 +13,8 @@ from PySide6.QtCore import QObject, Signal
 
 from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter
-from core.network.expressions import ExpressionError, parse_expression, value_of
-from core.network.network import Node
+from core.network.expression_arithmetic import value_of
+from core.network.expression_grammar import ExpressionError, parse_expression
 
 # Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(
@@ -297,17 +297,13 @@ class FreeNumber:
 
 
 class FreeNumbers(QObject):
-    """The free parameters of the open document. No file holds them, and undo leaves them.
-
-    Those of a node that is removed come back with it.
-    """
+    """The free parameters of the open document. No file holds them, and undo leaves them."""
 
     changed = Signal()  # others are free, or their limits differ
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._numbers: dict[tuple[str, str], FreeNumber] = {}
-        self._removed: list[tuple[FreeNumber, Node]] = []
 
     @property
     def all(self) -> tuple[FreeNumber, ...]:
@@ -317,38 +313,17 @@ class FreeNumbers(QObject):
         return (node, name) in self._numbers
 
     def put(self, number: FreeNumber) -> None:
-        if self._numbers.get(number.place) != number:
-            self._numbers[number.place] = number
-            self.changed.emit()
+        self._set({**self._numbers, number.place: number})
 
     def fix(self, node: str, name: str) -> None:
-        if self._numbers.pop((node, name), None) is not None:
-            self.changed.emit()
+        self._set({place: one for place, one in self._numbers.items() if place != (node, name)})
 
-    def clear(self) -> None:
-        self._removed.clear()
-        if self._numbers:
-            self._numbers.clear()
-            self.changed.emit()
-
-    def follow(
-        self,
-        name_now: Callable[[str], str],
-        before: Mapping[str, Node],
-        after: Mapping[str, Node],
-    ) -> None:
+    def follow(self, name_now: Callable[[str], str], nodes: Collection[str]) -> None:
         """Take the names that nodes have now; what is of no node any more is free no more."""
-        numbers = {}
-        for one in self._numbers.values():
-            now = replace(one, node=name_now(one.node))
-            if now.node in after:
-                numbers[now.place] = now
-            elif one.node in before:
-                self._removed.append((one, before[one.node]))
-        back = [pair for pair in self._removed if after.get(pair[0].node) == pair[1]]
-        for pair in back:
-            self._removed.remove(pair)
-            numbers.setdefault(pair[0].place, pair[0])
+        now = [replace(one, node=name_now(one.node)) for one in self._numbers.values()]
+        self._set({one.place: one for one in now if one.node in nodes})
+
+    def _set(self, numbers: dict[tuple[str, str], FreeNumber]) -> None:
         if numbers != self._numbers:
             self._numbers = numbers
             self.changed.emit()

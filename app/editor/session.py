@@ -34,8 +34,7 @@ class Session(QObject):
     changed = Signal(object, object)  # (before, after): the network has changed; both are `Network`
     state_changed = Signal()  # path, modified mark or what undo and redo would do may have changed
     selection_changed = Signal(tuple)  # (names): other nodes are selected: a tuple of ids
-    # (kind, text): A line for the person; kind is "note", "warning", "error", or "advice": a note
-    # on what is selected
+    # (kind, text): A line for the person; kind is "note", "warning" or "error"
     message = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
@@ -127,7 +126,7 @@ class Session(QObject):
         self.document = document
         self.network = unfolded(document.network)
         self._chosen.clear()
-        self.free.clear()
+        self.free.follow(str, ())
         document.listen(self._changed)
         self.selection = ()
         self.opened.emit()
@@ -203,7 +202,7 @@ class Session(QObject):
     def _changed(self, _before: Network, after: Network) -> None:
         shown, self.network = self.network, unfolded(after)
         renamed = renamed_node(shown, self.network)
-        self.free.follow(lambda name: followed_name(name, renamed), shown.nodes, self.network.nodes)
+        self.free.follow(lambda name: followed_name(name, renamed), self.network.nodes)
         self.changed.emit(shown, self.network)
         self.state_changed.emit()
         self.select(followed_name(name, renamed) for name in self.selection)

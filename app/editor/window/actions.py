@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -32,7 +33,7 @@ from core.editing.operations import (
     set_node_field,
 )
 from core.editing.wire_dots import dots_of, moved_with_dots, straighten
-from core.editing.wiring import dissolved
+from core.editing.wiring import deleted, dissolved
 from core.errors import ImagechainError
 
 Scope = Literal["application", "window", "canvas"]
@@ -284,10 +285,21 @@ class EditCommands(QObject):
         self._session = session
         self._canvas = canvas
 
+    @contextmanager
+    def _refusals(self, before: str = "") -> Iterator[None]:
+        try:
+            yield
+        except ImagechainError as error:
+            self._session.message.emit("error", f"{before}{error}")
+
+    def _do(self, names: Iterable[str], operation: Operation) -> None:
+        if self._session.do(operation):
+            self._session.select(names)
+
     def copy(self) -> None:
-        names = self._session.selection
-        if names:
-            text = copied(self._session.network, names, self._session.library)
+        session = self._session
+        if session.selection:
+            text = copied(session.network, session.selection, session.library, session.value)
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:
@@ -297,21 +309,11 @@ class EditCommands(QObject):
             self._take_out(dissolved(session.network, session.library, session.selection, "Cut"))
 
     def paste(self) -> None:
-        session = self._session
+        session, canvas = self._session, self._canvas
         text = QGuiApplication.clipboard().text()
-        try:
-            names, operation = pasted(
-                text,
-                session.network,
-                library=session.library,
-                at=self._canvas.cursor_point(),
-                sizes=self._canvas.sizes(),
-            )
-        except ImagechainError as error:
-            session.message.emit("error", f"nothing was pasted: {error}")
-            return
-        if session.do(operation):
-            session.select(names)
+        at, sizes = canvas.cursor_point(), canvas.sizes()
+        with self._refusals("nothing was pasted: "):
+            self._do(*pasted(text, session.network, library=session.library, at=at, sizes=sizes))
 
     def copy_values(self) -> None:
         whole = self._session.session
@@ -323,16 +325,9 @@ class EditCommands(QObject):
             paste_values(whole, whole.selection)
 
     def duplicate(self) -> None:
-        session = self._session
-        if session.selection:
-            names, operation = duplicated(
-                session.network,
-                session.selection,
-                library=session.library,
-                sizes=self._canvas.sizes(),
-            )
-            if session.do(operation):
-                session.select(names)
+        session, sizes = self._session, self._canvas.sizes()
+        if names := session.selection:
+            self._do(*duplicated(session.network, names, library=session.library, sizes=sizes))
 
     def delete(self) -> None:
         """Delete the selected dot or nodes, and lead the wire past them; else wire or backdrop."""
@@ -340,7 +335,7 @@ class EditCommands(QObject):
         if self._canvas.dots.remove():
             return
         if session.selection:
-            self._take_out(dissolved(session.network, session.library, session.selection))
+            self._take_out(deleted(session.network, session.library, session.selection))
         elif link is not None:
             session.do(Rewire(remove=(link,)))
         else:
@@ -364,46 +359,30 @@ class EditCommands(QObject):
     def disable(self) -> None:
         nodes = [self._session.network.nodes[name] for name in self._session.selection]
         off = not all(node.disabled for node in nodes)
-        steps: list[Operation] = [
-            set_node_field(node.id, "disabled", off) for node in nodes if node.disabled != off
-        ]
+        steps = [set_node_field(node.id, "disabled", off) for node in nodes if node.disabled != off]
         if steps:
             self._session.do(steps[0] if len(steps) == 1 else Together(steps))
 
     def mark_output(self) -> None:
         session = self._session
         for name in session.selection[-1:]:
-            try:
+            with self._refusals():
                 session.do(output_toggled(session.network, session.library, name))
-            except ImagechainError as error:
-                session.message.emit("error", str(error))
 
     def group(self) -> None:
         session = self._session
-        try:
+        network, library, names = session.network, session.library, session.selection
+        with self._refusals():
             name, operation = group(
-                session.network,
-                session.library,
-                session.selection,
-                where=session.head,
-                value_of=session.value,
+                network, library, names, where=session.head, value_of=session.value
             )
-        except ImagechainError as error:
-            session.message.emit("error", str(error))
-            return
-        if session.do(operation):
-            session.select([name])
+            self._do([name], operation)
 
     def ungroup(self) -> None:
         session = self._session
         for macro in session.selection[-1:]:
-            try:
-                names, operation = ungroup(session.network, session.library, macro, session.head)
-            except ImagechainError as error:
-                session.message.emit("error", str(error))
-                return
-            if session.do(operation):
-                session.select(names)
+            with self._refusals():
+                self._do(*ungroup(session.network, session.library, macro, session.head))
 
     def backdrop(self) -> None:
         session = self._session
