@@ -7,12 +7,20 @@ import sys
 import tempfile
 import threading
 import time
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QCoreApplication, QEventLoop, QSize, Qt, QTimer, qInstallMessageHandler
-from PySide6.QtGui import QImage
+from PySide6.QtCore import (
+    QBuffer,
+    QByteArray,
+    QCoreApplication,
+    QEventLoop,
+    QSize,
+    Qt,
+    QTimer,
+    qInstallMessageHandler,
+)
+from PySide6.QtGui import QImage, QImageWriter
 from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.qt_libraries import nothing_collected
@@ -59,7 +67,7 @@ def start(
     app = application()
     qInstallMessageHandler(_quiet)
     if screenshot is not None:
-        take(app, network, Shot(screenshot, size or (1600, 900), look or "dark", part))
+        take(app, network, screenshot, size or (1600, 900), look or "dark", part)
         return
     _only_note(stop_requested)
     settings = Settings()
@@ -146,27 +154,20 @@ PATIENCE_S = 120.0
 _SETTLE_S = 0.4  # queued answers and repaints after the last pass
 
 
-@dataclass(frozen=True)
-class Shot:
-    file: Path
-    size: tuple[int, int]
-    look: Look
-    part: str = "window"
-
-
-def take(app: QApplication, network: str, shot: Shot) -> None:
+def take(
+    app: QApplication, network: str, file: Path, size: tuple[int, int], look: Look, part: str
+) -> None:
     """Draw a network, or the welcome page, in a window off screen once all is computed."""
     library = standard_library()
     opened = open_named(network, library=library) if network else None
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(Path(folder) / "settings.ini")
-        settings.look = shot.look
+        settings.look = look
         window = MainWindow(
             library=library, settings=settings, recovery=Path(folder), remembered=False
         )
         try:
-            window.set_theme(THEMES[shot.look])
-            window.resize(*shot.size)
+            window.resize(*size)
             window.show()
             settle(window)
             if opened is not None:
@@ -174,7 +175,14 @@ def take(app: QApplication, network: str, shot: Shot) -> None:
                 settle(window)
                 _select_node_with_figures(window)
                 settle(window)
-            write_bytes(shot.file, encoded(_image(window, shot)))
+            parts: dict[str, QWidget] = {
+                "window": window,
+                "canvas": window.canvas,
+                "panel": window.panels,
+                "curves": window.viewers.plot,
+            }
+            drawn = parts[part].grab().toImage() if part in parts else _picture(window, size)
+            write_bytes(file, encoded(drawn))
         finally:
             window.close_for_good()
             app.processEvents()
@@ -202,18 +210,6 @@ def settle(window: MainWindow) -> None:
         time.sleep(0.002)
 
 
-def _image(window: MainWindow, shot: Shot) -> QImage:
-    if shot.part == "picture":
-        return _picture(window, shot.size)
-    parts: dict[str, QWidget] = {
-        "window": window,
-        "canvas": window.canvas,
-        "panel": window.panels,
-        "curves": window.viewers.plot,
-    }
-    return parts[shot.part].grab().toImage()
-
-
 def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
@@ -226,8 +222,7 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
 
 
 def encoded(image: QImage) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "window.png"
-        if not image.save(str(file)):
-            raise FileError("the window cannot be drawn: it gave no picture")
-        return file.read_bytes()
+    buffer = QBuffer()
+    if not QImageWriter(buffer, QByteArray(b"PNG")).write(image):
+        raise FileError("the window cannot be drawn: it gave no picture")
+    return bytes(buffer.data().data())
