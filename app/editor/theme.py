@@ -48,7 +48,7 @@ class Theme:
     groups: Mapping[str, str]
     badges: Mapping[str, str]
     curves: tuple[str, ...]
-    channels: tuple[str, str, str]
+    channels: tuple[str, ...]
 
     def palette(self) -> QPalette:
         role = QPalette.ColorRole
@@ -78,120 +78,75 @@ class Theme:
         return palette
 
 
-DARK = Theme(
-    look="dark",
-    window="#26292e",
-    base="#1d2024",
-    raised="#33373d",
-    button="#2b2f34",
-    text="#e6e8eb",
-    faint_text="#a9b0ba",
-    line="#474c54",
-    accent="#56a5ea",
-    accent_text="#0b0f14",
-    error="#f7867e",
-    changed="#e8b04a",
-    surround="#1d2024",
-    canvas="#1f2226",
-    grid="#292d32",
-    node="#343940",
-    ports=MappingProxyType(
-        {
-            "image": "#e5da4f",
-            "magnitude": "#7fabff",
-            "phase": "#c891b9",
-            "context": "#c0c1c1",
-            "pupil": "#7afec9",
-            "transfer": "#f4b590",
-            "curve": "#f08298",
-            "table": "#95b344",
-        }
-    ),
-    groups=MappingProxyType(
-        {
-            "Input and output": "#5f5020",
-            "Transform": "#35506b",
-            "Atmosphere": "#29575b",
-            "Optics": "#2f5c45",
-            "Motion": "#59426e",
-            "Detector": "#6b4530",
-            "Electronics & Noise": "#6a3540",
-            "Analysis": "#4c5627",
-        }
-    ),
-    badges=MappingProxyType(
-        {
-            "stale": "#e8b04a",
-            "running": "#6fbcf2",
-            "error": "#f7867e",
-            "incomplete": "#a9b0ba",
-            "warning": "#f0a03c",
-            "skipped": "#62cf9b",
-            "disabled": "#a9b0ba",
-        }
-    ),
-    curves=("#7fabff", "#e5da4f", "#7afec9", "#f4b590", "#c891b9", "#f08298", "#95b344", "#c0c1c1"),
-    channels=("#ff7b72", "#5fd06e", "#7ea6ff"),
-)
+# Each colour of the dark theme, and of the light one.
+_PLAIN = {
+    "window": ("#26292e", "#f0f1f3"),
+    "base": ("#1d2024", "#ffffff"),
+    "raised": ("#33373d", "#e4e6ea"),
+    "button": ("#2b2f34", "#e4e6ea"),
+    "text": ("#e6e8eb", "#1d2126"),
+    "faint_text": ("#a9b0ba", "#565e69"),
+    "line": ("#474c54", "#c3c8cf"),
+    "accent": ("#56a5ea", "#175c9d"),
+    "accent_text": ("#0b0f14", "#ffffff"),
+    "error": ("#f7867e", "#b32720"),
+    "changed": ("#e8b04a", "#855200"),
+    "surround": ("#1d2024", "#d6d9de"),
+    "canvas": ("#1f2226", "#e9ebee"),
+    "grid": ("#292d32", "#dcdfe4"),
+    "node": ("#343940", "#fbfbfc"),
+}
+_PORTS = {
+    "image": ("#e5da4f", "#926d07"),
+    "magnitude": ("#7fabff", "#337cc8"),
+    "phase": ("#c891b9", "#4c24a2"),
+    "context": ("#c0c1c1", "#5f6770"),
+    "pupil": ("#7afec9", "#376048"),
+    "transfer": ("#f4b590", "#8b3e14"),
+    "curve": ("#f08298", "#d62182"),
+    "table": ("#95b344", "#74764e"),
+}
+_GROUPS = {
+    "Input and output": ("#5f5020", "#f0dfa6"),
+    "Transform": ("#35506b", "#bcd6ee"),
+    "Atmosphere": ("#29575b", "#b5dfe2"),
+    "Optics": ("#2f5c45", "#bfe3cf"),
+    "Motion": ("#59426e", "#dcc8ef"),
+    "Detector": ("#6b4530", "#f0cdb6"),
+    "Electronics & Noise": ("#6a3540", "#f0c0c8"),
+    "Analysis": ("#4c5627", "#dbe3b0"),
+}
+_BADGES = {
+    "stale": ("#e8b04a", "#855200"),
+    "running": ("#6fbcf2", "#1a64aa"),
+    "error": ("#f7867e", "#b32720"),
+    "incomplete": ("#a9b0ba", "#565e69"),
+    "warning": ("#f0a03c", "#964800"),
+    "skipped": ("#62cf9b", "#17704a"),
+    "disabled": ("#a9b0ba", "#565e69"),
+}
+_CURVES = ("magnitude", "image", "pupil", "transfer", "phase", "curve", "table", "context")
+_CHANNELS = (("#ff7b72", "#b32720"), ("#5fd06e", "#1c7434"), ("#7ea6ff", "#2b57c4"))
 
-LIGHT = Theme(
-    look="light",
-    window="#f0f1f3",
-    base="#ffffff",
-    raised="#e4e6ea",
-    button="#e4e6ea",
-    text="#1d2126",
-    faint_text="#565e69",
-    line="#c3c8cf",
-    accent="#175c9d",
-    accent_text="#ffffff",
-    error="#b32720",
-    changed="#855200",
-    surround="#d6d9de",
-    canvas="#e9ebee",
-    grid="#dcdfe4",
-    node="#fbfbfc",
-    ports=MappingProxyType(
-        {
-            "image": "#926d07",
-            "magnitude": "#337cc8",
-            "phase": "#4c24a2",
-            "context": "#5f6770",
-            "pupil": "#376048",
-            "transfer": "#8b3e14",
-            "curve": "#d62182",
-            "table": "#74764e",
-        }
-    ),
-    groups=MappingProxyType(
-        {
-            "Input and output": "#f0dfa6",
-            "Transform": "#bcd6ee",
-            "Atmosphere": "#b5dfe2",
-            "Optics": "#bfe3cf",
-            "Motion": "#dcc8ef",
-            "Detector": "#f0cdb6",
-            "Electronics & Noise": "#f0c0c8",
-            "Analysis": "#dbe3b0",
-        }
-    ),
-    badges=MappingProxyType(
-        {
-            "stale": "#855200",
-            "running": "#1a64aa",
-            "error": "#b32720",
-            "incomplete": "#565e69",
-            "warning": "#964800",
-            "skipped": "#17704a",
-            "disabled": "#565e69",
-        }
-    ),
-    curves=("#337cc8", "#926d07", "#376048", "#8b3e14", "#4c24a2", "#d62182", "#74764e", "#5f6770"),
-    channels=("#b32720", "#1c7434", "#2b57c4"),
-)
 
+def _theme(look: Look, which: int) -> Theme:
+    ports, groups, badges = (
+        MappingProxyType({name: pair[which] for name, pair in table.items()})
+        for table in (_PORTS, _GROUPS, _BADGES)
+    )
+    return Theme(
+        look=look,
+        **{name: pair[which] for name, pair in _PLAIN.items()},
+        ports=ports,
+        groups=groups,
+        badges=badges,
+        curves=tuple(ports[name] for name in _CURVES),
+        channels=tuple(pair[which] for pair in _CHANNELS),
+    )
+
+
+DARK, LIGHT = _theme("dark", 0), _theme("light", 1)
 THEMES: Mapping[Look, Theme] = MappingProxyType({"dark": DARK, "light": LIGHT})
-
 
 TEXT = QPalette.ColorRole.WindowText
 FAINT = QPalette.ColorRole.PlaceholderText
