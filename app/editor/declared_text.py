@@ -23,43 +23,21 @@ _UNITS = re.compile(
 )
 _LONG_WORD, _PIECE = re.compile(r"\w{40,}"), re.compile(r"\w{1,16}")  # of names of files
 _BREAK = "\u200b"  # of no width
+_ACRONYMS = """
+    fov ifov gsd mtf mtf10 mtf50 ptf snr nep ner netd rer nei tdi psd prnu dsnu emva dn rms
+    fwhm rmse psnr mrtd mdtd ttp flir92
+"""
 _WORDS: Mapping[str, str] = MappingProxyType(
     {
-        "fov": "FOV",
-        "ifov": "IFOV",
-        "gsd": "GSD",
-        "mtf": "MTF",
-        "mtf10": "MTF10",
-        "mtf50": "MTF50",
-        "ptf": "PTF",
-        "snr": "SNR",
-        "nep": "NEP",
-        "ner": "NER",
-        "netd": "NETD",
+        **{word: word.upper() for word in _ACRONYMS.split()},
         "giqe5": "GIQE 5",
         "giqe4": "GIQE 4",
         "giqe3": "GIQE 3",
-        "rer": "RER",
-        "nei": "NEI",
-        "tdi": "TDI",
-        "psd": "PSD",
-        "prnu": "PRNU",
-        "dsnu": "DSNU",
-        "emva": "EMVA",
-        "dn": "DN",
-        "rms": "RMS",
-        "fwhm": "FWHM",
         "cn2": "Cn²",
         "r0": "r₀",
         "xi": "ξ",
         "eta": "η",
         "nyquist": "Nyquist",
-        "rmse": "RMSE",
-        "psnr": "PSNR",
-        "mrtd": "MRTD",
-        "mdtd": "MDTD",
-        "ttp": "TTP",
-        "flir92": "FLIR92",
         "ratches": "Ratches",
         "alpha": "α",
         "sigma": "σ",

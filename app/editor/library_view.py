@@ -6,11 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, Qt, Signal
-from PySide6.QtGui import QColor, QFontMetrics, QIcon, QKeyEvent, QPixmap
+from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QLineEdit,
-    QStyle,
     QTreeWidget,
     QTreeWidgetItem,
     QVBoxLayout,
@@ -19,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import label_of, shown_value, tip
 from app.editor.theme import theme_of
+from app.editor.widgets import filled, labelled
 from app.library_index import declarations
 from app.run.preset_files import KEY, Difference, Preset, told_apart
 from core.modules.declaration import Declaration, Library
@@ -26,7 +26,6 @@ from nodes.files.formats import readable_formats
 
 OWN_PRESETS = "Own presets"
 MIME_TYPE = "application/x-imagechain-module"
-_MARGIN = 4
 _KEY = Qt.ItemDataRole.UserRole
 
 
@@ -46,8 +45,7 @@ def dragged_module(data: QMimeData) -> str:
 class ModuleTree(QTreeWidget):
     def __init__(self, library: Library, parent: QWidget) -> None:
         super().__init__(parent)
-        self.setObjectName("library.tree")
-        self.setAccessibleName("Modules of the library")
+        labelled(self, "library.tree", "Modules of the library")
         self.setHeaderHidden(True)
         self.setRootIsDecorated(True)
         self.setUniformRowHeights(True)
@@ -152,36 +150,20 @@ class LibraryView(QWidget):
         self, library: Library, parent: QWidget | None = None, presets: Sequence[Preset] = ()
     ) -> None:
         super().__init__(parent)
-        self.setObjectName("library")
-        self.setAccessibleName("Library")
-        self.filter = QLineEdit()
-        self.filter.setObjectName("library.filter")
-        self.filter.setAccessibleName("Filter the modules")
+        labelled(self, "library", "Library")
+        self.filter = labelled(QLineEdit(), "library.filter", "Filter the modules")
         self.filter.setPlaceholderText("Filter")
         self.filter.setClearButtonEnabled(True)
         self.tree = ModuleTree(library, self)
         self._library = library
         self.tree.show_presets(presets, library)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(_MARGIN, _MARGIN, _MARGIN, _MARGIN)
-        layout.setSpacing(4)
-        layout.addWidget(self.filter)
-        layout.addWidget(self.tree)
+        filled(QVBoxLayout(self), self.filter, self.tree, margins=(4, 4, 4, 4), spacing=4)
         self.setFocusProxy(self.filter)
         self.filter.textChanged.connect(self.tree.show_matching)
         self.filter.returnPressed.connect(self._choose_current)
         self.filter.installEventFilter(self)
-        self.tree.itemActivated.connect(self._choose_item)
+        self.tree.itemActivated.connect(self._choose_current)
         self._colour_groups()
-
-    def headings_width(self) -> int:
-        """The width in which every heading is read in full."""
-        tree = self.tree
-        room = 3 * tree.indentation() + self.fontMetrics().height()  # the arrow and the mark
-        room += self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent) + 2 * _MARGIN
-        metrics = [QFontMetrics(item.font(0)) for item in tree.groups.values()]
-        texts = [item.text(0) for item in tree.groups.values()]
-        return room + max(m.horizontalAdvance(t) for m, t in zip(metrics, texts, strict=True))
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
@@ -208,23 +190,14 @@ class LibraryView(QWidget):
             and event.type() == QEvent.Type.KeyPress
             and event.key() in (Qt.Key.Key_Down, Qt.Key.Key_Up)
         ):
-            if not self.tree.current_key():
-                shown = [item for item in self.tree.modules.values() if not item.isHidden()]
-                for item in shown[:1]:
-                    self.tree.setCurrentItem(item)
-            else:
+            if self.tree.current_key():
                 self.tree.event(event)
             self.tree.setFocus(Qt.FocusReason.OtherFocusReason)
             return True
         return bool(super().eventFilter(watched, event))
 
-    def _choose_current(self) -> None:
+    def _choose_current(self, *_: object) -> None:
         key = self.tree.current_key()
-        if key:
-            self.chosen.emit(key)
-
-    def _choose_item(self, item: QTreeWidgetItem, _column: int) -> None:
-        key = item.data(0, _KEY)
         if key:
             self.chosen.emit(key)
 

@@ -19,7 +19,6 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.gestures import without_argument
-from app.editor.library_view import LibraryView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.widgets import Menu
 from app.editor.window.recent_files import DOCKS_VERSION, Settings
@@ -118,6 +117,7 @@ class WindowLayout(QObject):
 
 LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
 DEFAULT: LayoutName = "picture_below"
+_HEADINGS = 34  # letters, in which the library's headings are read without an ellipsis
 _LEAST_PANELS = 40  # letters that a control panel is wide at least
 PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4 is promised
 _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orientation.Vertical
@@ -189,8 +189,7 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     width, height = window.width(), window.height()
     viewer = docks.viewers[0]
     picture = PICTURE_SHARE * width * window.window().height()
-    library = docks.library.widget()  # as narrow as its headings are read without an ellipsis
-    headings = library.headings_width() if isinstance(library, LibraryView) else library.width()
+    headings = _HEADINGS * unit
     bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
     if layout == "picture_beside":
         tall = max(1, height - bars)
