@@ -1,7 +1,5 @@
 """What declarations and numbers are as text; and numbers as a person types them."""
 
-from __future__ import annotations
-
 import html
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence

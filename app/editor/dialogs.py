@@ -1,7 +1,5 @@
 """Dialogs beside the work, and questions; none stops the window in a loop of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

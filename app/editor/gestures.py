@@ -1,7 +1,5 @@
 """What the mouse does, beside what single widgets make of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, QTimer

@@ -1,7 +1,5 @@
 """The library's modules by group, to be searched, dragged to the canvas or chosen."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 

@@ -3,8 +3,6 @@
 No band of the window is kept for them, and nothing moves when a message comes or goes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import partial
 from typing import Any, Literal, get_args

@@ -3,8 +3,6 @@
 Qt's own loader names one library a time, and ends the process with a core dump for some of them.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import gc

@@ -4,8 +4,6 @@ Each open document with unsaved work has one recovery file there, and beside it 
 whether its process is alive. Files of such processes are left alone.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """The open document as the parts of the window see it: what they may do, and its signals."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Colours of the window: dark and light, for Qt's own widgets and for what we draw."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Small widgets that several parts of the window share: buttons, labels, layouts, tables."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Collection, Sequence

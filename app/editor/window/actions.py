@@ -1,7 +1,5 @@
 """Every action of the window: menu, keys, what it does. Menus and lists are made from these."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass

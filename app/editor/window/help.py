@@ -1,7 +1,5 @@
 """Shortcuts, the handbook, about, and writing what a viewer shows."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

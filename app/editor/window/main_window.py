@@ -1,7 +1,5 @@
 """The window: the parts put together, and what passes between them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """From the command line to the window."""
 
-from __future__ import annotations
-
 import signal
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """The docks of the viewers: up to nine for pictures, one for curves, one for trade-offs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 

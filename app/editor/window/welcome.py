@@ -1,7 +1,5 @@
 """The first page: the example networks, recent files, work to recover."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from datetime import datetime
