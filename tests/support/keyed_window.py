@@ -108,9 +108,10 @@ def stray_tabs(folder):
     window.show()
     wait_until(window.isActiveWindow, "the window has the focus")
     process_events(0.5)
-    bars = window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
+    bench, direct = window.workbench, Qt.FindChildOption.FindDirectChildrenOnly
+    bars = bench.findChildren(QTabBar, options=direct)
     found = [bar.geometry().getRect() for bar in bars if bar.count() < 2]
-    seen = [place for place in found if QRect(*place).intersects(window.rect())]
+    seen = [place for place in found if QRect(*place).intersects(bench.rect())]
     window.close_for_good()
     process_events(0.2)
     return {"found": len(found), "seen": seen}

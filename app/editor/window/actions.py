@@ -207,6 +207,13 @@ CANVAS_MENU = ("add_module", "paste", "select_all", "arrange", "frame")
 """What the menu of the empty canvas has."""
 
 
+EDITS = (
+    *("cut", "copy", "paste", "duplicate", "delete", "select_all", "disable", "mark_output"),
+    *("backdrop", "note", "ungroup", "frame", "arrange"),
+)
+"""Those that are a method of `EditCommands` of that name."""
+
+
 # The window's QActions, made of their specifications.
 
 _SCOPES = {

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
@@ -25,7 +25,7 @@ from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.widgets import filled
-from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions, EditCommands
+from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
 from app.editor.window.background_runs import BackgroundRuns
 from app.editor.window.files import Drops, Files, Opened, PresetShelf
 from app.editor.window.help import Help
@@ -259,6 +259,14 @@ class MainWindow(QMainWindow):
         self.layout_in_use = WindowLayout(workbench)
         for dock in workbench.findChildren(QDockWidget):
             self.layout_in_use.follow(dock)
+        # Docks that an action shows and hides, and what in them gets the keyboard.
+        self.tools: dict[str, tuple[QDockWidget, QWidget]] = {
+            "trade_off": (self.viewers.tradeoff_dock, self.viewers.tradeoff.bar.parameter),
+            "history": (self.history_dock, self.history),
+            "fit": (self.fit_dock, self.fitting.table),
+            "runs": (self.runs.dock, self.runs.view),
+            "snapshots": (self.snapshots_dock, self.snapshots_view.list),
+        }
         self.viewers.made.connect(self.layout_in_use.follow)
 
     def _hidden_dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
@@ -269,33 +277,22 @@ class MainWindow(QMainWindow):
 
     def _targets(self) -> dict[str, Callable[..., object]]:
         session, files, edits, canvas = self.session, self.files, self.edits, self.canvas
-        viewers, snapshots = self.viewers, self.snapshots
+        snapshots = self.snapshots
         return {
-            "new": files.new,
+            **{name: getattr(files, name) for name in ("new", "save", "save_as")},
             "open": files.open_dialog,
-            "save": files.save,
-            "save_as": files.save_as,
             "export": self.help.export,
             "report": self.runs.report,
             "welcome": self.toggle_welcome,
             "quit": self.close,
             "undo": session.undo,
             "redo": session.redo,
-            "cut": edits.cut,
-            "copy": edits.copy,
-            "paste": edits.paste,
+            **{name: getattr(edits, name) for name in EDITS},
             "copy_values": partial(self._typed_first, edits.copy_values),
             "paste_values": partial(self._typed_first, edits.paste_values),
-            "duplicate": edits.duplicate,
-            "delete": edits.delete,
-            "select_all": edits.select_all,
             "rename": self.panels.edit_name,
-            "disable": edits.disable,
-            "mark_output": edits.mark_output,
             "add_module": canvas.open_search,
             "connect": canvas.adding.connect_selected,
-            "backdrop": edits.backdrop,
-            "note": edits.note,
             "wire_dot": canvas.add_dot,
             "find_node": canvas.adding.find_node,
             **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
@@ -303,29 +300,19 @@ class MainWindow(QMainWindow):
             "thumbnails": canvas.toggle_thumbnails,
             "minimap": canvas.minimap.toggle,
             "group": self._group,
-            "ungroup": edits.ungroup,
             "save_preset": self.shelf.save,
             "leave_macro": self.level.leave,
-            "frame": edits.frame,
             "frame_all": canvas.frame_all,
-            "arrange": edits.arrange,
             "zoom_in": partial(canvas.zoom_by, 1.25),
             "zoom_out": partial(canvas.zoom_by, 0.8),
-            "trade_off": partial(
-                self._toggle, viewers.tradeoff_dock, viewers.tradeoff.bar.parameter
-            ),
-            "history": partial(self._toggle, self.history_dock, self.history),
-            "fit": partial(self._toggle, self.fit_dock, self.fitting.table),
+            **{name: partial(self._toggle, *tool) for name, tool in self.tools.items()},
             "full_screen": self.full_screen.toggle,
-            "picture_below": partial(self.choose_layout, "picture_below"),
-            "picture_beside": partial(self.choose_layout, "picture_beside"),
-            "canvas_first": partial(self.choose_layout, "canvas_first"),
+            **{name: partial(self.choose_layout, name) for name in get_args(LayoutName)},
             "reset_layout": partial(self.choose_layout, DEFAULT),
             "next_part": partial(self.focus_ring.go, 1),
             "previous_part": partial(self.focus_ring.go, -1),
             "light": self.toggle_light,
             "generate": self.generate,
-            "runs": partial(self._toggle, self.runs.dock, self.runs.view),
             "add_run": self.runs.add,
             "measure": self._measure,
             "cancel": self.cancel,
@@ -333,7 +320,6 @@ class MainWindow(QMainWindow):
             "flip": partial(snapshots.compare, "flip"),
             "wipe": partial(snapshots.compare, "wipe"),
             "go_back": snapshots.go_back,
-            "snapshots": partial(self._toggle, self.snapshots_dock, self.snapshots_view.list),
             "shortcuts": lambda: self.help.shortcuts(self.actions_by_name),
             "module_help": self.help.module,
             "handbook": self.help.handbook.open,
@@ -351,13 +337,7 @@ class MainWindow(QMainWindow):
         self.canvas.menus.fill(actions.of_names(NODE_MENU), actions.of_names(CANVAS_MENU))
         for name in ("minimap", "thumbnails"):
             actions[name].setChecked(True)
-        for name, dock in (
-            ("trade_off", viewers.tradeoff_dock),
-            ("runs", self.runs.dock),
-            ("history", self.history_dock),
-            ("fit", self.fit_dock),
-            ("snapshots", self.snapshots_dock),
-        ):
+        for name, (dock, _) in self.tools.items():
             dock.visibilityChanged.connect(actions[name].setChecked)
 
     def _add_dock_toggles(self, menu: QMenu) -> None:

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QMainWindow,
     QStackedWidget,
     QStyle,
+    QTabBar,
 )
 
 from app.editor.gestures import without_argument
@@ -41,6 +42,8 @@ class WindowLayout(QObject):
         self._pressed: Sizes | None = None
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._keep)
+        self._tidy = QTimer(self, singleShot=True, interval=0)
+        self._tidy.timeout.connect(self._put_away_tab_bars)
         window.installEventFilter(self)
 
     def choose(self, name: LayoutName) -> None:
@@ -62,6 +65,7 @@ class WindowLayout(QObject):
                 self.name, self.shares = stored["name"], shares
         self._size()
         self._soon.stop()
+        self._tidy.start()
 
     def follow(self, dock: Any) -> None:
         """See the dock put somewhere else: the shares are those once all are laid out."""
@@ -72,6 +76,7 @@ class WindowLayout(QObject):
         """See the window resized, and the end of a drag at the line between two docks."""
         if event.type() in (QEvent.Type.Resize, QEvent.Type.Show):
             self._size()
+            self._tidy.start()
         elif event.type() is QEvent.Type.MouseButtonPress:
             self._pressed = self._sizes()
         elif event.type() is QEvent.Type.MouseButtonRelease:
@@ -79,6 +84,13 @@ class WindowLayout(QObject):
             if pressed is not None and pressed != self._sizes():
                 self._keep()
         return False
+
+    def _put_away_tab_bars(self) -> None:
+        """Qt forgets bars of a single tab in the window's corner when docks come back."""
+        direct = Qt.FindChildOption.FindDirectChildrenOnly
+        for bar in self._window.findChildren(QTabBar, options=direct):
+            if bar.count() <= 1:
+                bar.move(-bar.width(), -bar.height())
 
     def _keep(self) -> None:
         width, height = self._window.width(), self._window.height()
