@@ -3,12 +3,10 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QFileInfo, Qt
-from PySide6.QtGui import QIcon
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QDialog,
     QFileDialog,
-    QFileIconProvider,
     QMessageBox,
     QPushButton,
     QWidget,
@@ -21,31 +19,12 @@ from nodes.files.formats import PICTURES
 ROLE = QMessageBox.ButtonRole
 
 
-class PlainIcons(QFileIconProvider):
-    """Icons of files and folders that open none of them.
-
-    Qt's own provider reads a file to know its type, on the window's thread: for good where it is
-    one of those in /proc that wait for what comes.
-    """
-
-    def icon(self, of: QFileInfo | QFileIconProvider.IconType) -> QIcon:
-        if isinstance(of, QFileInfo):
-            kind = QFileIconProvider.IconType
-            of = kind.Folder if of.isDir() else kind.File
-        return super().icon(of)
-
-    def type(self, of: QFileInfo) -> str:
-        return "Folder" if of.isDir() else f"{of.suffix()} File".lstrip()
-
-
 class FileDialog(QFileDialog):
     """Asks for files to read; Qt's own dialog, which looks alike on all systems."""
 
     def __init__(self, parent: QWidget, title: str, folder: str = "", kinds: str = "") -> None:
         super().__init__(parent, title, folder, kinds)
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
-        self._icons = PlainIcons()
-        self.setIconProvider(self._icons)
 
 
 def show_beside(window: QWidget, dialog: QDialog) -> None:

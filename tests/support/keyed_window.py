@@ -3,7 +3,6 @@
 python keyed_window.py FOLDER
 """
 
-import faulthandler
 import json
 import subprocess
 import sys
@@ -19,12 +18,10 @@ from PySide6.QtWidgets import (
     QTabBar,
 )
 
-from app.editor.dialogs import SaveDialog
 from app.editor.panels.fields.number import NumberField
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.editor.window.viewer_docks import in_sight
-from child_process import PATIENCE_S
 from hands import centre, process_events, wait_until
 from managed_window import Managed
 from nodes.library import standard_library
@@ -77,23 +74,6 @@ def named(made):
     found = window.canvas.isAncestorOf(QApplication.focusWidget())
     hands.keys("ctrl+z")
     wait_until(lambda: "jitter" in window.session.network.nodes, "undone")
-    return found
-
-
-def saved_into_proc(made):
-    """What a dialog to save completes /proc/ to; some files there wait for what comes, if read."""
-    faulthandler.dump_traceback_later(PATIENCE_S / 4, exit=True)
-    made.window.actions_by_name["save_as"].trigger()
-    (dialog,) = made.window.findChildren(SaveDialog)
-    wait_until(dialog.isActiveWindow, "the dialog has the focus")
-    made.hands.type("/proc/s")
-    line = dialog.findChild(QLineEdit, "fileNameEdit")
-    wait_until(lambda: line.completer().completionCount() > 0, "names are offered")
-    found = line.completer().completionModel().index(0, 0).data()
-    made.hands.keys("Escape")
-    made.hands.keys("Escape")
-    wait_until(lambda: not made.window.findChildren(SaveDialog), "the dialog is closed")
-    faulthandler.cancel_dump_traceback_later()
     return found
 
 
@@ -175,7 +155,6 @@ def main(folder):
         docks = [dock for dock in window.findChildren(QDockWidget) if dock.isAncestorOf(focus)]
         hidden += [focus.objectName() for dock in docks if not in_sight(dock)]
     seen["hidden"] = hidden
-    seen["in /proc"] = saved_into_proc(made)
     (folder / "seen.json").write_text(json.dumps(seen))
     window.close_for_good()
 
