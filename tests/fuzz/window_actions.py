@@ -82,7 +82,7 @@ class NewerActions:
     def do_preset(self):
         presets = self.window.shelf.presets
         if len(self.session.network.nodes) < 60:
-            self.window.shelf.add(self.random.choice(presets).key)
+            self.window.shelf.add(self.random.choice(presets).key, (0.0, 0.0))
 
     def do_save_preset(self):
         if self.select_macro() is not None:

@@ -20,7 +20,6 @@ from app.editor.widgets import labelled
 from app.editor.window.recent_files import Settings
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from app.run.preset_files import (
-    KEY,
     Preset,
     own_presets,
     placed,
@@ -281,19 +280,13 @@ def shipped_copy(document: Document) -> Document:
     return Document(network, library=document.library)
 
 
-def is_network_file(path: Path) -> bool:
-    """Whether a dropped file is opened as a network, and not read as a picture."""
-    return path.suffix.lower() == NETWORK_SUFFIX
-
-
 def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
-# From one file dropped to the next: a node and its picture have room.
-_ACROSS, _DOWN, _IN_A_COLUMN = 220.0, 190.0, 5
+_DOWN = 190.0  # from one file dropped to the next: a node and its picture have room
 
 
 class Drops(QObject):
@@ -318,7 +311,7 @@ class Drops(QObject):
 
     def files(self, paths: list[str], point: QPointF) -> None:
         """Open a network, or read pictures: each becomes a Read Image at the point."""
-        networks = [path for path in paths if is_network_file(Path(path))]
+        networks = [path for path in paths if path.lower().endswith(NETWORK_SUFFIX)]
         if networks:
             self._files.open(networks[0])
             return
@@ -326,17 +319,16 @@ class Drops(QObject):
         if len(paths) == 1 and under is not None and self._replaced(under, Path(paths[0])):
             return
         steps: list[Operation] = []
-        names = []
-        network = self._session.network
+        names, network = [], self._session.network
         for number, path in enumerate(paths):
-            column, row = divmod(number, _IN_A_COLUMN)
-            at = (point.x() + column * _ACROSS, point.y() + row * _DOWN)
+            at = (point.x(), point.y() + number * _DOWN)
             name, adding = new_node(network, self._session.library, READ_IMAGE, at)
             step = Together((adding, set_parameter(name, "path", self._stored(Path(path)))))
             network = step.apply(network)
             steps.append(step)
             names.append(name)
-        if steps and self._session.do(Together(steps, f"Read {_named(paths)}")):
+        text = Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
+        if self._session.do(Together(steps, f"Read {text}")):
             self._session.select(names)
 
     def _replaced(self, name: str, path: Path) -> bool:
@@ -345,14 +337,10 @@ class Drops(QObject):
         if name not in scene_nodes(network, library):
             return False
         plan = Engine(library).plan(expanded(network, library), folder=level.folder)
+        scene, stored = OwnScene(path, hints=False), self._stored(path)
         try:
             new = with_own_scene(
-                network,
-                OwnScene(path, hints=False),
-                library=library,
-                plan=plan,
-                node=name,
-                stored=self._stored(path),
+                network, scene, library=library, plan=plan, node=name, stored=stored
             )
         except ImagechainError as error:
             level.message.emit("error", str(error))
@@ -366,10 +354,6 @@ class Drops(QObject):
         folder = self._session.folder.absolute()
         inside = path.is_relative_to(folder)
         return (path.relative_to(folder) if inside else path).as_posix()
-
-
-def _named(paths: list[str]) -> str:
-    return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
 
 
 # The presets of the library: added as macros, and saved from them.
@@ -386,22 +370,15 @@ class PresetShelf(QObject):
         self.folder = folder
         self.presets: tuple[Preset, ...] = ()
         self.refresh()
-        canvas.surface.preset_dropped.connect(self.add_at)
+        canvas.surface.preset_dropped.connect(self._add_at)
 
     def refresh(self) -> None:
         library = self._level.library
         self.presets = (*shipped_presets(library), *own_presets(self.folder, library))
         self._view.show_presets(self.presets)
 
-    def add(self, key: str) -> bool:
-        """Put a preset where the mouse was last; False for the key of a module."""
-        if not key.startswith(KEY):
-            return False
-        self._put(key, self._canvas.cursor_point())
-        return True
-
-    def add_at(self, key: str, point: QPointF) -> None:
-        self._put(key, (round(point.x()), round(point.y())))
+    def _add_at(self, key: str, point: QPointF) -> None:
+        self.add(key, (round(point.x()), round(point.y())))
         self._canvas.view.setFocus()
 
     def save(self) -> None:
@@ -418,15 +395,16 @@ class PresetShelf(QObject):
             self.refresh()
             level.message.emit("note", f"saved as a preset: {path}")
 
-    def _put(self, key: str, at: tuple[float, float]) -> None:
-        preset = preset_of(key, self.presets)
-        level = self._level
+    def add(self, key: str, at: tuple[float, float]) -> bool:
+        """Put a preset at a place; False for the key of a module."""
+        level, preset = self._level, preset_of(key, self.presets)
+        if preset is None:
+            return False
         try:
-            if preset is None:
-                return
             name, operation = placed(preset, level.network, level.library, at, level.folder)
         except ImagechainError as error:
             level.message.emit("error", str(error))
-            return
+            return True
         if level.do(operation):
             level.select([name])
+        return True

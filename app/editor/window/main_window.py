@@ -427,7 +427,7 @@ class MainWindow(QMainWindow):
         self.panel_dock.raise_()
 
     def _chosen_in_library(self, key: str) -> None:
-        if not self.shelf.add(key):
+        if not self.shelf.add(key, self.canvas.cursor_point()):
             self.canvas.add_module(key)
 
     def _view_requested(self, node: str, port: str, number: int) -> None:

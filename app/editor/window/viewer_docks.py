@@ -79,16 +79,16 @@ class ViewerDocks(QObject):
         if declared is None:
             self._session.message.emit("error", f"{name}: an unknown module has nothing to show")
             return
-        for kinds in (PICTURE_TYPES[:1], PICTURE_TYPES):
-            for port in declared.outputs:
-                if port.types[0] in kinds:
-                    self.look_at(number, f"{name}.{port.name}")
-                    return
-        curves = [port.name for port in declared.outputs if port.types[0] in PLOT_TYPES]
-        if curves:
-            self.plot_port(f"{name}.{curves[0]}")
-        elif declared.inputs:
-            self._look_at_input(name, number)
+        outputs, into = declared.outputs, self._session.network.links_into(name)
+        pictures = [port for port in outputs if port.types[0] in PICTURE_TYPES]
+        pictures.sort(key=lambda port: port.types[0] != PICTURE_TYPES[0])
+        curves = [port for port in outputs if port.types[0] in PLOT_TYPES]
+        if pictures:
+            self.look_at(number, f"{name}.{pictures[0].name}")
+        elif curves:
+            self.plot_port(f"{name}.{curves[0].name}")
+        elif into:
+            self.look_at(number, f"{into[0].source}.{into[0].output}")
         else:
             self._session.message.emit("note", f"{name} has nothing to show")
 
@@ -101,12 +101,6 @@ class ViewerDocks(QObject):
             viewer.look_at(None)
             if number > 2:
                 self.docks[number].hide()
-
-    def _look_at_input(self, name: str, number: int) -> None:
-        for link in self._session.network.links_into(name):
-            self.look_at(number, f"{link.source}.{link.output}")
-            return
-        self._session.message.emit("note", f"{name} has nothing to show: it has no input")
 
     def _viewer(self, number: int) -> ImageViewer:
         viewer = self.images.get(number)
