@@ -223,10 +223,7 @@ def number_of(text: str, parameter: Parameter) -> float | int | str | None:
     text = text.strip().replace("\N{MINUS SIGN}", "-")
     if not text:
         return None
-    if _THOUSANDS.fullmatch(text):
-        whole, _, rest = text.partition(",")
-        clear = f"either {whole}{rest} or {whole}.{rest}"
-        raise ParameterError(parameter.name, text, clear, unit=parameter.param.unit)
+    _refuse_thousands(_THOUSANDS.fullmatch(text), text, parameter)
     if _WHOLE.fullmatch(text):
         return int(text)
     if text.count(",") == 1 and "." not in text:
@@ -235,6 +232,13 @@ def number_of(text: str, parameter: Parameter) -> float | int | str | None:
         return float(text) if "_" not in text else text
     except ValueError:
         return text
+
+
+def _refuse_thousands(found: re.Match[str] | None, text: str, parameter: Parameter) -> None:
+    if found is not None:
+        whole, _, rest = found[0].partition(",")
+        clear = f"either {whole}{rest} or {whole}.{rest}"
+        raise ParameterError(parameter.name, text, clear, unit=parameter.param.unit)
 
 
 def numbers_of(text: str, parameter: Parameter) -> list[float | int | str | None]:
@@ -321,11 +325,7 @@ def typed_number(text: str, parameter: Parameter) -> float | int | str | None:
         return number
     written = text.strip()
     if "(" not in written:
-        thousands = _ANY_THOUSANDS.search(written)
-        if thousands:
-            whole, _, rest = thousands[0].partition(",")
-            clear = f"either {whole}{rest} or {whole}.{rest}"
-            raise ParameterError(parameter.name, text, clear)
+        _refuse_thousands(_ANY_THOUSANDS.search(written), text, parameter)
         written = _DECIMAL_COMMA.sub(".", written)
     try:
         return value_of(parse_expression(written), unit=parameter.param.unit)

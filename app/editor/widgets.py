@@ -394,9 +394,6 @@ def centred_hint(text: str, parent: QWidget) -> QLabel:
 class CopiedTable(QTableWidget):
     """Ctrl+C copies the marked rows; lines are broken anew when its width changes."""
 
-    def __init__(self, rows: int, columns: int, parent: QWidget | None = None) -> None:
-        super().__init__(rows, columns, parent)
-
     def list_figures(self, heads: Sequence[str]) -> None:
         """Look as a list of figures that is only read: whole rows, the first column the widest."""
         self.setHorizontalHeaderLabels(list(heads))

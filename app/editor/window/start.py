@@ -87,7 +87,9 @@ def start(
         show_painted(window)
     for line in missing_modules(window.session.library):
         window.session.message.emit("error", line)
-    app.exec()
+    if not stop_requested.is_set():  # else a loop without a window would have no end
+        app.exec()
+    end_on_request()
     if problem is not None:
         stop_requested.clear()  # it was carried out: the error is the outcome
         raise FileError(f"unsaved work is lost: {problem}") from problem
