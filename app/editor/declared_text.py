@@ -11,8 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter
-from core.network.expression_arithmetic import value_of
-from core.network.expression_grammar import ExpressionError, parse_expression
+from core.network.expressions import ExpressionError, parse_expression, value_of
 
 # Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(

@@ -31,7 +31,7 @@ from core.editing.operations import (
     set_node_field,
 )
 from core.editing.wire_dots import dots_of, moved_with_dots, straighten
-from core.editing.wiring import deleted, dissolved
+from core.editing.wiring import dissolved
 from core.errors import ImagechainError
 
 Scope = Literal["application", "window", "canvas"]
@@ -304,7 +304,7 @@ class EditCommands(QObject):
     def copy(self) -> None:
         session = self._session
         if session.selection:
-            text = copied(session.network, session.selection, session.library, session.value)
+            text = copied(session.network, session.selection, session.library)
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:
@@ -340,7 +340,7 @@ class EditCommands(QObject):
         if self._canvas.dots.remove():
             return
         if session.selection:
-            self._take_out(deleted(session.network, session.library, session.selection))
+            self._take_out(dissolved(session.network, session.library, session.selection))
         elif link is not None:
             session.do(Rewire(remove=(link,)))
         else:
