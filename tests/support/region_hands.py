@@ -17,10 +17,11 @@ class PictureHand:
         return canvas.mapFromScene(scene)
 
     def press(self, place, button=Qt.MouseButton.LeftButton):
-        QTest.mouseMove(self.view, self.at(*place))
+        self.move(place)
         QTest.mousePress(self.view, button, Qt.KeyboardModifier.NoModifier, self.at(*place))
 
     def move(self, place):
+        QTest.qWait(12)  # pyqtgraph drops what comes faster
         QTest.mouseMove(self.view, self.at(*place))
 
     def release(self, place):
@@ -35,9 +36,6 @@ class PictureHand:
             self.move(place)
         self.release(end)
 
-    def key(self, key, modifiers=Qt.KeyboardModifier.NoModifier):
-        QTest.keyClick(self.viewer.canvas, key, modifiers)
-
 
 def stored(bench, node="measured"):
     params = bench.session.network.nodes[node].params
@@ -47,11 +45,8 @@ def stored(bench, node="measured"):
 
 def framed(viewer):
     """Edges of the frame that is seen, counted from the picture's first edge; None unseen."""
-    region = viewer.canvas.region
-    if not region.isVisible():
-        return None
-    rect = region.rect.translated(0.5, 0.5)
-    return rect.left(), rect.top(), rect.width(), rect.height()
+    frame = viewer.region.frame
+    return frame.region if frame.isVisible() else None
 
 
 def undo_steps(bench):

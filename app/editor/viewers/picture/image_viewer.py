@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.fft
-from PySide6.QtCore import QBuffer, QIODevice, QObject, QPoint, Signal
-from PySide6.QtGui import QAction, QImage
+from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
@@ -20,8 +20,7 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
-from app.editor.viewers.picture.region_tool import RegionTool
-from app.editor.viewers.pixels.grey_levels import Levels, Table, colour_table
+from app.editor.viewers.picture.region import RegionTool
 from app.editor.viewers.pixels.picture_facts import (
     AUTOMATIC_LEVELS,
     Choices,
@@ -32,7 +31,7 @@ from app.editor.viewers.pixels.picture_facts import (
 )
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, index_at, sample_text
-from app.editor.viewers.plot.plot_export import columns_text
+from app.editor.viewers.plot.plot_export import columns_text, png_bytes
 from app.editor.viewers.viewer import PICTURE_TYPES, StatusLine, Viewer, ports_by_node
 from app.editor.widgets import Menu, centred_hint, filled, labelled
 from app.run.saving import metadata_of, save_array
@@ -78,7 +77,6 @@ class ImageViewer(Viewer):
         """What was kept of the wire, as it is compared now; None where it is not."""
         self._compared: tuple[KeptPicture, Picture] | None = None  # as answered last
         self._failed = False
-        self._colours = "grey"
         self._full: tuple[Any, Facts] | None = None
         self.setAccessibleName(f"Image viewer {number}")
         self._build()
@@ -153,17 +151,20 @@ class ImageViewer(Viewer):
         if self.picture is None:
             raise UsageError("the viewer shows no picture")
         picture, side = self.picture, self.kept_side
-        if side is not None and (PNG.matches(path) or side.way == "flip"):
-            picture = as_drawn(picture, side)
-        save_picture(picture, path, colour_table(self._colours), self.canvas.split)
+        if not any(file_format.matches(path) for file_format in SAVED):
+            raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")
+        if picture.reduced > 1:
+            raise UsageError("the picture is still a preview: wait until it is shown at full size")
+        if PNG.matches(path):
+            write_bytes(path, png_bytes(self.canvas.image()))
+        elif side is not None and side.way == "flip" and picture.other is not None:
+            save_samples(picture.other, path)
+        else:
+            save_samples(picture, path)
 
     def copy(self) -> None:
         if self.picture is not None:
-            table = colour_table(self._colours)
-            picture = as_drawn(self.picture, self.kept_side)
-            QApplication.clipboard().setImage(
-                QImage.fromData(shown_png(picture, table, self.canvas.split))
-            )
+            QApplication.clipboard().setImage(self.canvas.image())
 
     def copy_histogram(self) -> None:
         if self.picture is not None:
@@ -340,7 +341,6 @@ class ImageViewer(Viewer):
             self._choose(levels=(low, high))
 
     def _set_colours(self, name: str) -> None:
-        self._colours = name
         self.bar.display.colours.choose(name)
         self.canvas.set_colours(name)
 
@@ -456,14 +456,6 @@ def sides_of(choices: Choices, side: KeptSide | None) -> tuple[Sides, str, str]:
     return "second left", f"A  {side.name}", "B  now"
 
 
-def as_drawn(picture: Picture, side: KeptSide | None) -> Picture:
-    """The picture that is on the left, or alone, with the other one on its right."""
-    if side is None or picture.other is None:
-        return picture
-    alone = replace(picture, other=None)
-    return picture.other if side.way == "flip" else replace(picture.other, other=alone)
-
-
 class PictureProbe(QObject):
     # place: the row and column of a picture, at its full size; None where it is on none
     placed = Signal(object)
@@ -527,23 +519,8 @@ class PictureProbe(QObject):
         return round(picture.facts.along.at(row)), round(picture.facts.across.at(column))
 
 
-# Writing what an image viewer shows: the picture as it looks, or its samples.
-
-
-def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5) -> None:
-    """Write a picture by the suffix of the file.
-
-    ``.png`` is what is shown, in its colours and levels; all else the samples, planes in the
-    order of the FFT as the command line writes them. Of a wipe, `split` is the first one's share
-    of the width; samples are those of the first. Another suffix, or a preview, is refused.
-    """
-    if not any(file_format.matches(path) for file_format in SAVED):
-        raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")
-    if picture.reduced > 1:
-        raise UsageError("the picture is still a preview: wait until it is shown at full size")
-    if PNG.matches(path):
-        write_bytes(path, shown_png(picture, table, split))
-        return
+def save_samples(picture: Picture, path: Path) -> None:
+    """Write the samples, planes in the order of the FFT as the command line writes them."""
     if picture.channels:
         raise UsageError(
             f"{path}: three bands shown as colours can only be saved as .png; or show one band"
@@ -554,38 +531,3 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     spatial = isinstance(picture.value, Image) and picture.facts.kind == "picture"
     metadata = metadata_of(picture.value, samples.shape) if spatial else {}
     save_array(path, np.asarray(samples), metadata)
-
-
-def shown_png(picture: Picture, table: Table, split: float = 0.5) -> bytes:
-    levels = np.ascontiguousarray(_wiped(picture, split, table))
-    rows, columns = levels.shape[:2]
-    formats = QImage.Format
-    kind = formats.Format_RGB888 if levels.ndim == 3 else formats.Format_Indexed8
-    image = QImage(levels.data, columns, rows, levels.strides[0], kind)
-    if kind is formats.Format_Indexed8:
-        image.setColorTable([0xFF000000 | int(r) << 16 | int(g) << 8 | int(b) for r, g, b in table])
-    buffer = QBuffer()
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    image.save(buffer, "PNG")  # type: ignore[call-overload]
-    return bytes(buffer.data().data())
-
-
-def _wiped(picture: Picture, split: float, table: Table) -> Levels:
-    """The levels on both sides of a wipe; the second picture's nearest ones if it is not as large.
-
-    Without a second one, those of the picture. Where one side has colours of its own, both are
-    colours, of the table where they have none.
-    """
-    levels, other = picture.grey, picture.other
-    if other is None:
-        return levels
-    others = other.grey
-    if levels.ndim != others.ndim:
-        levels, others = (table[one] if one.ndim == 2 else one for one in (levels, others))
-    rows, columns = levels.shape[:2]
-    start = round(split * columns)
-    down = (np.arange(rows) + 0.5) / rows * other.facts.rows
-    right = (np.arange(start, columns) + 0.5) / columns * other.facts.columns
-    both = levels.copy()
-    both[:, start:] = others[np.ix_(down.astype(np.intp), right.astype(np.intp))]
-    return both

@@ -28,7 +28,6 @@ from app.editor.widgets import (
     filled,
     labelled,
     menu_button,
-    toggle_button,
     tool_button,
 )
 from core.chain.band_stack import BandStack
@@ -55,9 +54,8 @@ class PictureBar(QWidget):
             menu.setTitle(title)
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole picture (F or 0)", self)
         self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample as one dot (1)", self)
-        self.region = toggle_button(
-            f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self
-        )
+        about = "Show the region of the selected module (R); drag it or its corners"
+        self.region = tool_button(f"{owner}.region", "⬚", about, self)
         parts = ((self.ports, 1), shown, compared, self.region, self.fit, self.dots)
         filled(QHBoxLayout(self), *parts, margins=(2, 2, 2, 0), spacing=3)
 

@@ -8,22 +8,26 @@ from typing import Any, Literal
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter, QTransform
-from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QImage, QKeyEvent, QPainter, QTransform
+from PySide6.QtWidgets import QWidget
 
-from app.editor.theme import RAISED, Theme, theme_of
+from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
 from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine, Spectra
-from app.editor.viewers.picture.region_overlay import ARROWS, RegionOverlay
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import EndingAxis, bare, paint_axes
-from app.editor.widgets import labelled
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]
 """Which of two pictures lies on which side of the wipe, or covers all."""
+ARROWS = {
+    Qt.Key.Key_Left: (-1, 0),
+    Qt.Key.Key_Right: (1, 0),
+    Qt.Key.Key_Up: (0, -1),
+    Qt.Key.Key_Down: (0, 1),
+}
 _FAINT = 0.35
 _WIPE_STEP = 0.01  # of the width, for a key
 
@@ -36,6 +40,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     zoomed = Signal()  # the person sees another part of the picture
     # point: a right click, or the key for menus, at a point of the screen
     menu_wanted = Signal(QPoint)
+    region_wanted = Signal()  # a key shows the region of a module
+    recoloured = Signal()
     theme: Theme | None = None
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -56,13 +62,16 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.cross = pg.ScatterPlotItem(symbol="crosshair", size=17)
         for item in (self.first, self.second, self.wipe, self.cross):
             self.plot.addItem(item)
-        self.names = SideNames(self.view, self)
+        self.names = tuple(pg.TextItem(anchor=(share, 0)) for share in (0, 1))
+        """The names of two pictures, in the upper corners of what is seen of them."""
+        for name in self.names:
+            name.setZValue(20)
+            self.view.addItem(name, ignoreBounds=True)
         self.levels = LevelsBar()
         self.addItem(self.levels, row=0, col=1)
         self.profile = ProfileLine(self.plot, self.ci, self)
         self.means = LineMeans(self.ci, self)
         self.spectra = Spectra(self.ci, self)
-        self.region = RegionOverlay(self.view, self)
         self.fitted = True
         self._picture: Picture | None = None
         self._place = QRectF()
@@ -75,6 +84,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._true_shape = True
         self.wipe.sigPositionChanged.connect(self._wiped)
         self.view.sigRangeChangedManually.connect(self._seen_otherwise)
+        self.view.sigRangeChanged.connect(self._put_names)
         self.scene().sigMouseMoved.connect(self._mouse_moved)
         self.scene().sigMouseClicked.connect(self._clicked)
         self._take_colours()
@@ -89,12 +99,16 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.theme = theme = theme_of(self)
         self.setBackground(theme.surround)
         paint_axes(self.plot, theme)
-        for part in (self.levels, self.profile, self.means, self.region, self.spectra):
+        for part in (self.levels, self.profile, self.means, self.spectra):
             part.set_theme(theme)
+        for name in self.names:
+            name.setColor(theme.text)
+            name.fill = pg.mkBrush(theme.raised)
         self.wipe.setPen(theme.accent, width=2)
         self.wipe.setHoverPen(theme.changed, width=3)
         self.cross.setPen(theme.accent, width=2)
         self.cross.setBrush(None)
+        self.recoloured.emit()
 
     def show_picture(self, picture: Picture) -> None:
         """Show a picture; the part that is seen stays, unless its axes are others."""
@@ -135,7 +149,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def show_sides(self, sides: Sides, left: str = "", right: str = "") -> None:
         """Show two pictures so, and their names; what covers all has it on the left."""
         self._sides = sides
-        self.names.show(left, right)
+        for name, text in zip(self.names, (left, right), strict=True):
+            name.setPlainText(text)
         self._divide()
 
     def show_true_shape(self, on: bool) -> None:
@@ -216,7 +231,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             super().contextMenuEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrows move the probe, with Ctrl the wipe; +, -, 0, F, 1 zoom; Page: bands."""
+        """Arrows move the probe, with Ctrl the wipe; +, -, 0, F, 1 zoom; Page: bands; R: region."""
         key = Qt.Key(event.key())
         step = ARROWS.get(key)
         far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
@@ -225,6 +240,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                 self.set_split(self.split + step[0] * far * _WIPE_STEP)
         elif step is not None:
             self.stepped.emit(step[0] * far, step[1] * far)
+        elif key == Qt.Key.Key_R:
+            self.region_wanted.emit()
         elif key in (Qt.Key.Key_PageUp, Qt.Key.Key_PageDown):
             self.band_stepped.emit(far if key == Qt.Key.Key_PageUp else -far)
         elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
@@ -283,7 +300,26 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.second.show_part(start, end)
         self.second.setVisible(both and end > start)
         self.wipe.setVisible(divided)
-        self.names.place(self._place if both else QRectF(), split if divided else 1.0)
+        for name in self.names:
+            name.setVisible(both and bool(name.toPlainText()))
+        self._put_names()
+
+    def _put_names(self, *_: object) -> None:
+        seen = self._place & self.view.viewRect()
+        for name, corner in zip(self.names, (seen.topLeft(), seen.topRight()), strict=True):
+            name.setPos(corner)
+
+    def image(self) -> QImage:
+        """The picture as it is drawn, a dot for each sample; of two, both sides of the wipe."""
+        shown = self.first.drawn()
+        if self.second.isVisible():
+            shown = shown.convertToFormat(QImage.Format.Format_RGB32)
+            start, end = (round(share * shown.width()) for share in self.second.part)
+            painter = QPainter(shown)
+            painter.setClipRect(start, 0, end - start, shown.height())
+            painter.drawImage(shown.rect(), self.second.drawn())
+            painter.end()
+        return shown
 
     def set_split(self, share: float) -> None:
         self.split = min(1.0, max(0.0, share))
@@ -339,7 +375,7 @@ _LETTERS_A_PIXEL, _LARGEST_NUMBER_PX = 5.0, 15.0
 class PictureItem(pg.ImageItem):  # type: ignore[misc]
     def __init__(self) -> None:
         super().__init__(axisOrder="row-major")
-        self._part = (0.0, 1.0)
+        self.part = (0.0, 1.0)
         self._samples: NDArray[Any] | None = None  # None of a composite: it has three at a place
 
     def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
@@ -347,19 +383,24 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
         self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table, picture.grey))
         self.setRect(place)
 
+    def drawn(self) -> QImage:
+        self.render()
+        drawn: QImage = self.qimage
+        return drawn
+
     def set_table(self, table: Table) -> None:
         self.setLookupTable(_lookup(table, self.image))
 
     def show_part(self, start: float, end: float) -> None:
-        if (start, end) != self._part:
-            self._part = start, end
+        if (start, end) != self.part:
+            self.part = start, end
             self.update()
 
     def paint(self, painter: QPainter, *args: Any) -> None:
-        if self._part == (0.0, 1.0):
+        if self.part == (0.0, 1.0):
             self._paint_all(painter, *args)
             return
-        bounds, (start, end) = self.boundingRect(), self._part
+        bounds, (start, end) = self.boundingRect(), self.part
         left, width = bounds.left(), bounds.width()
         bounds.setLeft(left + start * width)
         bounds.setRight(left + end * width)
@@ -404,84 +445,3 @@ def _lookup(table: Table, levels: Any) -> Table | None:
     """Levels that are greys already, or colours, need no table, and are shown faster without."""
     is_colour = levels is not None and levels.ndim == 3
     return None if is_colour or table is colour_table("grey") else table
-
-
-# The names of two pictures that are compared, written on them.
-
-_GAP = 6  # dots between a name and the edge of its picture
-_PAD = 4  # around the text
-
-
-class SideNames(QObject):
-    """A name in the upper corner of each side of a wipe, or on the left of one picture."""
-
-    def __init__(self, view: Any, canvas: QGraphicsView) -> None:
-        super().__init__(canvas)
-        self._view, self._canvas = view, canvas
-        self._texts = "", ""
-        self._place = QRectF()
-        self._split = 1.0
-        self.left, self.right = self._label("left"), self._label("right")
-        view.sigRangeChanged.connect(self._moved)
-        view.sigResized.connect(self._moved)
-
-    def show(self, left: str, right: str) -> None:
-        self._texts = left, right
-        self._lay()
-
-    def place(self, place: QRectF, split: float) -> None:
-        """The pictures lie there, divided at that share of their width; empty: there is one."""
-        self._place, self._split = place, split
-        self._lay()
-
-    def _label(self, side: str) -> QLabel:
-        label = labelled(QLabel(self._canvas), f"side.{side}", f"What is on the {side}")
-        label.setTextFormat(Qt.TextFormat.PlainText)
-        label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        label.setMargin(_PAD)
-        label.setBackgroundRole(RAISED)
-        label.setAutoFillBackground(True)
-        label.hide()
-        return label
-
-    def _moved(self, *_: object) -> None:
-        if not self._place.isEmpty():
-            self._lay()
-
-    def _lay(self) -> None:
-        if self._place.isEmpty():
-            self.left.hide()
-            self.right.hide()
-            return
-        seen = self._dots(self._view.sceneBoundingRect())
-        place, to_scene = self._place, self._view.mapViewToScene
-        whole = self._dots(QRectF(to_scene(place.topLeft()), to_scene(place.bottomRight())))
-        box = seen & whole
-        divider = round(whole.left() + self._split * whole.width())
-        divider = min(max(divider, box.left()), box.left() + box.width())
-        self._write(self.left, self._texts[0], QRect(box), box.left(), divider, False)
-        self._write(self.right, self._texts[1], QRect(box), divider, box.left() + box.width(), True)
-
-    def _write(
-        self, label: QLabel, text: str, box: QRect, start: int, end: int, at_end: bool
-    ) -> None:
-        room = end - start - 2 * _GAP
-        metrics = label.fontMetrics()
-        if not text or box.isEmpty() or room < metrics.averageCharWidth() * 4:
-            label.hide()
-            return
-        shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, room - 2 * _PAD)
-        if label.text() != shown:
-            label.setText(shown)
-            label.adjustSize()
-        label.setAccessibleDescription(text)
-        left = end - _GAP - label.width() if at_end else start + _GAP
-        label.move(left, box.top() + _GAP)
-        label.show()
-
-    def _dots(self, scene: QRectF) -> QRect:
-        scene = scene.normalized()
-        return QRect(
-            self._canvas.mapFromScene(scene.topLeft()),
-            self._canvas.mapFromScene(scene.bottomRight()),
-        ).normalized()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect, Qt
-from PySide6.QtGui import QGuiApplication, QPainter, QPixmap
+from PySide6.QtGui import QGuiApplication, QImage, QPainter, QPixmap
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
@@ -91,9 +91,13 @@ def _png(widget: QWidget) -> bytes:
     shown = QPixmap(widget.size() * _SHARPNESS)
     shown.setDevicePixelRatio(_SHARPNESS)
     widget.render(shown)
+    return png_bytes(shown)
+
+
+def png_bytes(picture: QImage | QPixmap) -> bytes:
     buffer = QBuffer()
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    shown.save(buffer, "PNG")
+    picture.save(buffer, "PNG")  # type: ignore[call-overload]
     return bytes(buffer.data().data())
 
 

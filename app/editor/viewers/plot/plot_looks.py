@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import pyqtgraph as pg
-from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QGraphicsItem, QListWidget, QListWidgetItem, QWidget
 
@@ -67,24 +67,6 @@ class EndingAxis(pg.AxisItem):  # type: ignore[misc]
             (spacing, [value for value in values if low - slack <= value <= high + slack])
             for spacing, values in levels
         ]
-
-    def generateDrawSpecs(self, p: QPainter) -> Any:
-        specs = super().generateDrawSpecs(p)
-        if specs is None or self.ends is None or self.range[0] == self.range[1]:
-            return specs
-        (pen, start, end), ticks, texts = specs
-        bounds = self.mapRectFromParent(self.geometry())
-        first, last = self.range
-        shares = sorted(min(max((v - first) / (last - first), 0.0), 1.0) for v in self.ends)
-        if self.orientation == "bottom":
-            start, end = (
-                QPointF(bounds.left() + share * bounds.width(), start.y()) for share in shares
-            )
-        else:
-            start, end = (
-                QPointF(start.x(), bounds.bottom() - share * bounds.height()) for share in shares
-            )
-        return (pen, start, end), ticks, texts
 
 
 def bare(plot: pg.PlotItem) -> None:

@@ -1,4 +1,4 @@
-"""The region of a module dragged, drawn and moved by keys on the picture, with real events."""
+"""The region of a module dragged on its picture, with real events."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,6 @@ from core.network.linked_values import expression
 from region_hands import framed, stored, undo_steps
 
 NETWORK = "measured_mtf"
-KEY = Qt.Key
-SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256
 
 
@@ -33,7 +31,7 @@ def test_dragging_moves_it_by_whole_samples_in_one_undo_step(bench, viewer, hand
     [
         ((160, 128), (180, 20), (96, 32, 84, 192)),
         ((96, 32), (90, 30), (90, 30, 70, 194)),
-        ((96, 128), (999, 0), (159, 32, 1, 192)),  # a sample is left
+        ((160, 128), (999, 0), (96, 32, 160, 192)),  # to the edge of the picture
     ],
 )
 def test_handles_resize_it(bench, viewer, hand, grip, to, wanted):
@@ -43,48 +41,19 @@ def test_handles_resize_it(bench, viewer, hand, grip, to, wanted):
     assert undo_steps(bench) == 1
 
 
-def test_a_new_one_is_drawn_by_key_and_by_button(bench, viewer, hand):
-    viewer.canvas.setFocus()
-    hand.key(KEY.Key_R)
-    assert viewer.bar.region.isChecked()
-    hand.drag((200.1, 150.1), (120.1, 89.9))
-    assert stored(bench) == (120, 90, 80, 60)
-    assert undo_steps(bench) == 1
-    assert not viewer.bar.region.isChecked()
-    QTest.mouseClick(viewer.bar.region, Qt.MouseButton.LeftButton)
-    hand.drag((10, 20), (400, 400))
-    assert stored(bench) == (10, 20, 246, 236)
-    assert undo_steps(bench) == 2
-
-
-def test_escape_gives_a_drag_up_and_leaves_no_step(bench, viewer, hand):
-    hand.press((128, 128))
-    hand.move((150, 128))
-    assert framed(viewer) == (118, 32, 64, 192)
-    hand.key(KEY.Key_Escape)
+@pytest.mark.parametrize("by_key", [True, False])
+def test_a_key_and_a_button_show_the_region_on_its_picture(bench, viewer, by_key):
+    viewer.look_at("detector.magnitude")
+    bench.settle()
+    assert framed(viewer) is None
+    if by_key:
+        QTest.keyClick(viewer.canvas, Qt.Key.Key_R)
+    else:
+        QTest.mouseClick(viewer.bar.region, Qt.MouseButton.LeftButton)
+    bench.settle()
+    assert viewer.choices.port == "electronics.image"
+    assert bench.session.selection == ("measured",)
     assert framed(viewer) == AS_SHIPPED
-    hand.move((170, 128))
-    hand.release((170, 128))
-    assert stored(bench) == AS_SHIPPED
-    assert undo_steps(bench) == 0
-    assert not bench.session.document.modified
-
-
-def test_arrow_keys_move_it_once_it_is_held(bench, viewer, hand):
-    viewer.canvas.setFocus()
-    hand.key(KEY.Key_Right)  # moves the probe
-    assert stored(bench) == AS_SHIPPED
-    hand.drag((128, 128), (129, 128))
-    hand.key(KEY.Key_Right)
-    hand.key(KEY.Key_Down, SHIFT)
-    assert stored(bench) == (98, 42, 64, 192)
-    hand.key(KEY.Key_Left, CTRL)
-    hand.key(KEY.Key_Up, CTRL | SHIFT)
-    assert stored(bench) == (98, 42, 63, 182)
-    assert undo_steps(bench) == 5
-    hand.key(KEY.Key_Escape)
-    hand.key(KEY.Key_Left)
-    assert stored(bench) == (98, 42, 63, 182)
 
 
 def test_the_curve_follows_while_it_is_dragged(bench, viewer, hand):

@@ -41,9 +41,9 @@ def test_it_is_framed_on_pictures_of_the_same_size_before_it_alone(bench, viewer
 
 def test_one_beyond_the_picture_can_be_brought_back(bench, viewer, hand):
     bench.do(set_parameter("measured", "region_x", 240))
-    overlay = viewer.canvas.region
+    title = viewer.region.frame.title
     assert framed(viewer) == (240, 32, 16, 192)
-    assert "beyond" in overlay.title.toPlainText()
+    assert "beyond" in title.toPlainText()
     hand.drag((250, 128), (200, 128))
     assert stored(bench) == (190, 32, 16, 192)
-    assert "beyond" not in overlay.title.toPlainText()
+    assert "beyond" not in title.toPlainText()
