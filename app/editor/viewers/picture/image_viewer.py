@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.fft
-from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtCore import QObject, QPoint, QTimer, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 
@@ -20,6 +20,13 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
+from app.editor.viewers.picture.plots_below import (
+    LineMeans,
+    MeanSpectrumQuery,
+    ProfileLine,
+    SampleSpectrumQuery,
+    Spectra,
+)
 from app.editor.viewers.picture.region import RegionTool
 from app.editor.viewers.pixels.picture_facts import (
     AUTOMATIC_LEVELS,
@@ -43,6 +50,9 @@ from nodes.files.common.file_format import suffixes
 from nodes.files.formats import PNG, SAVED
 
 Way = Literal["flip", "wipe"]
+PAUSE_MS = 30
+"""While the cursor moves, the spectrum under it is taken at most so often."""
+_SPECTRA = 20  # lines of text that picture and spectra need together
 HINT = "Choose a wire above, or show a selected node by its number"
 
 
@@ -77,6 +87,9 @@ class ImageViewer(Viewer):
         """What was kept of the wire, as it is compared now; None where it is not."""
         self._compared: tuple[KeptPicture, Picture] | None = None  # as answered last
         self._failed = False
+        self._sample: tuple[int, int] | None = None  # whose spectrum is shown
+        self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._pause.timeout.connect(self.ask)
         self._full: tuple[Any, Facts] | None = None
         self.setAccessibleName(f"Image viewer {number}")
         self._build()
@@ -177,19 +190,30 @@ class ImageViewer(Viewer):
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query
-        return () if query is None else (query, *self.canvas.spectra.queries)
+        if query is None or not self.canvas.shows(Spectra):
+            return () if query is None else (query,)
+        mean = MeanSpectrumQuery(query.port)
+        if self._sample is None:
+            return query, mean
+        return query, mean, SampleSpectrumQuery(query.port, *self._sample)
 
     def accepts(self, query: Query) -> bool:
         """Whether it is what is chosen; while levels or bands are dragged, also with others."""
         chosen = self._query
+        if isinstance(query, MeanSpectrumQuery | SampleSpectrumQuery):
+            return query.port == self.choices.port  # also of a sample that the cursor has left
         if chosen is None or not isinstance(query, PictureQuery):
-            return chosen is not None and self.canvas.spectra.accepts(query)
+            return False
         alike = query.bands.shown == chosen.bands.shown
         return alike and replace(query, levels=chosen.levels, bands=chosen.bands) == chosen
 
     def take(self, answer: Answer) -> None:
         """Show a picture, or the last one faintly with the reason why there is none."""
-        if self.canvas.spectra.take(answer):
+        if not isinstance(answer.query, PictureQuery):
+            spectra = self.canvas.below.get(Spectra)
+            left = isinstance(answer.query, SampleSpectrumQuery) and self._sample is None
+            if isinstance(spectra, Spectra) and not left:
+                spectra.show_answer(answer)
             return
         self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
@@ -286,14 +310,13 @@ class ImageViewer(Viewer):
         bar.display.colours.chosen.connect(self._set_colours)
         bar.display.shape.toggled.connect(canvas.show_true_shape)
         bar.display.histogram.toggled.connect(canvas.levels.setVisible)
-        bar.display.profile.toggled.connect(self._toggle_profile)
-        bar.display.means.toggled.connect(self._toggle_means)
-        bar.display.spectra.toggled.connect(canvas.spectra.switch)
+        bar.display.profile.toggled.connect(partial(canvas.show_below, ProfileLine))
+        bar.display.means.toggled.connect(partial(canvas.show_below, LineMeans))
+        bar.display.spectra.toggled.connect(self._fit_spectra)
         self.band_bar.chosen.connect(self._choose_bands)
         self.band_bar.noted.connect(partial(self.session.message.emit, "note"))
-        canvas.spectra.wanted.connect(self.ask)
-        canvas.spectra.dragged.connect(self.band_bar.take_line)
-        self.probe.placed.connect(canvas.spectra.point_at)
+        canvas.band_dragged.connect(self.band_bar.take_line)
+        self.probe.placed.connect(self._point_at)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
         canvas.band_stepped.connect(self.band_bar.step)
         bar.compare.mode.chosen.connect(lambda name: self._choose(mode=name))
@@ -317,8 +340,8 @@ class ImageViewer(Viewer):
     def _show_bands(self, picture: Picture | None) -> None:
         bands = bands_of(picture.value) if picture is not None else None
         self.band_bar.show_bands(bands, self.choices.bands)
-        self.canvas.spectra.show_picture(picture, self.choices.port, self.choices.bands)
         self.bar.display.spectra.setEnabled(bands is not None)
+        self._fit_spectra()
 
     def _choose_bands(self, choice: Any) -> None:
         self._choose(bands=choice)
@@ -344,18 +367,24 @@ class ImageViewer(Viewer):
         self.bar.display.colours.choose(name)
         self.canvas.set_colours(name)
 
-    def _toggle_profile(self, on: bool) -> None:
-        self.canvas.profile.show(on)
-        self._fit_spectra()
-
-    def _toggle_means(self, on: bool) -> None:
-        self.canvas.means.show(on)
-        self._fit_spectra()
-
     def _fit_spectra(self, *_: object) -> None:
-        """Where there is little height, the picture has all of it."""
-        plots = self.canvas.profile.height + self.canvas.means.height
-        self.canvas.spectra.fit(self.canvas.height() - plots)
+        """Show spectra of a picture with bands; of little height the picture has all."""
+        wanted = self.bar.display.spectra.isEnabled() and self.bar.display.spectra.isChecked()
+        fits = self.canvas.height() >= _SPECTRA * self.fontMetrics().height()
+        if (wanted and fits) != self.canvas.shows(Spectra):
+            self.canvas.show_below(Spectra, wanted and fits)
+            self._pause.start()
+
+    def _point_at(self, place: Any) -> None:
+        """The probe is at a row and column of the picture, or nowhere."""
+        if place == self._sample:
+            return
+        self._sample = place
+        spectra = self.canvas.below.get(Spectra)
+        if place is not None and not self._pause.isActive():
+            self._pause.start()
+        elif place is None and isinstance(spectra, Spectra):
+            spectra.forget_sample()
 
     def _follow_choices(self) -> None:
         choices = self.choices

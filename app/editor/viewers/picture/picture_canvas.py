@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
-from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine, Spectra
+from app.editor.viewers.picture.plots_below import PlotBelow
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import EndingAxis, bare, paint_axes
@@ -37,6 +37,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     pointed = Signal(object)
     stepped = Signal(int, int)  # columns, rows: an arrow key moves the probe
     band_stepped = Signal(int)  # by: a key shows the next band, or the one before
+    # line, wavelength: the person drags a line among spectra: 0, or 0 to 2 for red, green and blue
+    band_dragged = Signal(int, float)
     zoomed = Signal()  # the person sees another part of the picture
     # point: a right click, or the key for menus, at a point of the screen
     menu_wanted = Signal(QPoint)
@@ -69,9 +71,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self.view.addItem(name, ignoreBounds=True)
         self.levels = LevelsBar()
         self.addItem(self.levels, row=0, col=1)
-        self.profile = ProfileLine(self.plot, self.ci, self)
-        self.means = LineMeans(self.ci, self)
-        self.spectra = Spectra(self.ci, self)
+        self.below: dict[type[PlotBelow], PlotBelow] = {}
+        """Plots below the picture, made once they are shown: that takes 10 ms each."""
         self.fitted = True
         self._picture: Picture | None = None
         self._place = QRectF()
@@ -99,8 +100,9 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.theme = theme = theme_of(self)
         self.setBackground(theme.surround)
         paint_axes(self.plot, theme)
-        for part in (self.levels, self.profile, self.means, self.spectra):
-            part.set_theme(theme)
+        self.levels.set_theme(theme)
+        for plot in self.below.values():
+            plot.set_theme(theme)
         for name in self.names:
             name.setColor(theme.text)
             name.fill = pg.mkBrush(theme.raised)
@@ -127,8 +129,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             item.setOpacity(1.0)
         channels = tuple(channel.spread for channel in picture.channels)
         self.levels.show_spread(picture.spread, picture.levels, channels)
-        self.profile.show_picture(picture)
-        self.means.show_picture(picture)
+        for plot in self.below.values():
+            plot.show_picture(picture)
         self.axes["bottom"].end_at(place.left(), place.right())
         self.axes["left"].end_at(place.top(), place.bottom())
         if moved:
@@ -143,8 +145,26 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             item.clear()
         self._divide()
         self.mark(None)
-        self.profile.clear()
-        self.means.show_picture(None)
+        for plot in self.below.values():
+            plot.show_picture(None)
+
+    def shows(self, kind: type[PlotBelow]) -> bool:
+        return kind in self.below and self.below[kind].shown
+
+    def show_below(self, kind: type[PlotBelow], on: bool) -> None:
+        if on == self.shows(kind):
+            return
+        if kind not in self.below:
+            made: PlotBelow = kind(self)
+            made.set_theme(theme_of(self))
+            self.below[kind] = made
+        plot = self.below[kind]
+        plot.shown = on
+        if on:
+            self.addItem(plot, row=plot.row, col=0, colspan=2)
+        else:
+            self.ci.removeItem(plot)  # a hidden item would keep its room in the layout
+        plot.show_picture(self._picture)
 
     def show_sides(self, sides: Sides, left: str = "", right: str = "") -> None:
         """Show two pictures so, and their names; what covers all has it on the left."""

@@ -1,21 +1,14 @@
-"""What a picture has at the cursor and along a line, also in words."""
+"""What a picture has at the cursor, also in words."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from app.editor.viewers.pixels.picture_facts import CHANNELS, Choices, Facts
 from app.editor.viewers.pixels.picture_query import Picture
 from nodes.input_output.examine_image import apparent_temperature
 from nodes.shared.shared_warnings import is_radiance
 
-Vector = NDArray[np.float64]
-Place = tuple[float, float]
 RADIANCE_PER_UM = "W/m²/sr/µm"
 
 
@@ -136,29 +129,3 @@ def sample_text(
         difference_K = sample.temperature_K - other.temperature_K
         text += f"  |  B \N{MINUS SIGN} A {difference_K:+.3f} K".replace("-", "\N{MINUS SIGN}")
     return text
-
-
-def along_line(samples: NDArray[Any], start: Place, end: Place) -> tuple[Vector, Vector]:
-    """Distance and value along a line, bilinear between samples, at steps of about one sample.
-
-    `start` and `end` are column and row as fractional indices; what lies outside the picture is cut
-    off. Both arrays are empty if the line misses the picture.
-    """
-    (x0, y0), (x1, y1) = start, end
-    length = math.hypot(x1 - x0, y1 - y0)
-    share = np.linspace(0.0, 1.0, max(2, math.ceil(length) + 1))
-    x, y = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-    rows, columns = samples.shape
-    inside = (x >= 0) & (x <= columns - 1) & (y >= 0) & (y <= rows - 1)
-    x, y, distance = x[inside], y[inside], share[inside] * length
-    left = np.clip(np.floor(x).astype(np.intp), 0, max(columns - 2, 0))
-    top = np.clip(np.floor(y).astype(np.intp), 0, max(rows - 2, 0))
-    right, below = np.minimum(left + 1, columns - 1), np.minimum(top + 1, rows - 1)
-    tx, ty = x - left, y - top
-
-    def at(row: NDArray[np.intp], column: NDArray[np.intp]) -> Vector:
-        return np.asarray(samples[row, column], np.float64)
-
-    upper = at(top, left) * (1 - tx) + at(top, right) * tx
-    lower = at(below, left) * (1 - tx) + at(below, right) * tx
-    return distance, upper * (1 - ty) + lower * ty

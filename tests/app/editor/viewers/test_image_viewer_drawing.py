@@ -5,6 +5,7 @@ import pytest
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QImage
 
+from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine
 from app.editor.viewers.pixels.grey_levels import NAMES, colour_table, grey_levels
 from nodes.files.read import read_pixels
 
@@ -109,9 +110,11 @@ def test_wipe(bench, viewer):
 
 def test_line_profile(bench, viewer):
     viewer.bar.display.profile.setChecked(True)
-    viewer.canvas.profile.show(True, (0.25, 0.5, 0.75, 0.5))
+    profile = viewer.canvas.below[ProfileLine]
+    for handle, x in zip(profile.line.getHandles(), (0.25, 0.75), strict=True):
+        profile.line.movePoint(handle, (x, 0.5), coords="parent")
     rows, columns = viewer.picture.samples.shape
-    distance, value = viewer.canvas.profile._curve.getData()
+    distance, value = profile.curves[0].getData()
     assert distance[-1] == pytest.approx(columns / 2)
     samples = viewer.picture.samples.astype(float)
     above, below = samples[rows // 2 - 1], samples[rows // 2]
@@ -119,7 +122,7 @@ def test_line_profile(bench, viewer):
     wanted = np.interp(0.25 * columns - 0.5 + distance, np.arange(columns), middle)
     assert value == pytest.approx(wanted, rel=1e-6)
     viewer.bar.display.profile.setChecked(False)
-    assert not viewer.canvas.profile.shown
+    assert not viewer.canvas.shows(ProfileLine)
 
 
 def test_means_of_rows_and_columns_of_both_pictures(bench, viewer):
@@ -128,12 +131,12 @@ def test_means_of_rows_and_columns_of_both_pictures(bench, viewer):
     bench.settle()
     for curves, port in ((slice(0, 2), FINAL), (slice(2, 4), "scene.image")):
         samples = np.asarray(bench.value(port), np.float64)
-        rows, columns = (curve.getData() for curve in viewer.canvas.means.curves[curves])
+        rows, columns = (curve.getData() for curve in viewer.canvas.below[LineMeans].curves[curves])
         assert rows[1] == pytest.approx([float(np.mean(row)) for row in samples], rel=1e-6)
         assert columns[1] == pytest.approx([float(np.mean(c)) for c in samples.T], rel=1e-6)
         assert list(columns[0][:2]) == [0.0, 1.0]
     viewer.bar.display.means.setChecked(False)
-    assert not viewer.canvas.means.shown
+    assert not viewer.canvas.shows(LineMeans)
 
 
 @pytest.mark.parametrize("suffix", [".npy", ".exr"])

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from app.editor.viewers.picture.plots_below import along_line
 from app.editor.viewers.pixels.picture_query import PictureQuery
-from app.editor.viewers.pixels.probing import along_line, index_at, probe, probe_text
+from app.editor.viewers.pixels.probing import index_at, probe, probe_text
 from core.physics.radiometry.planck import band_radiance
 from picture_bench import PictureBench
 
@@ -38,11 +39,10 @@ def test_probe_of_a_plane_tells_frequencies(bench):
     assert probe_text(picture, found) == "ξ 0  η 0 cyc/mrad:  1"
 
 
-def test_profile_of_a_slope():
+def test_values_along_a_line_across_a_slope():
     rows, columns = np.mgrid[0:20, 0:30]
     slope = (2.0 * columns + 5.0 * rows).astype(np.float32)
-    distance, value = along_line(slope, (2.5, 3.0), (22.5, 18.0))
-    assert distance[0] == 0.0
-    assert distance[-1] == pytest.approx(25.0)
-    x, y = 2.5 + 0.8 * distance, 3.0 + 0.6 * distance
-    assert value == pytest.approx(2.0 * x + 5.0 * y, rel=1e-12)
+    x, y = np.linspace(0.1, 0.9, 7), np.linspace(0.2, 0.95, 7)
+    wanted = 2.0 * (30 * x - 0.5) + 5.0 * (20 * y - 0.5)
+    assert along_line(slope, x, y) == pytest.approx(wanted, rel=1e-12)
+    assert np.isnan(along_line(slope, np.array([0.5, 1.2]), np.array([-0.1, 0.5]))).all()

@@ -5,7 +5,7 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
 
-from app.editor.viewers.picture.plots_below import MEAN
+from app.editor.viewers.picture.plots_below import MEAN, Spectra
 from core.editing.document import Document
 from core.errors import UsageError
 from core.network.file import load_network
@@ -49,7 +49,7 @@ def point_at(viewer, bench, qtbot, row, column):
 
 
 def names(viewer):
-    return [label.text for _, label in viewer.canvas.spectra.legend.items]
+    return [name for name in viewer.canvas.below[Spectra].names if name]
 
 
 def test_all_bands_at_first(viewer, cube):
@@ -67,7 +67,7 @@ def test_a_picture_without_bands_has_no_controls_for_them(viewer, bench):
     viewer.look_at(PLAIN)
     bench.settle()
     assert not viewer.band_bar.isVisible()
-    assert not viewer.canvas.spectra.shown
+    assert not viewer.canvas.shows(Spectra)
     assert not viewer.bar.display.spectra.isEnabled()
     assert len(viewer.queries()) == 1
     viewer.look_at(READ)
@@ -114,7 +114,7 @@ def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
 def test_a_dragged_line_chooses_the_band_and_rests_on_it(viewer, bench, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "one")
-    plot = viewer.canvas.spectra
+    plot = viewer.canvas.below[Spectra]
     line = plot.lines[0]
     assert line.value() == pytest.approx(wavelengths[BANDS // 2])
     line.setValue(3.3)
@@ -136,8 +136,8 @@ def test_colours(viewer, bench, cube):
     bar.colours[1].setValue(5)
     bench.settle()
     assert viewer.picture.channels[1].samples == pytest.approx(samples[5], rel=1e-6)
-    assert [line.isVisible() for line in viewer.canvas.spectra.lines] == [True] * 3
-    assert viewer.canvas.spectra.lines[1].value() == pytest.approx(wavelengths[5])
+    assert [line.isVisible() for line in viewer.canvas.below[Spectra].lines] == [True] * 3
+    assert viewer.canvas.below[Spectra].lines[1].value() == pytest.approx(wavelengths[5])
     bar.even.click()
     bench.settle()
     assert [spin.value() for spin in bar.colours] == [10, 6, 2]
@@ -158,12 +158,12 @@ def test_the_picture_in_colours_is_drawn_and_saved(viewer, bench, tmp_path):
 
 def test_spectra_of_the_mean_and_of_the_probed_sample(viewer, bench, qtbot, cube):
     samples, wavelengths, _ = cube
-    plot = viewer.canvas.spectra
+    plot = viewer.canvas.below[Spectra]
     qtbot.waitUntil(lambda: plot.mean.getData()[0] is not None)
     x, y = plot.mean.getData()
     assert x == pytest.approx(wavelengths)
     assert y == pytest.approx(samples.mean(axis=(1, 2)), rel=1e-9)
-    height = plot.plot.size().height()
+    height = plot.size().height()
     point_at(viewer, bench, qtbot, 7, 11)
     x, y = plot.sample.getData()
     assert y == pytest.approx(samples[:, 7, 11], rel=1e-9)
@@ -172,4 +172,4 @@ def test_spectra_of_the_mean_and_of_the_probed_sample(viewer, bench, qtbot, cube
     assert plot.sample.getData()[1] == pytest.approx(samples[:, 8, 12], rel=1e-9)
     viewer.canvas.scene().sigMouseMoved.emit(QPointF(-50, -50))
     assert names(viewer) == [MEAN]
-    assert plot.plot.size().height() == height  # nothing moves
+    assert plot.size().height() == height  # nothing moves
