@@ -314,7 +314,6 @@ class ImageViewer(Viewer):
         bar.display.means.toggled.connect(partial(canvas.show_below, LineMeans))
         bar.display.spectra.toggled.connect(self._fit_spectra)
         self.band_bar.chosen.connect(self._choose_bands)
-        self.band_bar.noted.connect(partial(self.session.message.emit, "note"))
         canvas.band_dragged.connect(self.band_bar.take_line)
         self.probe.placed.connect(self._point_at)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)

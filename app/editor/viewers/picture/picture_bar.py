@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QActionGroup, QPainter, QValidator
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QMenu, QSlider, QSpinBox, QWidget
+from PySide6.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QActionGroup, QPainter
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QMenu, QSlider, QWidget
 
 from app.editor.session import Session
 from app.editor.theme import FAINT, Theme, set_ink, theme_of
@@ -134,32 +134,21 @@ class CompareMenu(QObject):
         self.links.triggered.connect(self._choose_link)
 
     def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
-        self._empty(self.others)
-        for group in groups:
-            menu = Menu(group.node.replace("&", "&&"), self.others)
-            self.others.addMenu(menu)
-            for port in group.ports:
-                action = menu.addAction(port.rpartition(".")[2].replace("&", "&&"))
-                action.setData(port)
-                action.setCheckable(True)
-                action.setChecked(port == chosen)
-        self.others.setEnabled(not self.others.isEmpty())
+        self._fill(self.others, {port: port for group in groups for port in group.ports}, {chosen})
 
     def fill_links(self, viewers: Mapping[int, bool]) -> None:
-        self._empty(self.links)
-        for number, linked in viewers.items():
-            action = self.links.addAction(f"Viewer &{number}")
-            action.setData(number)
-            action.setCheckable(True)
-            action.setChecked(linked)
-        self.links.setEnabled(not self.links.isEmpty())
+        names = {f"Viewer {number}": number for number in viewers}
+        self._fill(self.links, names, {number for number in viewers if viewers[number]})
 
     @staticmethod
-    def _empty(menu: QMenu) -> None:
-        for action in menu.actions():
-            inner = action.menu()
-            menu.removeAction(action)
-            (inner if isinstance(inner, QMenu) else action).deleteLater()
+    def _fill(menu: QMenu, entries: Mapping[str, object], ticked: Collection[object]) -> None:
+        menu.clear()
+        for text, data in entries.items():
+            action = menu.addAction(text.replace("&", "&&"))
+            action.setData(data)
+            action.setCheckable(True)
+            action.setChecked(data in ticked)
+        menu.setEnabled(bool(entries))
 
     def _choose_other(self, action: QAction) -> None:
         self.other_chosen.emit(str(action.data()))
@@ -170,54 +159,43 @@ class CompareMenu(QObject):
 
 _TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}
 
-_NARROWEST = 9  # letters that a list or a wavelength has room for
-
 
 class BandBar(QWidget):
     """All bands, one by a slider or its wavelength, or three as colours; hidden without bands."""
 
     chosen = Signal(object)  # choice: the person has made another `BandChoice`
-    noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
     _letters: tuple[QLabel, ...] = ()
 
     def __init__(self, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.choice = ALL
         self._bands: BandStack | None = None
-        self._writing = False
-        self.shown = QComboBox(self)
-        self.shown.setObjectName(f"{owner}.bands")
-        self.shown.setAccessibleName("Bands to show")
-        self.shown.setToolTip("Bands to show: all together, one, or three as colours")
-        for name, text in _TEXTS.items():
-            self.shown.addItem(text.format(whole="mean"), name)
-        self.slider = QSlider(Qt.Orientation.Horizontal, self)
-        self.slider.setObjectName(f"{owner}.band")
-        self.slider.setAccessibleName("Band")
-        self.slider.setToolTip("Band (Page Up and Page Down on the picture)")
-        self.one = WavelengthSpin(f"{owner}.wavelength", "Wavelength of the band (µm or nm)", self)
+        about = "Bands to show: all together, one, or three as colours"
+        self.shown = _short_list(f"{owner}.bands", about, self)
+        for name in _TEXTS:
+            self.shown.addItem("", name)
+        about = "Band (Page Up and Page Down on the picture)"
+        self.slider = labelled(
+            QSlider(Qt.Orientation.Horizontal, self), f"{owner}.band", "Band", about
+        )
+        self.one = _short_list(f"{owner}.wavelength", "Wavelength of the band", self)
         self.colours = tuple(
-            WavelengthSpin(f"{owner}.{name}", f"Wavelength shown as {name}", self)
-            for name in CHANNELS
+            _short_list(f"{owner}.{name}", f"Wavelength shown as {name}", self) for name in CHANNELS
         )
         self._letters = tuple(QLabel(name[0].upper(), self) for name in CHANNELS)
         self.even = tool_button(f"{owner}.even", "Even", "Use three evenly spaced bands", self)
         self.about = ElidedLabel(f"{owner}.band.about", "The bands", self)
         self.about.setForegroundRole(FAINT)
-        letter = self.fontMetrics().averageCharWidth()
-        for widget in (self.shown, self.one, *self.colours):  # a narrow viewer cuts their texts
-            widget.setMinimumWidth(_NARROWEST * letter)
-        self._lay()
-        self.shown.activated.connect(
-            lambda _: self._choose(replace(self.choice, shown=self.shown.currentData()))
-        )
-        self.slider.valueChanged.connect(self._one_chosen)
-        self.one.valueChanged.connect(self._one_chosen)
-        self.even.clicked.connect(lambda: self._choose(replace(self.choice, colours_um=None)))
-        for spin in self.colours:
-            spin.valueChanged.connect(self._colours_chosen)
-        for spin in (self.one, *self.colours):
-            spin.noted.connect(self.noted)
+        pairs = zip(self._letters, self.colours, strict=True)
+        parts = (self.shown, (self.slider, 3), self.one, *(part for pair in pairs for part in pair))
+        layout = QHBoxLayout(self)
+        filled(layout, *parts, self.even, (self.about, 1), margins=(2, 0, 2, 0), spacing=4)
+        self.shown.activated.connect(lambda _: self._choose(shown=self.shown.currentData()))
+        self.slider.valueChanged.connect(self._take_one)
+        self.one.activated.connect(self._take_one)
+        for number, colour in enumerate(self.colours):
+            colour.activated.connect(partial(self._take_colour, number))
+        self.even.clicked.connect(lambda: self._choose(colours_um=None))
         self._colour()
         self.hide()
 
@@ -231,23 +209,27 @@ class BandBar(QWidget):
             set_ink(letter, colour)
 
     def show_bands(self, bands: BandStack | None, choice: BandChoice) -> None:
-        self._bands, self.choice = bands, choice
+        before, self._bands, self.choice = self._bands, bands, choice
         self.setVisible(bands is not None)
         if bands is None:
             return
-        self._writing = True
+        lists = (self.one, *self.colours)
+        if before is None or before.centres_um != bands.centres_um:
+            for each in lists:
+                each.clear()
+                each.addItems([f"{centre:.5g} µm" for centre in bands.centres_um])
         whole = "sum" if bands.density else "mean"
-        self.shown.setItemText(0, _TEXTS["all"].format(whole=whole))
+        for number, text in enumerate(_TEXTS.values()):
+            self.shown.setItemText(number, text.format(whole=whole))
         self.shown.setCurrentIndex(self.shown.findData(choice.shown))
-        self.slider.setRange(0, bands.count - 1)
-        self.slider.setPageStep(max(1, bands.count // 10))
         (place,) = replace(choice, shown="one").places(bands)
-        self.slider.setValue(place)
+        with QSignalBlocker(self.slider):
+            self.slider.setRange(0, bands.count - 1)
+            self.slider.setPageStep(max(1, bands.count // 10))
+            self.slider.setValue(place)
         places = (place, *replace(choice, shown="colours").places(bands))
-        for spin, at in zip((self.one, *self.colours), places, strict=True):
-            spin.set_bands(bands)
-            spin.setValue(at)
-        self._writing = False
+        for each, at in zip(lists, places, strict=True):
+            each.setCurrentIndex(at)
         of_one: tuple[QWidget, ...] = (self.slider, self.one)
         of_colours: tuple[QWidget, ...] = (*self.colours, *self._letters, self.even)
         for widget in (*of_one, *of_colours):
@@ -257,58 +239,41 @@ class BandBar(QWidget):
 
     def step(self, by: int) -> None:
         """Show the next band, or the one before; from all of them go to the first, or the last."""
-        if self._bands is None:
-            return
-        if self.choice.shown == "one":
+        if self._bands is not None and self.choice.shown == "one":
             self.slider.setValue(self.slider.value() + by)
-        elif self.choice.shown == "all":
-            centres = self._bands.centres_um
-            self._choose(replace(self.choice, shown="one", one_um=centres[0 if by > 0 else -1]))
+        elif self._bands is not None and self.choice.shown == "all":
+            self._choose(shown="one", one_um=self._bands.centres_um[0 if by > 0 else -1])
 
     def take_line(self, line: int, wavelength_um: float) -> None:
         """Take the band at a wavelength: the one, or the red, green or blue."""
         if self.choice.shown == "one":
-            self._choose(replace(self.choice, one_um=wavelength_um))
-        elif self.choice.shown == "colours":
-            now = [spin.value() for spin in self.colours]
-            self._choose_colours(now, {line: wavelength_um})
+            self._choose(one_um=wavelength_um)
+        elif self._bands is not None and self.choice.shown == "colours":
+            now = [self._bands.centres_um[each.currentIndex()] for each in self.colours]
+            now[line] = wavelength_um
+            self._choose(colours_um=tuple(now))
 
-    def _lay(self) -> None:
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(2, 0, 2, 0)
-        layout.setSpacing(3)
-        layout.addWidget(self.shown)
-        layout.addWidget(self.slider, 3)
-        layout.addWidget(self.one)
-        for letter, spin in zip(self._letters, self.colours, strict=True):
-            letter.setBuddy(spin)
-            layout.addSpacing(3)
-            layout.addWidget(letter)
-            layout.addWidget(spin)
-        layout.addWidget(self.even)
-        layout.addSpacing(3)
-        layout.addWidget(self.about, 1)
+    def _take_one(self, place: int) -> None:
+        if self._bands is not None:
+            self._choose(one_um=self._bands.centres_um[place])
 
-    def _one_chosen(self, place: int) -> None:
-        if self._bands is not None and not self._writing:
-            self._choose(replace(self.choice, one_um=self._bands.centres_um[place]))
+    def _take_colour(self, number: int, place: int) -> None:
+        if self._bands is not None:
+            self.take_line(number, self._bands.centres_um[place])
 
-    def _colours_chosen(self, _place: int) -> None:
-        if not self._writing:
-            self._choose_colours([spin.value() for spin in self.colours], {})
-
-    def _choose_colours(self, places: list[int], changed: dict[int, float]) -> None:
-        if self._bands is None:
-            return
-        red, green, blue = (
-            changed.get(line, self._bands.centres_um[place]) for line, place in enumerate(places)
-        )
-        self._choose(replace(self.choice, colours_um=(red, green, blue)))
-
-    def _choose(self, choice: BandChoice) -> None:
+    def _choose(self, **changes: Any) -> None:
+        choice = replace(self.choice, **changes)
         if choice != self.choice:
             self.show_bands(self._bands, choice)
             self.chosen.emit(choice)
+
+
+def _short_list(name: str, about: str, parent: QWidget) -> QComboBox:
+    """A list that a narrow viewer may cut."""
+    made = labelled(QComboBox(parent), name, about, about)
+    made.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+    made.setMinimumContentsLength(9)
+    return made
 
 
 def _about(bands: BandStack, choice: BandChoice, place: int) -> str:
@@ -316,90 +281,6 @@ def _about(bands: BandStack, choice: BandChoice, place: int) -> str:
         return f"{bands.widths_um[place]:.3g} µm wide, {place + 1} of {bands.count}"
     low, high = bands.band_um
     return f"{bands.count} bands, {low:.4g} to {high:.4g} µm" if choice.shown == "all" else ""
-
-
-# A spin box that steps through the bands of a picture, and shows their wavelengths.
-
-_FEWEST, _MOST = 2, 5  # decimals
-UNIT = "µm"
-_UNITS = {UNIT: 1.0, "μm": 1.0, "um": 1.0, "nm": 1e-3}  # micro sign, Greek mu
-
-
-class WavelengthSpin(QSpinBox):
-    """Its value is the place of a band; a wavelength typed in µm or nm gives the nearest."""
-
-    noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
-
-    _centres: tuple[float, ...] = (0.0,)  # Qt measures texts while it makes the widget
-    _decimals = _FEWEST
-    _ends = (-math.inf, math.inf)
-
-    def __init__(self, name: str, description: str, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setRange(0, 0)
-        labelled(self, name, description, description)
-        self.setKeyboardTracking(False)
-        self._text = ""
-        self.lineEdit().textEdited.connect(self._note)
-        self.editingFinished.connect(self._finish)
-
-    def set_bands(self, bands: BandStack) -> None:
-        self._ends, centres_um = bands.band_um, bands.centres_um
-        if centres_um == self._centres:
-            return
-        self._centres = centres_um
-        self._decimals = decimals_of(centres_um)
-        self.setRange(0, len(centres_um) - 1)
-        self.updateGeometry()
-
-    def textFromValue(self, place: int) -> str:
-        place = min(place, len(self._centres) - 1)
-        return f"{self._centres[place]:.{self._decimals}f} {UNIT}"
-
-    def valueFromText(self, text: str) -> int:
-        wavelength = _number(text)
-        if wavelength is None:
-            return self.value()
-        return int(np.argmin(np.abs(np.array(self._centres) - wavelength)))
-
-    def validate(self, text: str, position: int) -> object:
-        state = QValidator.State
-        return (state.Intermediate if _number(text) is None else state.Acceptable, text, position)
-
-    def _note(self, text: str) -> None:
-        self._text = text
-
-    def _finish(self) -> None:
-        text, self._text = self._text, ""
-        wavelength = _number(text)
-        low, high = self._ends
-        if wavelength is not None and not low <= wavelength <= high:
-            self.noted.emit(
-                f"{wavelength:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: the "
-                "nearest band is shown"
-            )
-
-
-def decimals_of(centres_um: tuple[float, ...]) -> int:
-    """As many as tell neighbouring bands apart, and one more."""
-    apart = np.abs(np.diff(centres_um))
-    least = float(apart[apart > 0].min()) if np.any(apart > 0) else 1.0
-    return min(max(math.ceil(-math.log10(least)) + 1, _FEWEST), _MOST)
-
-
-def _number(text: str) -> float | None:
-    """A wavelength in µm, typed in it or in a unit that stands behind it."""
-    bare = text.replace(",", ".").strip()
-    factor = 1.0
-    for unit, in_um in _UNITS.items():
-        if bare.endswith(unit):
-            bare, factor = bare.removesuffix(unit), in_um
-            break
-    try:
-        value = float(bare) * factor
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 SPREAD_MS = 100
@@ -416,11 +297,14 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
     """Shows a histogram made elsewhere, as logarithms: so rare samples are seen, too."""
 
     dragged = Signal(float, float)  # low, high: the person drags the levels
-    released = Signal()  # the person has let them go
 
     def __init__(self) -> None:
-        with without_matplotlib():
-            super().__init__()
+        hidden = "matplotlib" not in sys.modules
+        if hidden:  # else it loads, a second, for a menu of colours that is never opened
+            sys.modules["matplotlib"] = None  # type: ignore[assignment]
+        super().__init__()
+        if hidden:
+            del sys.modules["matplotlib"]
         self._writing = False
         self._spread: Range | None = None
         self._next: tuple[Spread, Range, tuple[Spread, ...]] | None = None
@@ -440,7 +324,6 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         # The curve is turned: its bars grow to the left of zero, up to 1.
         self.vb.setXRange(-1.02, 0.0, padding=0.0)
         self.sigLevelsChanged.connect(self._levels_changed)
-        self.sigLevelChangeFinished.connect(self._level_change_finished)
 
     def set_theme(self, theme: Theme) -> None:
         paint_axis(self.axis, theme)
@@ -457,10 +340,6 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
     def set_colours(self, name: str) -> None:
         self.gradient.setColorMap(colour_map(name))
         self.gradient.showTicks(False)
-
-    @property
-    def is_behind(self) -> bool:
-        return self._next is not None
 
     def show_spread(self, spread: Spread, levels: Range, channels: tuple[Spread, ...] = ()) -> None:
         """Show a histogram, of colours three lines, in a while; levels unless they are dragged."""
@@ -510,35 +389,9 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             low, high = self.getLevels()
             self.dragged.emit(float(low), float(high))
 
-    def _level_change_finished(self) -> None:
-        if not self._writing:
-            self.released.emit()
-
 
 def _bars(spread: Spread, ends: Range) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     bars = np.log1p(spread.counts.astype(np.float64))
     bars /= max(1.0, float(bars.max()))
     centres = spread.centres if spread.high > spread.low else np.linspace(*ends, len(bars))
     return centres, bars
-
-
-# Keeping pyqtgraph from loading all of matplotlib for a menu that is never opened.
-
-_NAME = "matplotlib"
-
-
-@contextlib.contextmanager
-def without_matplotlib() -> Iterator[None]:
-    """Make matplotlib seem not to be installed, unless it has been loaded already.
-
-    A histogram of pyqtgraph lists matplotlib's colour maps in the menu of its gradient, which takes
-    a third of a second of the time until the first picture.
-    """
-    if _NAME in sys.modules:
-        yield
-        return
-    sys.modules[_NAME] = None  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        del sys.modules[_NAME]

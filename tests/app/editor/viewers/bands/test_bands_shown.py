@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
 
 from app.editor.viewers.picture.plots_below import MEAN, Spectra
 from core.editing.document import Document
@@ -81,29 +82,19 @@ def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "one")
     bar = viewer.band_bar
-    assert bar.slider.value() == bar.one.value() == BANDS // 2
+    assert bar.slider.value() == bar.one.currentIndex() == BANDS // 2
     assert viewer.picture.samples == pytest.approx(samples[BANDS // 2], rel=1e-6)
     bar.slider.setFocus()
     qtbot.keyClick(bar.slider, Qt.Key.Key_Right)
     bench.settle()
     assert viewer.picture.samples == pytest.approx(samples[BANDS // 2 + 1], rel=1e-6)
-    bar.one.setFocus()
-    bar.one.selectAll()
-    qtbot.keyClicks(bar.one, "3.4")
-    qtbot.keyClick(bar.one, Qt.Key.Key_Return)
-    bench.settle()
     place = int(np.argmin(np.abs(wavelengths - 3.4)))
+    QTest.keyClicks(bar.one, f"{wavelengths[place]:.5g}")
+    bench.settle()
     assert bar.slider.value() == place
-    assert bar.one.text() == f"{wavelengths[place]:.2f} µm"
+    assert bar.one.currentText() == f"{wavelengths[place]:.5g} µm"
     assert bar.about.text() == f"0.167 µm wide, {place + 1} of {BANDS}"
     assert viewer.picture.samples == pytest.approx(samples[place], rel=1e-6)
-    for typed in ("3900 nm", "3400nm"):
-        bar.one.selectAll()
-        qtbot.keyClicks(bar.one, typed)
-        qtbot.keyClick(bar.one, Qt.Key.Key_Return)
-        bench.settle()
-        wanted = float(typed.rstrip("nm ")) / 1000
-        assert bar.slider.value() == int(np.argmin(np.abs(wavelengths - wanted)))
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageUp)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageUp)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageDown)
@@ -130,17 +121,17 @@ def test_colours(viewer, bench, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "colours")
     bar = viewer.band_bar
-    assert [spin.value() for spin in bar.colours] == [10, 6, 2]
+    assert [each.currentIndex() for each in bar.colours] == [10, 6, 2]
     assert not bar.even.isEnabled()
     assert viewer.canvas.first.image.shape == (*SIZE, 3)
-    bar.colours[1].setValue(5)
+    bar.colours[1].activated.emit(5)
     bench.settle()
     assert viewer.picture.channels[1].samples == pytest.approx(samples[5], rel=1e-6)
     assert [line.isVisible() for line in viewer.canvas.below[Spectra].lines] == [True] * 3
     assert viewer.canvas.below[Spectra].lines[1].value() == pytest.approx(wavelengths[5])
     bar.even.click()
     bench.settle()
-    assert [spin.value() for spin in bar.colours] == [10, 6, 2]
+    assert [each.currentIndex() for each in bar.colours] == [10, 6, 2]
 
 
 def test_the_picture_in_colours_is_drawn_and_saved(viewer, bench, tmp_path):
