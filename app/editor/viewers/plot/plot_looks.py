@@ -122,10 +122,6 @@ def entry_pens(entries: Iterable[Entry], theme: Theme) -> dict[str, QPen]:
     return pens
 
 
-def mark_pen(theme: Theme) -> QPen:
-    return thick(theme.faint_text, 1, Qt.PenStyle.DashLine)
-
-
 def see_through(colour: str, alpha: int) -> QColor:
     mixed = QColor(colour)
     mixed.setAlpha(alpha)

@@ -16,10 +16,12 @@ from PySide6.QtWidgets import (
     QButtonGroup,
     QComboBox,
     QDoubleSpinBox,
+    QFrame,
     QHBoxLayout,
     QHeaderView,
     QLineEdit,
     QMenu,
+    QScrollArea,
     QStackedWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -31,7 +33,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
-from app.editor.viewers.plot.plot_canvas import BarChart, PlotCanvas
+from app.editor.viewers.plot.plot_canvas import PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList
 from app.editor.viewers.plot.plotted_lines import (
@@ -209,13 +211,16 @@ class PlotViewer(Viewer):
     def _build(self) -> None:
         self.bar = PlotBar(self.session, self.owner, self)
         self.canvas = labelled(PlotCanvas(self), f"{self.owner}.canvas")
-        self.bars = labelled(BarChart(self), f"{self.owner}.bars")
         self.list = labelled(CurveList(self), f"{self.owner}.curves")
         self.table = labelled(FigureTable(self), f"{self.owner}.table")
         self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
         self._curves = QWidget(self)
-        self.bars.hide()
-        parts = ((self.canvas, 1), (self.bars, 1), self.list)
+        room = QScrollArea(self._curves, widgetResizable=True)  # for many bars
+        room.setFrameShape(QFrame.Shape.NoFrame)
+        room.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        room.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        room.setWidget(self.canvas)
+        parts = ((room, 1), self.list)
         self._beside = filled(QHBoxLayout(self._curves), *parts, spacing=2)
         self.hint = labelled(centred_hint("", self), f"{self.owner}.hint")
         self._pages = QStackedWidget(self)
@@ -231,10 +236,6 @@ class PlotViewer(Viewer):
         self.canvas.read.connect(self.status.show_more)
         self.canvas.recoloured.connect(self._fill_list)
         self.canvas.menu_wanted.connect(self._open_menu)
-        self.bars.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        self.bars.customContextMenuRequested.connect(
-            lambda point: self._open_menu(self.bars.mapToGlobal(point))
-        )
         self.list.toggled.connect(self._toggle)
 
     def sizeHint(self) -> QSize:
@@ -269,7 +270,7 @@ class PlotViewer(Viewer):
         log = offer(menu, "plot.log", "Logarithmic ordinate", self.bar.log.click)
         log.setCheckable(True)
         log.setChecked(self.bar.log.isChecked())
-        if self.canvas.isVisible() and self.canvas.drawing.panels:
+        if self.canvas.isVisible() and self.canvas.plots:
             for along, name in enumerate(("Abscissa", "Ordinate")):
                 edit, action = line_in_menu(menu, name, f"plot.limits.{name.lower()}")
                 edit.setText(" to ".join(map(shown_figure, self.canvas.limits(bool(along)))))
@@ -290,9 +291,7 @@ class PlotViewer(Viewer):
 
     def _toggle(self, name: str, on: bool) -> None:
         self._switched[name] = on
-        shown = self._shown(self.canvas.drawing)
-        self.canvas.show_entries(shown)
-        self.bars.show_entries(shown)
+        self.canvas.show_entries(self._shown(self.canvas.drawing))
 
     def _selected(self, names: tuple[str, ...]) -> None:
         if names and not self.bar.pin.isChecked():
@@ -323,11 +322,7 @@ class PlotViewer(Viewer):
         if (kept := self._kept[0]) is not None and type(kept) is type(data):
             drawing = with_kept(drawing, self._drawing_of_kept(kept, log), self._kept[1])
         before = self.canvas.drawing
-        shown = self._shown(drawing)
-        self.canvas.show_drawing(drawing, shown)
-        self.bars.show_drawing(drawing, shown, self.canvas.pens)
-        self.canvas.setVisible(not drawing.bars)
-        self.bars.setVisible(bool(drawing.bars))
+        self.canvas.show_drawing(drawing, self._shown(drawing))
         if (drawing.entries, drawing.note) != (before.entries, before.note):
             self._fill_list()
 

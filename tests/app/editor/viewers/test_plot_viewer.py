@@ -31,11 +31,11 @@ def named(found):
 
 
 def test_an_edit_draws_only_what_it_changes(bench, viewer):
-    plot, drawn = viewer.canvas._plots[0], viewer.canvas._curves[0]
+    plot, drawn = viewer.canvas.plots[0], viewer.canvas.plots[0].drawn
     before = {name: id(item.xData) for name, item in drawn.items()}
     axes = [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
     bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
-    assert viewer.canvas._plots[0] is plot
+    assert viewer.canvas.plots[0] is plot
     totals = {each.name for each in curves(bench).curves if each.kind == "total"}
     changed = {name for name, item in drawn.items() if id(item.xData) != before[name]}
     assert changed == {"jitter", *totals}
@@ -47,7 +47,7 @@ def test_an_edit_draws_only_what_it_changes(bench, viewer):
 def test_draws_every_stage_and_the_totals(bench, viewer):
     (panel,) = viewer.canvas.drawing.panels
     assert panel.y_label == "MTF"
-    drawn = viewer.canvas._curves[0]
+    drawn = viewer.canvas.plots[0].drawn
     found = curves(bench)
     for curve in found.curves:
         x, y = drawn[curve.name].getData()
@@ -67,7 +67,7 @@ def test_buttons_and_angle(bench, viewer, qtbot):
     bench.settle()
     assert "37°" in viewer.canvas.drawing.x_label
     wanted = named(curves(bench, 37.0))["detector"].mtf
-    assert (viewer.canvas._curves[0]["detector"].getData()[1] == wanted).all()
+    assert (viewer.canvas.plots[0].drawn["detector"].getData()[1] == wanted).all()
     qtbot.mouseClick(viewer.bar._x, Qt.MouseButton.LeftButton)
     bench.settle()
     assert viewer.angle_deg == 0.0
@@ -76,7 +76,7 @@ def test_buttons_and_angle(bench, viewer, qtbot):
 def test_both_parts_share_their_abscissa(bench, viewer):
     viewer.set_parts("both")
     assert [panel.y_label for panel in viewer.canvas.drawing.panels] == ["MTF", "PTF (rad)"]
-    upper, lower = (plot.getViewBox() for plot in viewer.canvas._plots)
+    upper, lower = (plot.getViewBox() for plot in viewer.canvas.plots)
     assert upper.viewRange()[0] == pytest.approx(lower.viewRange()[0])
     lower.setXRange(0.1, 0.2, padding=0)
     assert upper.viewRange()[0] == pytest.approx([0.1, 0.2])
@@ -86,7 +86,7 @@ def test_both_parts_share_their_abscissa(bench, viewer):
 
 def test_the_legend_switches_curves(bench, viewer):
     row = next(r for r in range(viewer.list.count()) if "jitter" in viewer.list.item(r).text())
-    curve = viewer.canvas._curves[0]["jitter"]
+    curve = viewer.canvas.plots[0].drawn["jitter"]
     assert curve.isVisible()
     viewer.list.item(row).setCheckState(Qt.CheckState.Unchecked)
     assert not curve.isVisible()
@@ -95,7 +95,7 @@ def test_the_legend_switches_curves(bench, viewer):
 
 
 def test_the_cursor_reads_the_nearest_curve(bench, viewer):
-    canvas, box = viewer.canvas, viewer.canvas._plots[0].getViewBox()
+    canvas, box = viewer.canvas, viewer.canvas.plots[0].getViewBox()
     found = curves(bench)
     x = 0.3
     y = np.interp(x, found.frequency, named(found)["detector"].mtf)
@@ -115,7 +115,7 @@ def test_a_curve_of_a_node(bench, viewer):
     viewer.look_at("picture.curve")
     bench.settle()
     truth = bench.value("picture.curve")
-    x, y = viewer.canvas._curves[0]["0"].getData()
+    x, y = viewer.canvas.plots[0].drawn["0"].getData()
     assert (x == truth.series[0].x).all()
     assert (y == truth.series[0].y).all()
     assert viewer.canvas.drawing.x_label == truth.x_label

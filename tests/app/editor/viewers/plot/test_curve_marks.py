@@ -12,10 +12,10 @@ FREQUENCY = np.linspace(0.0, 2.0, 201)
 def test_a_mark_in_a_low_plot_has_its_number_alone(shown):
     series = (Series("a", FREQUENCY, np.cos(FREQUENCY)),)
     viewer = shown(CurveData("", "x", "MTF", series, marks=(CurveMark("pixels' Nyquist", 0.5),)))
-    (mark,) = viewer.canvas._marks
-    assert mark._label.format == "pixels' Nyquist 0.5"
-    viewer.canvas._plots[0].getViewBox().resize(300, 60)
-    assert mark._label.format == "0.5"
+    (mark,) = viewer.canvas.plots[0].marks
+    assert mark.label.format == "pixels' Nyquist 0.5"
+    viewer.canvas.plots[0].getViewBox().resize(300, 60)
+    assert mark.label.format == "0.5"
 
 
 def test_a_measured_mtf_marks_half_a_cycle_per_pixel(window, idle):

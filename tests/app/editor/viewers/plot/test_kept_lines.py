@@ -38,10 +38,10 @@ def test_the_viewer_draws_both_and_ticks_them_together(shown):
     viewer = shown(NOW)
     viewer.compare_kept(data(optics=1 - X**2), "Snapshot 1")
     assert viewer.list.count() == 4
-    drawn = viewer.canvas._curves[0]["A 0"]
+    drawn = viewer.canvas.plots[0].drawn["A 0"]
     assert (drawn.getData()[1] == 1 - X**2).all()
     assert drawn.isVisible()
     viewer.list.item(0).setCheckState(Qt.CheckState.Unchecked)
-    assert not viewer.canvas._curves[0]["A 0"].isVisible()
+    assert not viewer.canvas.plots[0].drawn["A 0"].isVisible()
     viewer.compare_kept(None)
     assert viewer.list.count() == 3

@@ -5,9 +5,7 @@ import csv
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF
-from PySide6.QtGui import QColor
 
-from app.editor.theme import DARK, LIGHT
 from core.chain.results import CurveData, Series
 
 NAMES = ("Optics", "Detector", "Jitter")
@@ -31,37 +29,23 @@ MRTD = CurveData(
 )
 
 
-def painted(viewer, colour):
-    """Rows and columns of the dots of a colour in the chart."""
-    image = viewer.bars.widget().grab().toImage()
-    wanted = QColor(colour).rgb()
-    return [
-        (y, x) for y in range(image.height()) for x in range(image.width())
-        if image.pixel(x, y) == wanted
-    ]  # fmt: skip
+def test_bars_are_as_long_as_their_values(shown):
+    viewer = shown(bars([10.0, 40.0, np.inf], [5.0, -1.0, 2.0]))
+    plot = viewer.canvas.bars
+    assert [bar.opts["x1"].tolist() for bar in plot.bars] == [[10.0, 40.0, 0.0], [5.0, 0.0, 2.0]]
+    assert [bar.opts["x0"].tolist() for bar in plot.bars] == [[0.0] * 3, [0.0, -1.0, 0.0]]
+    seen = plot.getViewBox().viewRange()
+    assert seen[0] == pytest.approx([-1.0, 40.0])
+    assert seen[1] == pytest.approx([2.5, -0.5] if seen[1][0] > seen[1][1] else [-0.5, 2.5])
+    upper, lower = (bar.boundingRect() for bar in plot.bars)
+    assert upper.top() < lower.top()
+    assert viewer.canvas.accessibleDescription().endswith("; Jitter: ∞, 2")
 
 
-def lengths(viewer, colour, count):
-    """Dots that each bar of a colour is long, from the top down."""
-    dots = painted(viewer, colour)
-    height = viewer.bars.widget().height() - 2 * viewer.fontMetrics().height()
-    found = []
-    for place in range(count):
-        top, bottom = place * height / count, (place + 1) * height / count
-        columns = [x for y, x in dots if top <= y < bottom]
-        found.append((max(columns) - min(columns) + 1) if columns else 0)
-    return found
-
-
-@pytest.mark.parametrize("theme", [DARK, LIGHT])
-def test_bars_are_as_long_as_their_values(shown, theme):
-    viewer = shown(bars([10.0, 40.0, 20.0]), theme)
-    assert viewer.bars.isVisible()
-    assert not viewer.canvas.isVisible()
-    first, second, third = lengths(viewer, theme.curves[0], 3)
-    assert second > 100
-    assert first == pytest.approx(second / 4, abs=2)
-    assert third == pytest.approx(second / 2, abs=2)
+def test_bars_of_which_each_belongs_to_one_line_have_a_row_each(shown):
+    plot = shown(bars([10.0, 0.0, 20.0], [0.0, 5.0, 0.0])).canvas.bars
+    assert {tuple(bar.opts["y"]) for bar in plot.bars} == {(0.0, 1.0, 2.0)}
+    assert "Detector: 0, 5" in plot.description
 
 
 def test_bars_are_exported_with_their_names(shown, tmp_path):
@@ -78,11 +62,11 @@ def test_bars_are_exported_with_their_names(shown, tmp_path):
 def test_a_logarithmic_curve_is_drawn_by_its_logarithm_with_gaps(shown):
     viewer = shown(MRTD)
     assert viewer.bar.log.isChecked()
-    _, y = viewer.canvas._curves[0]["0"].getData()
+    _, y = viewer.canvas.plots[0].drawn["0"].getData()
     seen = FREQUENCY <= 1.5
     np.testing.assert_allclose(y[seen], FREQUENCY[seen] - 2.0, atol=1e-12)
     assert np.isnan(y[~seen]).all()
-    low, high = viewer.canvas._plots[0].getViewBox().viewRange()[1]
+    low, high = viewer.canvas.plots[0].getViewBox().viewRange()[1]
     assert low < -2.0 < -0.5 < high < 0.0
 
 
@@ -90,7 +74,7 @@ def test_what_the_cursor_reads_is_no_logarithm(shown, qtbot):
     viewer = shown(MRTD)
     read = []
     viewer.canvas.read.connect(read.append)
-    box = viewer.canvas._plots[0].getViewBox()
+    box = viewer.canvas.plots[0].getViewBox()
     viewer.canvas._mouse_moved(box.mapViewToScene(QPointF(1.0, -1.0)))
     value = float(read[-1].split("MRTD: ")[1].split()[0])
     assert value == pytest.approx(0.1, rel=0.05)

@@ -29,16 +29,16 @@ MDTD = CurveData(
 def test_a_logarithmic_abscissa(shown):
     """A power law is a straight line, from the least size above 0 to the greatest."""
     viewer = shown(MDTD)
-    x, y = viewer.canvas._curves[0]["0"].getData()
+    x, y = viewer.canvas.plots[0].drawn["0"].getData()
     np.testing.assert_allclose(x[1:], [-1, 0, 1, 2], atol=1e-12)
     np.testing.assert_allclose(y[1:], [1, 0, -1, -2], atol=1e-12)
-    low, high = viewer.canvas._plots[0].getViewBox().viewRange()[0]
+    low, high = viewer.canvas.plots[0].getViewBox().viewRange()[0]
     assert -1.1 < low < -1.0 < 2.0 < high < 2.1
-    axis = viewer.canvas._plots[0].getAxis("bottom")
+    axis = viewer.canvas.plots[0].getAxis("bottom")
     assert axis.tickStrings([-1.0, 0.0, 1.0, 2.0], 1.0, 1) == ["0.1", "1", "10", "100"]
     viewer.take(Answer(2, viewer.owner, PortDataQuery(PORT), LINEAR))
-    assert viewer.canvas._curves[0]["0"].getData()[0][-1] == 2.0
-    assert viewer.canvas._plots[0].getAxis("bottom").tickStrings([2.0], 1.0, 1) == ["2"]
+    assert viewer.canvas.plots[0].drawn["0"].getData()[0][-1] == 2.0
+    assert viewer.canvas.plots[0].getAxis("bottom").tickStrings([2.0], 1.0, 1) == ["2"]
 
 
 COINCIDING = CurveData(
