@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.fft
-from PySide6.QtCore import QObject, QPoint, QTimer, Signal
+from PySide6.QtCore import QPoint, QTimer
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 
@@ -85,7 +85,8 @@ class ImageViewer(Viewer):
         self._lost: Choices | None = None
         self.kept_side: KeptSide | None = None
         """What was kept of the wire, as it is compared now; None where it is not."""
-        self._compared: tuple[KeptPicture, Picture] | None = None  # as answered last
+        self.linked: weakref.WeakSet[ImageViewer] = weakref.WeakSet()
+        self._place: tuple[int, int] | None = None  # row and column of the probe
         self._failed = False
         self._sample: tuple[int, int] | None = None  # whose spectrum is shown
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
@@ -126,38 +127,31 @@ class ImageViewer(Viewer):
     def compare_kept(self, side: KeptSide | None) -> None:
         if side == self.kept_side:
             return
-        self.kept_side = side
+        before, self.kept_side = self.kept_side, side
         if self.picture is not None and not self._failed:
-            other = self._prepared(self.picture, side)
+            same = before is not None and side is not None and before.kept is side.kept
+            other = self.picture.other if same else None
             self._show(replace(self.picture, other=other, refused=""))
         self.ask()
 
-    def _prepared(self, picture: Picture, side: KeptSide | None) -> Picture | None:
-        """The kept picture as it was answered last: shown again at once where nothing changed."""
-        if side is None or self._compared is None:
-            return None
-        kept, last = self._compared
-        alike = (
-            kept is side.kept
-            and last.samples is picture.samples
-            and (last.levels, last.mapping, last.facts)
-            == (picture.levels, picture.mapping, picture.facts)
-        )
-        return last.other if alike else None
-
-    def forget_kept(self) -> None:
-        self._compared = None
-
     def link_to(self, other: ImageViewer, on: bool = True) -> None:
-        self.links.link(other.links, on)
+        """Show the same parts of both; links are mutual and not passed on."""
+        for one, two in ((self, other), (other, self)):
+            (one.linked.add if on else one.linked.discard)(two)
+        if on:
+            self.canvas.set_zoom(other.canvas.zoom)
+
+    def _apply_zoom(self) -> None:
+        for other in list(self.linked):
+            other.canvas.set_zoom(self.canvas.zoom)
 
     def fit(self) -> None:
         self.canvas.fit()
-        self.links.apply_zoom()
+        self._apply_zoom()
 
     def one_to_one(self) -> None:
         self.canvas.one_to_one()
-        self.links.apply_zoom()
+        self._apply_zoom()
 
     def save_as(self, path: Path) -> None:
         """Write the picture as it looks (``.png``), or its samples (``.npy .csv .tif .exr``)."""
@@ -218,8 +212,6 @@ class ImageViewer(Viewer):
         self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
             picture = self._placed(answer.value)
-            if picture.other is not None and self.kept_side and self.kept_side.kept is not None:
-                self._compared = self.kept_side.kept, picture
             self._pages.setCurrentWidget(self.canvas)
             self._show(picture)
             self.region.show_picture(picture, self.choices.port)
@@ -254,7 +246,7 @@ class ImageViewer(Viewer):
         return None
 
     def follow_opening(self) -> None:
-        self.kept_side = self._compared = None
+        self.kept_side = None
         self.look_at(None)
 
     @property
@@ -274,23 +266,27 @@ class ImageViewer(Viewer):
         return replace(query, other=choices.other, mode=choices.mode) if choices.compares else query
 
     def _show(self, picture: Picture) -> None:
-        self.picture, side = picture, self.kept_side
-        self.canvas.show_sides(*sides_of(self.choices, side))
+        before, self.picture, side = self.picture, picture, self.kept_side
+        self.canvas.show_sides(*_sides_of(self.choices, side))
         self.canvas.show_picture(picture)
         against = (side.name, side.way) if side is not None else ()
         text = picture.refused or (side.missing if side is not None else "")
         text = text or facts_text(picture, self.choices, *against)
         self.status.show_text(text, failed=bool(picture.refused))
         self._show_bands(picture)
-        self.probe.show_picture(picture, self.choices, kept=side is not None)
+        if self._place and before and before.facts.kind == picture.facts.kind:
+            row, column = self._place
+            place = before.facts.across.at(column), before.facts.along.at(row)
+            self._place = index_at(picture.facts, *place)
+        else:
+            self._place = None
+        self._show_sample()
 
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)
         self.band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
         self.canvas = labelled(PictureCanvas(self), f"{self.owner}.canvas")
-        self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
-        self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
         self._hint = centred_hint(HINT, self)
         self._pages = QStackedWidget(self)
@@ -308,14 +304,14 @@ class ImageViewer(Viewer):
         bar.display.mapping.chosen.connect(lambda name: self._choose(mapping=name))
         bar.display.levels.chosen.connect(self._choose_levels)
         bar.display.colours.chosen.connect(self._set_colours)
-        bar.display.shape.toggled.connect(canvas.show_true_shape)
         bar.display.histogram.toggled.connect(canvas.levels.setVisible)
         bar.display.profile.toggled.connect(partial(canvas.show_below, ProfileLine))
         bar.display.means.toggled.connect(partial(canvas.show_below, LineMeans))
         bar.display.spectra.toggled.connect(self._fit_spectra)
         self.band_bar.chosen.connect(self._choose_bands)
         canvas.band_dragged.connect(self.band_bar.take_line)
-        self.probe.placed.connect(self._point_at)
+        canvas.pointed.connect(self._point_at)
+        canvas.stepped.connect(self._step)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
         canvas.band_stepped.connect(self.band_bar.step)
         bar.compare.mode.chosen.connect(lambda name: self._choose(mode=name))
@@ -323,7 +319,7 @@ class ImageViewer(Viewer):
         bar.compare.linked.connect(self._choose_link)
         self.region.picture_wanted.connect(self._show_for_region)
         canvas.menu_wanted.connect(self._open_menu)
-        canvas.zoomed.connect(self.links.apply_zoom)
+        canvas.zoomed.connect(self._apply_zoom)
         canvas.levels.dragged.connect(self._drag_levels)
 
     def _choose(self, **changes: Any) -> None:
@@ -375,14 +371,40 @@ class ImageViewer(Viewer):
             self._pause.start()
 
     def _point_at(self, place: Any) -> None:
-        """The probe is at a row and column of the picture, or nowhere."""
-        if place == self._sample:
+        """The cursor is at a place of the axes, or on no picture."""
+        self._place = None
+        if place is not None and self.picture is not None:
+            self._place = index_at(self.picture.facts, *place)
+        self.canvas.mark(None)
+        self._show_sample()
+
+    def _step(self, columns: int, rows: int) -> None:
+        """Move the probe by so many samples, from the middle if there is no place yet."""
+        if self.picture is None:
             return
-        self._sample = place
+        facts = self.picture.facts
+        row, column = self._place or (facts.rows // 2, facts.columns // 2)
+        row = min(facts.rows - 1, max(0, row + rows))
+        column = min(facts.columns - 1, max(0, column + columns))
+        self._place = row, column
+        self.canvas.mark((facts.across.at(column), facts.along.at(row)))
+        self._show_sample()
+
+    def _show_sample(self) -> None:
+        picture, kept = self.picture, self.kept_side is not None
+        text = sample_text(picture, self._place, self.choices, kept=kept)
+        self.status.show_more(text)
+        before, self._sample = self._sample, None
+        if text and self._place and picture is not None and picture.facts.kind == "picture":
+            row, column = self._place  # of a preview; that at full size has the spectrum
+            self._sample = (
+                round(picture.facts.along.at(row)),
+                round(picture.facts.across.at(column)),
+            )
         spectra = self.canvas.below.get(Spectra)
-        if place is not None and not self._pause.isActive():
+        if self._sample not in (None, before) and not self._pause.isActive():
             self._pause.start()
-        elif place is None and isinstance(spectra, Spectra):
+        elif self._sample is None and isinstance(spectra, Spectra):
             spectra.forget_sample()
 
     def _follow_choices(self) -> None:
@@ -399,7 +421,7 @@ class ImageViewer(Viewer):
             self._pages.setCurrentWidget(self._hint)
             self.status.show_text("")
             self._show_bands(None)
-            self.probe.show_picture(None, choices)
+            self._point_at(None)
             self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:
             self.status.show_text("choose the other wire under Compare")
@@ -436,7 +458,7 @@ class ImageViewer(Viewer):
         compare = self.bar.compare
         groups = ports_by_node(self.session.network, self.session.library, PICTURE_TYPES)
         compare.fill_others(groups, self.choices.other)
-        linked = {viewer.number: self.links.has(viewer.links) for viewer in neighbours(self)}
+        linked = {viewer.number: viewer in self.linked for viewer in neighbours(self)}
         compare.fill_links(linked)
 
 
@@ -448,103 +470,13 @@ def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
     return sorted(others, key=lambda other: other.number)
 
 
-# Pictures that are zoomed and moved together.
-
-
-class ZoomLinks:
-    """Pictures that show the same part, as shares; links are mutual and not passed on."""
-
-    def __init__(self, canvas: PictureCanvas) -> None:
-        self._canvas = canvas
-        self._linked: weakref.WeakSet[ZoomLinks] = weakref.WeakSet()
-
-    def link(self, other: ZoomLinks, on: bool) -> None:
-        for one, two in ((self, other), (other, self)):
-            (one._linked.add if on else one._linked.discard)(two)
-        if on:
-            self._canvas.set_zoom(other._canvas.zoom)
-
-    def has(self, other: ZoomLinks) -> bool:
-        return other in self._linked
-
-    def apply_zoom(self) -> None:
-        for other in list(self._linked):
-            other._canvas.set_zoom(self._canvas.zoom)
-
-
-# A kept picture, A, beside the present one, B.
-
-
-def sides_of(choices: Choices, side: KeptSide | None) -> tuple[Sides, str, str]:
+def _sides_of(choices: Choices, side: KeptSide | None) -> tuple[Sides, str, str]:
     """Which picture lies where, and the names of the left and the right one."""
     if side is None:
         return "first left", choices.port or "", choices.other or ""
     if side.way == "flip":
         return "second alone", f"A  {side.name}", ""
     return "second left", f"A  {side.name}", "B  now"
-
-
-class PictureProbe(QObject):
-    # place: the row and column of a picture, at its full size; None where it is on none
-    placed = Signal(object)
-
-    def __init__(self, canvas: PictureCanvas, status: StatusLine) -> None:
-        super().__init__(canvas)
-        self._canvas = canvas
-        self._status = status
-        self._picture: Picture | None = None
-        self._choices = Choices()
-        self._kept = False
-        self._place: tuple[int, int] | None = None
-        canvas.pointed.connect(self._point_at)
-        canvas.stepped.connect(self._step)
-
-    def show_picture(
-        self, picture: Picture | None, choices: Choices, *, kept: bool = False
-    ) -> None:
-        """Show another picture's sample at the same place; `kept`: beside the kept one's."""
-        before = self._picture
-        if self._place and before and picture and before.facts.kind == picture.facts.kind:
-            row, column = self._place
-            x, y = before.facts.across.at(column), before.facts.along.at(row)
-            self._place = index_at(picture.facts, x, y)
-        else:
-            self._place = None
-        self._picture, self._choices, self._kept = picture, choices, kept
-        self._show_sample()
-
-    def _point_at(self, place: Any) -> None:
-        self._place = None
-        if place is not None and self._picture is not None:
-            self._place = index_at(self._picture.facts, *place)
-        self._canvas.mark(None)
-        self._show_sample()
-
-    def _step(self, columns: int, rows: int) -> None:
-        """Go on by so many samples, from the middle if there is no place yet."""
-        if self._picture is None:
-            return
-        facts = self._picture.facts
-        row, column = self._place or (facts.rows // 2, facts.columns // 2)
-        row = min(facts.rows - 1, max(0, row + rows))
-        column = min(facts.columns - 1, max(0, column + columns))
-        self._place = row, column
-        self._canvas.mark((facts.across.at(column), facts.along.at(row)))
-        self._show_sample()
-
-    def _show_sample(self) -> None:
-        text = sample_text(self._picture, self._place, self._choices, kept=self._kept)
-        self._status.show_more(text)
-        self.placed.emit(self._full_place if text else None)
-
-    @property
-    def _full_place(self) -> tuple[int, int] | None:
-        """Of the picture at full size, where a preview counts its samples too."""
-        picture = self._picture
-        if picture is None or self._place is None or picture.facts.kind != "picture":
-            return None
-        row, column = self._place
-        return round(picture.facts.along.at(row)), round(picture.facts.across.at(column))
 
 
 def save_samples(picture: Picture, path: Path) -> None:

@@ -46,7 +46,6 @@ class PictureBar(QWidget):
         self.display = DisplayMenu(shown.menu())
         self.compare = CompareMenu(compared.menu())
         self.display.histogram.setChecked(True)
-        self.display.shape.setChecked(True)
         self.display.spectra.setChecked(True)
         compared.menu().aboutToShow.connect(self.opening)
         self.menus = (shown.menu(), compared.menu())
@@ -101,7 +100,6 @@ class DisplayMenu(QObject):
         colours = Menu("&Colours", menu)
         menu.addMenu(colours)
         self.colours = Radio(colours, NAMES)
-        self.shape = self._toggle(menu, "shape", "&True Shape of Pixels")
         self.histogram = self._toggle(menu, "histogram", "&Histogram")
         self.profile = self._toggle(menu, "profile", "Line &Profile")
         self.means = self._toggle(menu, "means", "&Means of Rows and Columns")
@@ -127,11 +125,11 @@ class CompareMenu(QObject):
         self.others = Menu("With &Other Wire", menu)
         menu.addMenu(self.others)
         self.others.setObjectName("others")
-        self.others.triggered.connect(self._choose_other)
+        self.others.triggered.connect(lambda one: self.other_chosen.emit(one.data()))
         self.links = Menu("&Move With", menu)
         menu.addMenu(self.links)
         self.links.setObjectName("links")
-        self.links.triggered.connect(self._choose_link)
+        self.links.triggered.connect(lambda one: self.linked.emit(one.data(), one.isChecked()))
 
     def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
         self._fill(self.others, {port: port for group in groups for port in group.ports}, {chosen})
@@ -149,12 +147,6 @@ class CompareMenu(QObject):
             action.setCheckable(True)
             action.setChecked(data in ticked)
         menu.setEnabled(bool(entries))
-
-    def _choose_other(self, action: QAction) -> None:
-        self.other_chosen.emit(str(action.data()))
-
-    def _choose_link(self, action: QAction) -> None:
-        self.linked.emit(int(action.data()), action.isChecked())
 
 
 _TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}

@@ -82,7 +82,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._wanted: Zoom | None = None
         self._colours = "grey"
         self._moving = False
-        self._true_shape = True
         self.wipe.sigPositionChanged.connect(self._wiped)
         self.view.sigRangeChangedManually.connect(self._seen_otherwise)
         self.view.sigRangeChanged.connect(self._put_names)
@@ -172,14 +171,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         for name, text in zip(self.names, (left, right), strict=True):
             name.setPlainText(text)
         self._divide()
-
-    def show_true_shape(self, on: bool) -> None:
-        """Show samples as wide and high as they are in angle, or as squares."""
-        if on != self._true_shape:
-            self._true_shape = on
-            if self._picture is not None:
-                self._wanted = self.zoom
-                self._place_elsewhere(self._picture)
 
     def make_faint(self) -> None:
         for item in (self.first, self.second):
@@ -282,8 +273,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         facts = picture.facts
         self.plot.setLabel("bottom", facts.across.title)
         self.plot.setLabel("left", facts.along.title)
-        shape = facts.pixel_shape if self._true_shape else 1.0
-        self.view.setAspectLocked(True, shape * facts.along.step / facts.across.step)
+        self.view.setAspectLocked(True, facts.pixel_shape * facts.along.step / facts.across.step)
         self._put_wipe()
         self.set_zoom(self._wanted)
 

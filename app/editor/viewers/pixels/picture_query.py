@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -99,7 +100,6 @@ class KeptPicture:
     value: Any  # what was on the wire
     samples: NDArray[Any]  # shape (rows, columns): the samples, not mapped
     facts: Facts  # what they are
-    spread: Spread  # their extremes and histogram
 
 
 @dataclass(frozen=True)
@@ -146,15 +146,11 @@ class PictureQuery(Query):
     def kept_picture(self, passing: Passing) -> KeptPicture:
         """What is on the wire now, to be compared with what will be."""
         source = self._source(passing, self.port)
-        node = self.port.rpartition(".")[0]
-        try:
-            with watched(node):
-                (recipe,) = source.recipes
-                samples = passing.work.value(recipe)
-                spread = passing.work.value(Step.of(finite_spread, recipe, name=self.port))
-        except ImagechainError as error:
-            raise error.at(node) from error
-        return KeptPicture(self.port, source.value, samples, source.facts, spread)
+        with _errors_at(self.port):
+            (recipe,) = source.recipes
+            samples = passing.work.value(recipe)
+            passing.work.value(Step.of(finite_spread, recipe, name=self.port))  # else refused
+        return KeptPicture(self.port, source.value, samples, source.facts)
 
     def _beside(self, passing: Passing, now: Picture, kept: KeptPicture) -> Picture:
         work, samples, facts = passing.work, kept.samples, kept.facts
@@ -176,10 +172,7 @@ class PictureQuery(Query):
         work.check()
         grey = grey_levels(mapped, *now.levels, for_each=work.for_each)
         grey.flags.writeable = False
-        spread = kept.spread
-        if mapped is not kept.samples:
-            spread = spread_of(mapped, for_each=work.for_each)
-        other = Picture(facts, samples, grey, now.levels, spread, self.mapping, kept.value)
+        other = replace(now, facts=facts, samples=samples, grey=grey, value=kept.value)
         return replace(now, other=other)
 
     @property
@@ -227,26 +220,17 @@ class PictureQuery(Query):
     def _shown(
         self, passing: Passing, source: _Source, levels: Levels, like: tuple[Channel, ...] = ()
     ) -> Picture:
-        node = source.port.rpartition(".")[0]
-        try:
-            with watched(node):
-                return self._made(passing, source, levels, like)
-        except ImagechainError as error:
-            raise error.at(node) from error
-
-    def _made(
-        self, passing: Passing, source: _Source, levels: Levels, like: tuple[Channel, ...]
-    ) -> Picture:
         facts = self._drawn_facts(source)
-        layers = [self._layer(passing.work, source, recipe) for recipe in source.recipes]
         channels: tuple[Channel, ...] = ()
-        if len(layers) == 1:
-            (layer,) = layers
-            drawn = layer.range_of(passing.work, levels)
-            grey, spread = layer.grey(passing.work, drawn), layer.spread
-        else:
-            grey, drawn, channels = composed(passing.work, layers, levels, like)
-            spread = together([channel.spread for channel in channels])
+        with _errors_at(source.port):
+            layers = [self._layer(passing.work, source, recipe) for recipe in source.recipes]
+            if len(layers) == 1:
+                (layer,) = layers
+                drawn = layer.range_of(passing.work, levels)
+                grey, spread = layer.grey(passing.work, drawn), layer.spread
+            else:
+                grey, drawn, channels = composed(passing.work, layers, levels, like)
+                spread = together([channel.spread for channel in channels])
         grey.flags.writeable = False
         return Picture(
             facts,
@@ -256,8 +240,7 @@ class PictureQuery(Query):
             spread,
             self.mapping,
             source.value,
-            None,
-            passing.reduced,
+            reduced=passing.reduced,
             channels=channels,
         )
 
@@ -272,6 +255,16 @@ class PictureQuery(Query):
         signed = source.signed and not log
         bits = number_bits(mapped)
         return Layer(work.value(recipe), samples, work.value(step), mapped, step, signed, bits)
+
+
+@contextmanager
+def _errors_at(port: str) -> Iterator[None]:
+    node = port.rpartition(".")[0]
+    try:
+        with watched(node):
+            yield
+    except ImagechainError as error:
+        raise error.at(node) from error
 
 
 @dataclass(frozen=True)
@@ -386,10 +379,10 @@ def one_of(_work: Work, pictures: Array, *, index: int) -> Array:
 def finite_spread(work: Work, samples: Array, *, name: str) -> Spread:
     """Extremes and histogram; a `DataError` if samples are not finite."""
     with np.errstate(invalid="ignore"):
-        low, high = float(samples.min()), float(samples.max())
-    if not (np.isfinite(low) and np.isfinite(high)):
+        spread = spread_of(samples, for_each=work.for_each)
+    if not (np.isfinite(spread.low) and np.isfinite(spread.high)):
         check_finite(samples, name)
-    return spread_of(samples, for_each=work.for_each)
+    return spread
 
 
 @ends_lineage

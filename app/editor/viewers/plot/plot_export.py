@@ -36,12 +36,7 @@ _SHARPNESS = 2  # dots of a PNG for each of the window
 def save_plot(widget: QWidget, numbers: str, path: Path) -> None:
     if numbers and CSV.matches(path):
         write_text(path, numbers)
-    else:
-        _save_picture(widget, path)
-
-
-def _save_picture(widget: QWidget, path: Path) -> None:
-    if PNG.matches(path):
+    elif PNG.matches(path):
         write_bytes(path, _png(widget))
     elif SVG.matches(path):
         write_bytes(path, _svg(widget))

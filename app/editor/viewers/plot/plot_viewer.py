@@ -11,9 +11,7 @@ from typing import get_args
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import (
-    QAbstractButton,
     QBoxLayout,
-    QButtonGroup,
     QComboBox,
     QDoubleSpinBox,
     QFrame,
@@ -92,7 +90,6 @@ class PlotViewer(Viewer):
         self.log: bool | None = None
         self.data: Data | None = None
         self._kept: tuple[Data | None, str] = (None, "")
-        self._made_of_kept: tuple[tuple[Data, bool, str], Drawing] | None = None
         self._lost: str | None = None
         self._node, self._bare = "", ""
         self._data_port: str | None = None  # the port that the data are of
@@ -149,8 +146,6 @@ class PlotViewer(Viewer):
     def compare_kept(self, data: Data | None, name: str = "") -> None:
         """Draw the curves of a kept state, of that name, beside the present ones; None: no more."""
         before, self._kept = self._kept, (data, name)
-        if data is None:
-            self._made_of_kept = None
         if before[0] is not data or before[1] != name:
             self._draw()
 
@@ -320,7 +315,7 @@ class PlotViewer(Viewer):
         self._pages.setCurrentWidget(self._curves)
         drawing = self._drawing(data, log)
         if (kept := self._kept[0]) is not None and type(kept) is type(data):
-            drawing = with_kept(drawing, self._drawing_of_kept(kept, log), self._kept[1])
+            drawing = with_kept(drawing, self._drawing(kept, log), self._kept[1])
         before = self.canvas.drawing
         self.canvas.show_drawing(drawing, self._shown(drawing))
         if (drawing.entries, drawing.note) != (before.entries, before.note):
@@ -330,15 +325,6 @@ class PlotViewer(Viewer):
         if isinstance(data, TransferCurves):
             return transfer_drawing(data, self.parts, log=log, strong=self._node)
         return curve_drawing(data, log=log) if isinstance(data, CurveData) else Drawing("")
-
-    def _drawing_of_kept(self, kept: Data, log: bool) -> Drawing:
-        """Made once, not with each edit."""
-        how = kept, log, self.parts
-        if self._made_of_kept is None or any(
-            one is not other for one, other in zip(self._made_of_kept[0], how, strict=True)
-        ):
-            self._made_of_kept = how, self._drawing(kept, log)
-        return self._made_of_kept[1]
 
     def _fill_list(self) -> None:
         drawing = self.canvas.drawing
@@ -505,40 +491,25 @@ class OutputButtons(QWidget):
         self._session = session
         self._owner = owner
         self.buttons: dict[str, Toggle] = {}
-        self._group = QButtonGroup(self)
-        self._group.buttonClicked.connect(self._clicked)
         self._row = filled(QHBoxLayout(self), spacing=1)
 
     def show_port(self, port: str | None) -> None:
-        ports = self._beside(port)
+        groups = ports_by_node(self._session.network, self._session.library, PLOT_TYPES)
+        ports = next((group.ports for group in groups if port in group.ports), ())
+        ports = ports if len(ports) > 1 else ()
         if ports != tuple(self.buttons):
-            self._make(ports)
+            for button in self.buttons.values():
+                button.hide()
+                button.deleteLater()
+            self.buttons = {one: self._button(one) for one in ports}
         if port in self.buttons:
             self.buttons[port].setChecked(True)
         self.setVisible(bool(ports))
 
-    def _beside(self, port: str | None) -> tuple[str, ...]:
-        if port is None:
-            return ()
-        for group in ports_by_node(self._session.network, self._session.library, PLOT_TYPES):
-            if port in group.ports:
-                return group.ports if len(group.ports) > 1 else ()
-        return ()
-
-    def _make(self, ports: tuple[str, ...]) -> None:
-        for button in self.buttons.values():
-            self._group.removeButton(button)
-            self._row.removeWidget(button)
-            button.hide()
-            button.deleteLater()
-        self.buttons = {port: self._button(port) for port in ports}
-
     def _button(self, port: str) -> Toggle:
         name = port.rpartition(".")[2]
         button = toggle_button(f"{self._owner}.output.{name}", label_of(name), f"Show {port}", self)
-        self._group.addButton(button)
+        button.setAutoExclusive(True)
+        button.clicked.connect(partial(self.chosen.emit, port))
         self._row.addWidget(button)
         return button
-
-    def _clicked(self, clicked: QAbstractButton) -> None:
-        self.chosen.emit(next(port for port, each in self.buttons.items() if each is clicked))

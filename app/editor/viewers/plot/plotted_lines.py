@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
@@ -89,13 +89,8 @@ class Drawing:
     @property
     def x_range(self) -> tuple[float, float] | None:
         drawn = [self.drawn_x(line.x) for panel in self.panels for line in panel.lines]
-        there = [values[np.isfinite(values)] for values in drawn]
-        there = [values for values in there if len(values)]
-        if not there:
-            return None
-        return min(float(values.min()) for values in there), max(
-            float(values.max()) for values in there
-        )
+        there = _finite(drawn)
+        return (float(there.min()), float(there.max())) if len(there) else None
 
     def drawn_x(self, x: Vector) -> Vector:
         """Abscissae as they are drawn: NaN where a logarithm has none."""
@@ -204,17 +199,21 @@ def _logarithm(values: Vector) -> Vector:
     return np.log10(values, out=np.full(values.shape, np.nan), where=values > 0)
 
 
+def _finite(arrays: Sequence[Vector]) -> Vector:
+    """All numbers of several arrays."""
+    values = np.concatenate(arrays or [np.zeros(0)])
+    return values[np.isfinite(values)]
+
+
 def y_range(panel: Panel, shown: Iterable[str]) -> tuple[float, float]:
     """What the ordinate has to show for these entries as drawn, with a little room around."""
     names = set(shown)
-    drawn = (panel.drawn(line.y) for line in panel.lines if line.name in names)
-    values = [heights[np.isfinite(heights)] for heights in drawn]
-    values = [heights for heights in values if len(heights)]
-    low, high = (panel.least if not panel.log else None) or (np.inf, -np.inf)
-    low = min([low, *(float(heights.min()) for heights in values)])
-    high = max([high, *(float(heights.max()) for heights in values)])
-    if not (np.isfinite(low) and np.isfinite(high)):
+    drawn = [panel.drawn(line.y) for line in panel.lines if line.name in names]
+    least = (panel.least if not panel.log else None) or ()
+    there = _finite([*drawn, np.array(least)])
+    if not len(there):
         return -1.0, 1.0
+    low, high = float(there.min()), float(there.max())
     if panel.log:
         low = max(low, high - _DECADES)
     room = 0.04 * (high - low) or 0.1 * abs(high) or 1.0
@@ -246,54 +245,36 @@ def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
     """The drawing with the kept curves that differ from the present ones of the same title.
 
     They stand behind the present ones in the legend, and are drawn dashed in their colours. Where
-    the two have other axes, only a note says so, with the kept state's name.
+    the two have other axes, or bars, only a note says so, with the kept state's name.
     """
     if not kept.panels or not drawing.panels:
         return drawing
-    if drawing.bars or kept.bars:
-        return _noted(drawing, f"Bars of A {name} are not drawn beside others")
-    axes = [(d.x_label, d.log_x) for d in (kept, drawing)]
-    if axes[0] != axes[1]:
-        return _noted(drawing, f"A {name} is not drawn: it is over {kept.x_label}")
-    old, new = _titles(kept), _titles(drawing)
+    if drawing.bars or _axes(kept) != _axes(drawing):
+        note = f"A {name} is not drawn: its axes or bars are others"
+        return replace(drawing, note="\n".join(filter(None, (drawing.note, note))))
+    names = {entry.title: entry.name for entry in kept.entries}
     panels, differing = [], set()
-    for panel in drawing.panels:
-        of = next((other for other in kept.panels if other.y_label == panel.y_label), None)
-        lines = () if of is None else _differing(panel, of, new, old)
-        differing |= {line.name for line in lines}
-        panels.append(replace(panel, lines=(*panel.lines, *lines)))
-    drawn = {panel.y_label for panel in kept.panels} & {panel.y_label for panel in drawing.panels}
-    if not drawn:
-        units = ", ".join(panel.y_label for panel in kept.panels)
-        return _noted(drawing, f"A {name} is not drawn: it is {units}")
+    for panel, before in zip(drawing.panels, kept.panels, strict=True):
+        now = {line.name: line for line in panel.lines}
+        then = {line.name: line for line in before.lines}
+        lines = list(panel.lines)
+        for entry in drawing.entries:
+            old, new = then.get(names.get(entry.title, "")), now.get(entry.name)
+            if old and not (new and same_points((old.x, old.y), (new.x, new.y))):
+                differing.add(entry.name)
+                lines.append(Line(MARK + entry.name, old.x, old.y))
+        panels.append(replace(panel, lines=tuple(lines)))
     entries = tuple(
         Entry(MARK + entry.name, f"A: {entry.title}", entry.total, entry.shown, of=entry.name)
         for entry in drawing.entries
-        if MARK + entry.name in differing
+        if entry.name in differing
     )
     return replace(drawing, entries=(*drawing.entries, *entries), panels=tuple(panels))
 
 
-def _titles(drawing: Drawing) -> Mapping[str, str]:
-    return {entry.title: entry.name for entry in drawing.entries}
-
-
-def _differing(
-    panel: Panel, kept: Panel, titles: Mapping[str, str], kept_titles: Mapping[str, str]
-) -> tuple[Line, ...]:
-    now = {line.name: line for line in panel.lines}
-    before = {line.name: line for line in kept.lines}
-    lines = []
-    for title, name in titles.items():
-        old = before.get(kept_titles.get(title, ""))
-        new = now.get(name)
-        if old is not None and (new is None or not same_points((old.x, old.y), (new.x, new.y))):
-            lines.append(Line(MARK + name, old.x, old.y))
-    return tuple(lines)
-
-
-def _noted(drawing: Drawing, note: str) -> Drawing:
-    return replace(drawing, note=f"{drawing.note}; {note}" if drawing.note else note)
+def _axes(drawing: Drawing) -> Hashable:
+    labels = tuple(panel.y_label for panel in drawing.panels)
+    return drawing.x_label, drawing.log_x, drawing.bars, labels
 
 
 Kind = Literal["stage", "beside", "total"]

@@ -208,10 +208,6 @@ def test_pixels_have_their_shape(window, idle):
     angle_across = facts.columns * image.interval_x_mrad
     angle_down = facts.rows * image.interval_y_mrad
     assert across / down == pytest.approx(angle_across / angle_down, rel=1e-3)
-    window.viewers.images[1].bar.display.shape.trigger()
-    idle(window)
-    across, down = drawn(window)
-    assert across / down == pytest.approx(facts.columns / facts.rows, rel=1e-3)
 
 
 def opened_menu(qtbot):
