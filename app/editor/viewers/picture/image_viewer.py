@@ -256,7 +256,7 @@ class ImageViewer(Viewer):
         if choices.port is None:
             return None
         query = PictureQuery(
-            choices.port, mapping=choices.mapping, levels=choices.levels, bands=choices.bands.in_use
+            choices.port, mapping=choices.mapping, levels=choices.levels, bands=choices.bands
         )
         if side is not None and side.kept is not None and side.kept.port == choices.port:
             # Levels that were set for a difference are not those of the picture.
@@ -443,7 +443,7 @@ class ImageViewer(Viewer):
         menu.addAction("&Fit\tF").triggered.connect(self.fit)
         menu.addAction("&One Sample, One Dot\t1").triggered.connect(self.one_to_one)
         menu.addAction("&Copy Picture").triggered.connect(self.copy)
-        if self.picture is not None and self.canvas.levels.isVisible():
+        if self.picture is not None and not self.picture.channels:
             numbers = menu.addAction("Copy Histo&gram as Numbers")
             numbers.setObjectName("copy_histogram")
             numbers.triggered.connect(self.copy_histogram)

@@ -206,13 +206,6 @@ class BandChoice:
     # wavelengths of the three, in µm; None for three evenly spaced, the longest as red
     colours_um: Channels | None = None
 
-    @property
-    def in_use(self) -> BandChoice:
-        """Without the wavelengths of what is not shown."""
-        if self.shown == "one":
-            return BandChoice("one", self.one_um)
-        return BandChoice("colours", colours_um=self.colours_um) if self.shown != "all" else ALL
-
     def places(self, bands: BandStack) -> tuple[int, ...]:
         """Indices of the bands shown alone: none, one, or three; those nearest in wavelength."""
         if self.shown == "all":

@@ -74,7 +74,7 @@ class Picture:
     grey: NDArray[np.uint8]
     # mapped values of black and white; of a composite shares, as its channels' spreads have
     levels: Range
-    # extremes and histogram of the mapped samples; of a composite of all channels together
+    # extremes and histogram of the mapped samples; of a composite the extremes alone
     spread: Spread
     # how samples are mapped; otherwise than linear they are shown by their decimal logarithm, but
     # for planes, which are spectra already
@@ -230,7 +230,8 @@ class PictureQuery(Query):
                 grey, spread = layer.grey(passing.work, drawn), layer.spread
             else:
                 grey, drawn, channels = composed(passing.work, layers, levels, like)
-                spread = together([channel.spread for channel in channels])
+                ends = [end for one in channels for end in (one.spread.low, one.spread.high)]
+                spread = Spread(min(ends), max(ends), np.zeros(BINS, np.int64))
         grey.flags.writeable = False
         return Picture(
             facts,
@@ -440,18 +441,6 @@ def composed(
         colours.append(layer.grey(work, (black, white)))
         channels.append(Channel(layer.shown, _as_shares(layer.spread, low, between), (low, high)))
     return np.stack(colours, axis=-1), shares, tuple(channels)
-
-
-def together(spreads: Sequence[Spread]) -> Spread:
-    """Several spreads as one, in bins from the least of all to the greatest."""
-    low, high = min(one.low for one in spreads), max(one.high for one in spreads)
-    counts = np.zeros(BINS, np.int64)
-    for one in spreads:
-        place = np.zeros(BINS, np.intp)
-        if high > low:
-            place = np.minimum((one.centres - low) / (high - low) * BINS, BINS - 1).astype(np.intp)
-        np.add.at(counts, place, one.counts)
-    return Spread(low, high, counts)
 
 
 def _as_shares(spread: Spread, low: float, between: float) -> Spread:

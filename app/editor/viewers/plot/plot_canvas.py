@@ -383,9 +383,11 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         self.disableAutoRange()
         for side in ("left", "right"):
             self.getAxis(side).setStyle(tickLength=0)
-        self.getAxis("bottom").setStyle(showValues=False, tickLength=0)
-        self._metrics, self._theme = QFontMetrics(font), theme
+        self.getAxis("bottom").setTicks([])
+        self._metrics = QFontMetrics(font)
+        self._zero = self.addLine(x=0.0, pen=theme.line)
         self._shown: tuple[Drawing, Collection[str], Mapping[str, QPen]] | None = None
+        self._names: list[str] = []
         self.least_height = 0
         self.description = ""
         self.bars: list[pg.BarGraphItem] = []
@@ -410,30 +412,33 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         group = max(1.0, self.getViewBox().height() / count)  # dots
         thickness = min(max(0.0, 1 - _GAP / group) / beside, _THICK * line_height / group)
         texts: dict[float, str] = {}
-        self.clear()
-        self.bars = []
+        while len(self.bars) < len(lines):
+            self.bars.append(pg.BarGraphItem(x0=[], x1=[], y=[], height=1.0, pen=pg.mkPen(None)))
+            self.addItem(self.bars[-1])
+        for bar in self.bars[len(lines) :]:
+            self.removeItem(bar)
+        self.bars = self.bars[: len(lines)]
         for number, (line, values, heights) in enumerate(zip(lines, given, drawn, strict=True)):
             shift = 0.0 if beside == 1 else (number - (beside - 1) / 2) * thickness
             places = np.arange(count) + shift
             ends = np.clip(np.where(np.isfinite(heights), heights, zero), low, high)
-            bar = pg.BarGraphItem(
+            self.bars[number].setOpts(
                 x0=np.minimum(zero, ends),
                 x1=np.maximum(zero, ends),
                 y=places,
                 height=0.94 * thickness,
-                pen=pg.mkPen(None),
                 brush=pens[line.name].color(),
             )
-            self.addItem(bar)
-            self.bars.append(bar)
             for place, value in zip(places.tolist(), values.tolist(), strict=True):
                 if value != 0.0 or place not in texts:
                     texts[place] = _text(value)
-        self.addLine(x=zero, pen=self._theme.line)
+        self._zero.setValue(zero)
         width = int(_NAMES * self.width())
         middle = Qt.TextElideMode.ElideMiddle
         names = [self._metrics.elidedText(name, middle, width) for name in drawing.bars]
-        self.getAxis("left").setTicks([list(enumerate(names))])
+        if names != self._names:  # to draw an axis takes a millisecond
+            self._names = names
+            self.getAxis("left").setTicks([list(enumerate(names))])
         self.getAxis("right").setTicks([list(texts.items())])
         self.setLabel("bottom", panel.y_label + (", logarithmic" if panel.log else ""))
         self.setXRange(low, high, padding=0.0)
