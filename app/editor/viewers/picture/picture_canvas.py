@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QImage, QKeyEvent, QPainter, QTransform
 from PySide6.QtWidgets import QWidget
 
@@ -79,9 +79,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.split = 0.5
         """Where the wipe lies, as a share of the width."""
         self._sides: Sides = "first left"
-        self._wanted: Zoom | None = None
         self._colours = "grey"
-        self._moving = False
         self.wipe.sigPositionChanged.connect(self._wiped)
         self.view.sigRangeChangedManually.connect(self._seen_otherwise)
         self.view.sigRangeChanged.connect(self._put_names)
@@ -116,8 +114,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         place = picture.facts.extent
         shape = self._picture.facts.pixel_shape if self._picture is not None else None
         moved = place != self._place or picture.facts.pixel_shape != shape
-        if moved:
-            self._wanted = self._zoom_for(picture)
+        zoom = self._zoom_for(picture)
         self._picture, self._place = picture, place
         table = colour_table(self._colours)
         self.first.show_picture(picture, table, place)
@@ -134,10 +131,10 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.axes["left"].end_at(place.top(), place.bottom())
         if moved:
             self.mark(None)
-            self._place_elsewhere(picture)
+            self._place_elsewhere(picture, zoom)
 
     def clear_picture(self) -> None:
-        self._picture = self._wanted = None
+        self._picture = None
         self._place = QRectF()
         self.fitted = True
         for item in (self.first, self.second):
@@ -187,7 +184,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def fit(self) -> None:
         self.fitted = True
-        self._see(self._place)
+        if not self._place.isEmpty():
+            self.view.setRange(self._place, padding=0.0)
 
     def one_to_one(self) -> None:
         """Show each sample one dot of the screen wide, around the middle of what is seen."""
@@ -195,17 +193,18 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             return
         dots = self.view.width() * self.devicePixelRatioF()
         step = self._place.width() / self._picture.facts.columns
-        self._widen(dots * step)
+        self._see(self.view.viewRect().center(), dots * step)
 
     def zoom_by(self, factor: float) -> None:
         if self._picture is not None:
-            self._widen(self.view.viewRect().width() / factor)
+            seen = self.view.viewRect()
+            self._see(seen.center(), seen.width() / factor)
 
     @property
     def zoom(self) -> Zoom | None:
         """Middle and width of what is seen, as shares of the picture; None where all is."""
         if self.fitted or self._place.isEmpty():
-            return self._wanted if self._place.isEmpty() else None
+            return None
         seen, place = self.view.viewRect(), self._place
         middle = seen.center()
         return (
@@ -215,19 +214,12 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         )
 
     def set_zoom(self, zoom: Zoom | None) -> None:
-        if self._place.isEmpty():
-            self._wanted = zoom  # until there is a picture
-            return
         if zoom is None or not zoom[2] > 0:
             self.fit()
-            return
-        x, y, width = zoom
-        place = self._place
-        self.fitted = False
-        self._widen_at(
-            QPointF(place.left() + x * place.width(), place.top() + y * place.height()),
-            width * place.width(),
-        )
+        elif not self._place.isEmpty():
+            (x, y, width), place = zoom, self._place
+            middle = QPointF(place.left() + x * place.width(), place.top() + y * place.height())
+            self._see(middle, width * place.width())
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)
@@ -269,13 +261,13 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             return
         event.accept()
 
-    def _place_elsewhere(self, picture: Picture) -> None:
+    def _place_elsewhere(self, picture: Picture, zoom: Zoom | None) -> None:
         facts = picture.facts
         self.plot.setLabel("bottom", facts.across.title)
         self.plot.setLabel("left", facts.along.title)
         self.view.setAspectLocked(True, facts.pixel_shape * facts.along.step / facts.across.step)
         self._put_wipe()
-        self.set_zoom(self._wanted)
+        self.set_zoom(zoom)
 
     def _zoom_for(self, picture: Picture) -> Zoom | None:
         """The same part as is seen now, where the picture has the same kind of axes."""
@@ -286,14 +278,13 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _put_wipe(self) -> None:
         left, right = self._place.left(), self._place.right()
-        self._moving = True
-        self.wipe.setBounds((left, right))
-        self.wipe.setValue(left + self.split * (right - left))
-        self._moving = False
+        with QSignalBlocker(self.wipe):
+            self.wipe.setBounds((left, right))
+            self.wipe.setValue(left + self.split * (right - left))
         self._divide()
 
     def _wiped(self) -> None:
-        if not self._moving and self._place.width() > 0:
+        if self._place.width() > 0:
             self.split = (self.wipe.value() - self._place.left()) / self._place.width()
             self._divide()
 
@@ -335,18 +326,12 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.split = min(1.0, max(0.0, share))
         self._put_wipe()
 
-    def _see(self, rect: QRectF) -> None:
-        if not rect.isEmpty():
-            self.view.setRange(rect, padding=0.0)
-
-    def _widen(self, width: float) -> None:
+    def _see(self, middle: QPointF, width: float) -> None:
         self.fitted = False
-        self._widen_at(self.view.viewRect().center(), width)
-
-    def _widen_at(self, middle: QPointF, width: float) -> None:
         # Of little height, so that it is the width that the view keeps when its shape changes.
         height = 1e-3 * width
-        self._see(QRectF(middle.x() - width / 2, middle.y() - height / 2, width, height))
+        rect = QRectF(middle.x() - width / 2, middle.y() - height / 2, width, height)
+        self.view.setRange(rect, padding=0.0)
 
     def _seen_otherwise(self) -> None:
         self.fitted = False

@@ -136,9 +136,14 @@ _UNCHECKED = Qt.CheckState.Unchecked
 class CurveList(QListWidget):
     toggled = Signal(str, bool)  # name, shown: the person has ticked one, or the other way round
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None, *, across: bool = False) -> None:
+        """With `across` from left to right, on as many lines as they need."""
         super().__init__(parent)
         self.setAccessibleName("Curves to show")
+        if across:
+            self.setFlow(QListWidget.Flow.LeftToRight)
+            self.setWrapping(True)
+            self.setResizeMode(QListWidget.ResizeMode.Adjust)
         width = self.fontMetrics().averageCharWidth()
         self.setIconSize(QSize(3 * width, self.fontMetrics().height()))
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
@@ -154,12 +159,6 @@ class CurveList(QListWidget):
         most = 30 * self.fontMetrics().averageCharWidth()
         hint.setWidth(min(width, most))
         return hint
-
-    def set_across(self, on: bool) -> None:
-        """List the entries from left to right, on as many lines as they need."""
-        self.setFlow(QListWidget.Flow.LeftToRight if on else QListWidget.Flow.TopToBottom)
-        self.setWrapping(on)
-        self.setResizeMode(QListWidget.ResizeMode.Adjust if on else QListWidget.ResizeMode.Fixed)
 
     def height_for(self, width: int) -> int:
         """What the entries need from left to right in that width."""

@@ -11,7 +11,6 @@ from typing import get_args
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import (
-    QBoxLayout,
     QComboBox,
     QDoubleSpinBox,
     QFrame,
@@ -69,11 +68,10 @@ from core.chain.results import CurveData, TableData, TableRow
 from core.errors import UsageError
 from core.network.network import Network
 
-_LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
+_LIST_SHARE = 0.36  # of the height, at most, for the legend
 _BARE = "{} has no curves. Select a node that has some, or choose curves above."
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_NO_LIMIT = 16_777_215  # of a size: Qt's largest
-_NARROW = 75  # characters; a narrower viewer has its legend below the plot
+_NARROW = 75  # characters; a narrower viewer leaves the meanings of figures out
 
 
 class PlotViewer(Viewer):
@@ -206,7 +204,7 @@ class PlotViewer(Viewer):
     def _build(self) -> None:
         self.bar = PlotBar(self.session, self.owner, self)
         self.canvas = labelled(PlotCanvas(self), f"{self.owner}.canvas")
-        self.list = labelled(CurveList(self), f"{self.owner}.curves")
+        self.list = labelled(CurveList(self, across=True), f"{self.owner}.curves")
         self.table = labelled(FigureTable(self), f"{self.owner}.table")
         self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
         self._curves = QWidget(self)
@@ -216,7 +214,7 @@ class PlotViewer(Viewer):
         room.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         room.setWidget(self.canvas)
         parts = ((room, 1), self.list)
-        self._beside = filled(QHBoxLayout(self._curves), *parts, spacing=2)
+        filled(QVBoxLayout(self._curves), *parts, spacing=2)
         self.hint = labelled(centred_hint("", self), f"{self.owner}.hint")
         self._pages = QStackedWidget(self)
         for page in (self._curves, self.table, self.hint):
@@ -242,20 +240,8 @@ class PlotViewer(Viewer):
         self._fit_list()
 
     def _fit_list(self) -> None:
-        narrow = self.width() < _NARROW * self.fontMetrics().averageCharWidth()
-        ways = QBoxLayout.Direction
-        self._beside.setDirection(ways.TopToBottom if narrow else ways.LeftToRight)
-        self.list.set_across(narrow)
-        if narrow:
-            height = self.list.height_for(self.width())
-            self.list.setMinimumWidth(0)
-            self.list.setMaximumWidth(_NO_LIMIT)
-            self.list.setFixedHeight(min(height, int(_LIST_SHARE * self.height())))
-        else:
-            self.list.setMinimumHeight(0)
-            self.list.setMaximumHeight(_NO_LIMIT)
-            width = self.list.sizeHint().width()
-            self.list.setFixedWidth(min(width, int(_LIST_SHARE * self.width())))
+        height = self.list.height_for(self.width())
+        self.list.setFixedHeight(min(height, int(_LIST_SHARE * self.height())))
 
     def _open_menu(self, point: QPoint) -> None:
         data = self.data
