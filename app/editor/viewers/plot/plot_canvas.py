@@ -376,13 +376,12 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         self.showAxis("right")
         right = self.getAxis("right")
         right.setPen(pg.mkPen(None))
-        right.setTickPen(pg.mkPen(None))
         right.setTextPen(theme.text)
         self.setMouseEnabled(x=False, y=False)
         self.invertY(True)
         self.disableAutoRange()
         for side in ("left", "right"):
-            self.getAxis(side).setStyle(tickLength=0)
+            self.getAxis(side).setStyle(tickLength=0, tickAlpha=0)
         self.getAxis("bottom").setTicks([])
         self._metrics = QFontMetrics(font)
         self._zero = self.addLine(x=0.0, pen=theme.line)
@@ -397,7 +396,7 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         self._shown = drawing, shown, pens
         self._lay()
 
-    def _lay(self, *_: object) -> None:
+    def _lay(self, *resized: object) -> None:
         if self._shown is None:
             return
         drawing, shown, pens = self._shown
@@ -436,7 +435,7 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         width = int(_NAMES * self.width())
         middle = Qt.TextElideMode.ElideMiddle
         names = [self._metrics.elidedText(name, middle, width) for name in drawing.bars]
-        if names != self._names:  # to draw an axis takes a millisecond
+        if resized or names != self._names:  # to draw an axis takes a millisecond
             self._names = names
             self.getAxis("left").setTicks([list(enumerate(names))])
         self.getAxis("right").setTicks([list(texts.items())])
