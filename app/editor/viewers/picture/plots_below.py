@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QTransform
-from scipy.ndimage import map_coordinates
 
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.theme import Theme
@@ -20,9 +19,6 @@ from app.editor.viewers.pixels.picture_facts import bands_of
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes, thick
 from core.chain.engine import Plan
-
-if TYPE_CHECKING:
-    from app.editor.viewers.picture.picture_canvas import PictureCanvas
 
 Vector = NDArray[np.float64]
 LINES = 8  # of text that a plot is high
@@ -34,7 +30,7 @@ class PlotBelow(pg.PlotItem):  # type: ignore[misc]
 
     row: ClassVar[int]
 
-    def __init__(self, canvas: PictureCanvas) -> None:
+    def __init__(self, canvas: pg.GraphicsLayoutWidget) -> None:
         super().__init__(enableMenu=False)
         bare(self)
         self.setMouseEnabled(x=False, y=False)
@@ -62,7 +58,7 @@ class ProfileLine(PlotBelow):
 
     row = 1
 
-    def __init__(self, canvas: PictureCanvas) -> None:
+    def __init__(self, canvas: pg.GraphicsLayoutWidget) -> None:
         super().__init__(canvas)
         self.setLabel("bottom", "distance (samples)")
         self.curves = [self.plot() for _ in range(5)]
@@ -116,9 +112,8 @@ class ProfileLine(PlotBelow):
 def along_line(samples: NDArray[Any], x: Vector, y: Vector) -> Vector:
     """Values between samples, at shares of the width and height; NaN outside the picture."""
     rows, columns = samples.shape
-    places = (y * rows - 0.5, x * columns - 0.5)
-    values = map_coordinates(samples, places, np.float64, order=1, cval=np.nan)
-    return np.asarray(values)
+    places = np.column_stack((y * rows - 0.5, x * columns - 0.5))
+    return np.asarray(pg.interpolateArray(samples, places, default=np.nan))
 
 
 # The mean of every row and of every column: banding, shading and drift show in them.
@@ -129,7 +124,7 @@ class LineMeans(PlotBelow):
 
     row = 3
 
-    def __init__(self, canvas: PictureCanvas) -> None:
+    def __init__(self, canvas: pg.GraphicsLayoutWidget) -> None:
         super().__init__(canvas)
         self.curves = tuple(self.plot() for _ in range(4))
 
@@ -173,7 +168,7 @@ class Spectra(PlotBelow):
 
     row = 2
 
-    def __init__(self, canvas: PictureCanvas) -> None:
+    def __init__(self, canvas: pg.GraphicsLayoutWidget) -> None:
         super().__init__(canvas)
         self._canvas = canvas
         self.disableAutoRange()
