@@ -392,7 +392,7 @@ class ImageViewer(Viewer):
 
     def _show_sample(self) -> None:
         picture, kept = self.picture, self.kept_side is not None
-        text = sample_text(picture, self._place, self.choices, kept=kept)
+        text = sample_text(picture, self._place, kept=kept)
         self.status.show_more(text)
         before, self._sample = self._sample, None
         if text and self._place and picture is not None and picture.facts.kind == "picture":

@@ -308,7 +308,8 @@ def _less(first: _Source, second: _Source) -> _Source:
         )
     both = zip(first.recipes, second.recipes, strict=True)
     recipes = tuple(Step.of(difference, one, other) for one, other in both)
-    return replace(first, recipes=recipes, signed=True)
+    facts = replace(a, band_um=None)  # the temperature of a difference means nothing
+    return replace(first, recipes=recipes, facts=facts, signed=True)
 
 
 def why_not_compared(kept: Facts, now: Facts) -> str:

@@ -59,19 +59,19 @@ def place_text(picture: Picture, sample: Probe) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def value_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
+def value_text(picture: Picture, sample: Probe) -> str:
     values = "  ".join(
         f"{name} {value:.5g}" for name, value in zip("RGB", sample.colours, strict=False)
     )
     text = f"{values or format(sample.value, '.6g')} {picture.facts.unit}".rstrip()
-    if sample.temperature_K is not None and not difference:
+    if sample.temperature_K is not None:
         text += f"  {sample.temperature_K:.2f} K"
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def probe_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
-    """Where, what, and how warm it seems, which means nothing of a difference."""
-    return f"{place_text(picture, sample)}:  {value_text(picture, sample, difference=difference)}"
+def probe_text(picture: Picture, sample: Probe) -> str:
+    """Where, what, and how warm it seems."""
+    return f"{place_text(picture, sample)}:  {value_text(picture, sample)}"
 
 
 # Texts of an image viewer: what is shown, and the sample under the cursor.
@@ -112,14 +112,13 @@ def _band(band_um: tuple[float, float] | None) -> str:
 
 
 def sample_text(
-    picture: Picture | None, place: tuple[int, int] | None, choices: Choices, *, kept: bool = False
+    picture: Picture | None, place: tuple[int, int] | None, *, kept: bool = False
 ) -> str:
     """The sample at a place; of a wipe, those of both sides, with `kept` A first."""
     if picture is None or place is None or (sample := probe(picture, *place)) is None:
         return ""
     if picture.other is None:
-        difference = choices.compares and choices.mode == "difference"
-        return probe_text(picture, sample, difference=difference)
+        return probe_text(picture, sample)
     other = other_probe(picture, picture.other, *place)
     if not kept:
         return f"{probe_text(picture, sample)}  |  {value_text(picture.other, other)}"

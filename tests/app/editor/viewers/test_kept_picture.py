@@ -4,7 +4,6 @@ import pytest
 
 from app.editor.evaluation.queries import Passing
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from app.editor.viewers.pixels.picture_facts import Choices
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import sample_text
 from core.evaluation.policy import Policy
@@ -52,7 +51,7 @@ def test_the_probe_reads_both_in_radiance_and_kelvin(bench):
         PictureQuery(PORT, kept=kept), bench.changed("jitter", "sigma_mrad", 3.0)
     )
     row, column = 20, 22
-    text = sample_text(picture, (row, column), Choices(PORT), kept=True)
+    text = sample_text(picture, (row, column), kept=True)
     where, a, b, difference = text.replace(":  A", "  |  A").split("  |  ")
     assert where == f"row {row}  column {column}"
     assert a.startswith(f"A {float(kept.samples[row, column]):.6g} W/m²/sr")

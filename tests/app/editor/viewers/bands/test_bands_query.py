@@ -88,7 +88,7 @@ def test_colours_each_between_levels_of_its_own(bench):
         assert spread.counts.sum() == band.size
     assert picture.levels == (0.0, 1.0)
     red, green, blue = (bench.cube[place, 3, 5] for place in places)
-    text = sample_text(picture, (3, 5), Choices("read.image"))
+    text = sample_text(picture, (3, 5))
     assert f"R {red:.5g}  G {green:.5g}  B {blue:.5g} W/m²/sr/µm" in text
 
 
