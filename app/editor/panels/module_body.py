@@ -275,9 +275,8 @@ class SectionsView(QWidget):
             name = field.parameter.name
             raw = node.params.get(name, ABSENT)
             if name in node.linked:
-                fault = faults.get(name)
-                problem = fault.message if fault is not None else ""
-                link = FieldLink(expression_text(raw), values.get(name), problem, fault)
+                problem = faults[name].message if name in faults else ""
+                link = FieldLink(expression_text(raw), values.get(name), problem)
                 if field.link != link:
                     field.follow_link(link)
             elif before is None or _differs(before.params, name, raw):

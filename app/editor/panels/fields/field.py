@@ -1,10 +1,7 @@
 """What all fields have: label, unit, marks, message, menu; and fields of choices and lists."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import QEvent, QPoint, QSize, Qt, Signal
 from PySide6.QtGui import (
@@ -63,15 +60,12 @@ from core.editing.operations import ABSENT
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw
-from core.network.linked_values import LinkError
 
 
-@dataclass(frozen=True)
-class FieldLink:
+class FieldLink(NamedTuple):
     text: str
     value: Any
     problem: str = ""
-    fault: LinkError | None = field(default=None, compare=False)
 
 
 class Field(QWidget):
@@ -113,15 +107,16 @@ class Field(QWidget):
         return not self.parameter.required and self.value != self.parameter.default
 
     @property
+    def shown_value(self) -> str:
+        unit = self.parameter.param.unit if self.value not in (None, (), "") else ""
+        return f"{shown_value(self.parameter, self.value)} {unit}".rstrip()
+
+    @property
     def standing(self) -> str:
         """The value that the document has, in words; empty where it has none."""
         if self.link is not None:
             return "" if self.link.problem else f"= {self.link.text}"
-        if self.value is ...:
-            return ""
-        there = self.value not in (None, (), "") and self.parameter.param.unit
-        unit = f" {self.parameter.param.unit}" if there else ""
-        return shown_value(self.parameter, self.value) + unit
+        return "" if self.value is ... else self.shown_value
 
     def build(self) -> None:
         """Make the widgets that the value is shown in; every kind of field has its own."""
@@ -131,11 +126,9 @@ class Field(QWidget):
         """Without a signal; every kind of field its own way."""
         raise NotImplementedError
 
-    def show_unfit(self, text: str) -> None:
-        """Show what the document has but may not have."""
-
     def line_up(self, label: int, unit: int) -> None:
-        self.label.set_column(label)
+        self.label.column = label
+        self.label.updateGeometry()
         if self.lines_up:
             self.unit.setFixedWidth(unit)
 
@@ -149,61 +142,59 @@ class Field(QWidget):
         return QFontMetrics(font).horizontalAdvance(self.label.text()) + 2
 
     def named(self, widget: QWidget, what: str = "", name: str = "") -> None:
-        widget.setObjectName(f"{name or 'value'}.{self.parameter.name}")
         unit = f" in {self.parameter.param.unit}" if self.parameter.param.unit else ""
-        widget.setAccessibleName(f"{self.title}{unit}{what}")
+        labelled(widget, f"{name or 'value'}.{self.parameter.name}", f"{self.title}{unit}{what}")
         widget.setAccessibleDescription(about(self.parameter))
+        widget.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # the field has one
 
     def follow(self, raw: Any) -> None:
         """Show what the document has; ABSENT is the default."""
-        self.stored = raw is not ABSENT
-        self.link = None
+        self.stored, self.link = raw is not ABSENT, None
         self._show_problem("")
-        if not self.stored:
-            self.value = self.parameter.default
-        else:
+        self.value = self.parameter.default
+        if self.stored:
             try:
                 self.value = self.parameter.coerce(thaw(raw))
             except ParameterError as error:
                 self.show_unfit(str(raw))
-                self.refuse(error)
+                self.refuse(error.message)
                 return
         self._settle()
 
     def follow_link(self, link: FieldLink) -> None:
         self.stored, self.link = True, link
         self._show_problem("")
-        if link.fault is None:
+        if not link.problem:
             self.value = self.parameter.coerce(link.value)
-            self._settle()
-        else:
-            self._settle()
-            self.refuse(link.fault)
+        self._settle()
+        if link.problem:
+            self.refuse(link.problem)
 
     def offer(self, value: object, gesture: object = None) -> None:
         """Give a value to the document if it is allowed, else show why not."""
         try:
-            coerced = plain(self.parameter.coerce(value))
+            self.put(plain(self.parameter.coerce(value)), gesture)
         except ParameterError as error:
             self.refuse_typed(error)
-            return
+
+    def put(self, raw: object, gesture: object = None) -> None:
         self._show_problem("")
-        self.node.put(self.parameter.name, coerced, gesture)
+        self.node.put(self.parameter.name, raw, gesture)
         self._settle()
 
-    def refuse(self, error: ParameterError) -> None:
-        self._show_problem(error.message)
+    def show_unfit(self, text: str) -> None:
+        """Show what the document has but may not have."""
+
+    def refuse(self, problem: str) -> None:
+        self._show_problem(problem)
 
     def refuse_typed(self, error: ParameterError) -> None:
         """Show why what was typed is not taken, and which value counts."""
-        self.refuse(error)
-        if self.standing:
-            self._show_problem(f"{error.message} (still {self.standing})")
+        still = f" (still {self.standing})" if self.standing else ""
+        self.refuse(error.message + still)
 
     def show_free(self, on: bool) -> None:
-        text = f"{self.title} · free" if on else self.title
-        if self.label.text() != text:
-            self.label.setText(text)
+        self.label.setText(f"{self.title} · free" if on else self.title)
 
     def take(self, text: str) -> None:
         self.offer(chosen(self.parameter, text))
@@ -247,10 +238,9 @@ class Field(QWidget):
         menu.addSeparator()
         clipboard, copied = QGuiApplication.clipboard(), self.copied_text
         about = "Copy the value with its unit; if it is linked, its expression"
-        copying = offer(
-            menu, "copy_value", "Copy value", partial(clipboard.setText, copied), about=about
-        )
-        copying.setEnabled(bool(copied))
+        copying = partial(clipboard.setText, copied)
+        action = offer(menu, "copy_value", "Copy value", copying, about=about)
+        action.setEnabled(bool(copied))
         about = "Paste a value, in any unit that fits"
         pasting = partial(self._paste, clipboard.text())
         action = offer(menu, "paste_value", "Paste value", pasting, about=about)
@@ -301,20 +291,16 @@ class Field(QWidget):
             return
         if any(edit.is_left_by_mouse for edit in self.findChildren(TypeIn)):
             # What the mouse has just pressed would slide away below it.
-            self._later.do("problem", lambda: self._put_problem(text))
+            self._later.do("problem", partial(show_or_hide, self.message, text))
         else:
-            self._put_problem(text)
-
-    def _put_problem(self, text: str) -> None:
-        show_or_hide(self.message, text)
+            show_or_hide(self.message, text)
 
 
 class TypedField(Field):
     edit: TypeIn
-    line: type[TypeIn] = TypeIn
 
     def build_edit(self, *, steps: bool = False) -> TypeIn:
-        self.edit = self.line(self, steps=steps)
+        self.edit = TypeIn(self, steps=steps)
         self.named(self.edit)
         self.edit.committed.connect(self.take)
         self.edit.given_up.connect(self.restore)
@@ -327,8 +313,8 @@ class TypedField(Field):
     def show_unfit(self, text: str) -> None:
         self.edit.show_text(text)
 
-    def refuse(self, error: ParameterError) -> None:
-        super().refuse(error)
+    def refuse(self, problem: str) -> None:
+        super().refuse(problem)
         self.edit.mark()
 
 
@@ -350,41 +336,25 @@ class DragLabel(QLabel):
     _drags = False
     _last: float | None = None
     _moving = False
-    _column = 0
-
-    def set_column(self, width: int) -> None:
-        if width != self._column:
-            self._column = width
-            self.updateGeometry()
+    column = 0  # its width where there is room
 
     def sizeHint(self) -> QSize:
-        return QSize(self._column, super().sizeHint().height())
-
-    def set_drags(self, on: bool) -> None:
-        self._drags = on
-        self._show_cursor()
-
-    @property
-    def drags(self) -> bool:
-        return self._drags and self.isEnabled()
+        return QSize(self.column, super().sizeHint().height())
 
     def minimumSizeHint(self) -> QSize:
         return QSize(0, super().minimumSizeHint().height())
+
+    def set_drags(self, on: bool) -> None:
+        self._drags = on
+        self.setCursor(Qt.CursorShape.SizeHorCursor if on else Qt.CursorShape.ArrowCursor)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         room = self.contentsRect()
         middle = Qt.TextElideMode.ElideMiddle
         text = self.fontMetrics().elidedText(self.text(), middle, room.width())
-        painter = QPainter(self)
-        enabled, role = self.isEnabled(), self.foregroundRole()
-        alignment, palette = int(self.alignment()), self.palette()
-        self.style().drawItemText(painter, room, alignment, palette, enabled, text, role)
-        painter.end()
-
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.EnabledChange:
-            self._show_cursor()
+        with QPainter(self) as painter:
+            painter.setPen(self.palette().color(self.foregroundRole()))
+            painter.drawText(room, int(self.alignment()), text)
 
     def event(self, event: QEvent) -> bool:
         """A dialog ends a drag: the release of the button behind it does not arrive."""
@@ -394,16 +364,12 @@ class DragLabel(QLabel):
         return bool(super().event(event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() != Qt.MouseButton.LeftButton or not self.drags:
-            super().mousePressEvent(event)
-            return
-        self._last, self._moving = event.position().x(), False
-        self.pressed.emit()
-        event.accept()
+        if event.button() == Qt.MouseButton.LeftButton and self._drags:
+            self._last, self._moving = event.position().x(), False
+            self.pressed.emit()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._last is None:
-            super().mouseMoveEvent(event)
             return
         way = event.position().x() - self._last
         if not self._moving and abs(way) < START_PIXELS:
@@ -416,17 +382,9 @@ class DragLabel(QLabel):
         self._last = None
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._last is None or event.button() != Qt.MouseButton.LeftButton:
-            super().mouseReleaseEvent(event)
-            return
-        self._last = None
-        self.released.emit()
-
-    def _show_cursor(self) -> None:
-        if self.drags:
-            self.setCursor(Qt.CursorShape.SizeHorCursor)
-        else:
-            self.unsetCursor()
+        if self._last is not None and event.button() == Qt.MouseButton.LeftButton:
+            self._last = None
+            self.released.emit()
 
 
 def _rate(modifiers: Qt.KeyboardModifier) -> float:
@@ -454,7 +412,6 @@ class ButtonsField(Field):
         self.buttons: list[Radio] = []
         for number, choice in enumerate(self.choices):
             button = Radio(choice_text(choice), self)
-            button.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
             self.named(button, f": {choice_text(choice)}", f"choice.{choice}")
             self.group.addButton(button, number)
             self.buttons.append(button)
@@ -500,7 +457,6 @@ class ListField(Field):
         self.box = ChoiceBox(self)
         self.box.addItems([choice_text(choice) for choice in self.choices])
         self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.box.setSizeAdjustPolicy(
             QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         )
@@ -525,7 +481,6 @@ class ListField(Field):
 class SwitchField(Field):
     def build(self) -> None:
         self.box = Check(self.title, self)
-        self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.named(self.box)
         self.box.clicked.connect(lambda: self.offer(self.box.isChecked()))
         self.label.hide()

@@ -17,14 +17,12 @@ from app.editor.declared_text import (
     about,
     placeholder_of,
     shown_number,
-    shown_value,
     tip,
     typed_number,
 )
 from app.editor.gestures import EscapeInDrag
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
-from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
 from app.editor.widgets import filled, plain_label, takes_wheel
 from core.editing.operations import set_parameter
@@ -33,6 +31,7 @@ from core.modules.parameters import Parameter
 from core.names import thaw
 from core.network.linked_values import expression
 
+WHEEL_REST_MS = 400
 _HOW_TO_DRAG = "Drag the name sideways to change the value: Shift finer, Ctrl coarser"
 _UNLINK = "Type a value to unlink it, or right-click"
 _HOW_TO_TYPE = (
@@ -56,28 +55,29 @@ class NumberField(TypedField):
         edit.step_ended.connect(self._end)
         self.slider = Slider(self.scale.positions, self)
         self.named(self.slider, ", slider", "slider")
+        self.slider.setToolTip(tip(about(self.parameter)))
         self.slider.moved.connect(lambda at: self._offer_moved(self.scale.value_at(at)))
         self.slider.stepped.connect(self._step)
         self.slider.finished.connect(self._end)
         self.slider.sliderPressed.connect(self._hold)
         self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
+        self.linked_value.setAccessibleName(f"value of {self.title}")
         self.linked_value.setWordWrap(False)
-        self.linked_value.hide()
         beside = (self.unit, self.linked_value)
         filled(self.row, self.label, (self.slider, 1), (edit, 1), *beside)
         self.label.setToolTip(tip(f"{self.title}: {about(self.parameter)}\n{_HOW_TO_DRAG}"))
-        self.label.set_drags(True)
         self.label.pressed.connect(self._hold)
         self.label.dragged.connect(self._drag)
         self.label.released.connect(self._end)
         self._escape = EscapeInDrag(self, self._give_up_drag)
         self._gesture: object | None = None
         self._part = 0.0
-        self._shows_link: bool | None = None
+        self._show_link()
 
     def show_value(self, value: Any) -> None:
         """Show a number, all of it; or the expression it follows, and its value beside."""
-        self._show_link()
+        if self.link is not None or not self.linked_value.isHidden():
+            self._show_link()
         if self.link is not None:
             self.edit.show_text(f"= {self.link.text}")
         else:
@@ -101,32 +101,22 @@ class NumberField(TypedField):
             about = "Type an expression after ="
             offer(menu, "link", "Link to other parameters…", self._begin_link, about=about)
             return
-        value = "" if self.link.problem else f", keep {self._shown()}"
+        value = "" if self.link.problem else f", keep {self.shown_value}"
         unlinking = offer(menu, "unlink", f"Unlink{value}", self._unlink)
         unlinking.setEnabled(not self.link.problem)
 
-    def _shown(self) -> str:
-        unit = f" {self.parameter.param.unit}" if self.parameter.param.unit else ""
-        return shown_value(self.parameter, self.value) + unit
-
     def _show_link(self) -> None:
         link = self.link
-        if link is None and self._shows_link is False:
-            return  # as with each move of a slider
-        self._shows_link = link is not None
-        self.edit.show_link(link is not None)
         self.label.set_drags(link is None)
         self.slider.setVisible(link is None)
         self.unit.setVisible(link is None)
         self.linked_value.setVisible(link is not None)
-        if link is None:
-            self.edit.setToolTip(tip(f"{about(self.parameter)}\n{_HOW_TO_TYPE}"))
-            self.slider.setToolTip(tip(about(self.parameter)))
-            return
-        value = "no value" if link.problem else self._shown()
-        self.linked_value.setText(f"= {value}" if not link.problem else value)
-        self.linked_value.setAccessibleName(f"value of {self.title}")
-        self.edit.setToolTip(tip(f"Linked: = {link.text}\nValue: {value}\n{_UNLINK}"))
+        how = _HOW_TO_TYPE
+        if link is not None:
+            value = "no value" if link.problem else self.shown_value
+            self.linked_value.setText(value if link.problem else f"= {value}")
+            how = f"Linked: = {link.text}\nValue: {value}\n{_UNLINK}"
+        self.edit.setToolTip(tip(f"{about(self.parameter)}\n{how}"))
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
@@ -169,10 +159,8 @@ class NumberField(TypedField):
         fault = self.node.session.link_fault(self.node.name, self.parameter.name, raw)
         if fault is not None:
             self.refuse_typed(fault)
-            return
-        self._show_problem("")
-        self.node.put(self.parameter.name, raw)
-        self._settle()
+        else:
+            self.put(raw)
 
     def _step(self, steps: int) -> None:
         stepped = self.scale.stepped(self.value, steps)
@@ -186,8 +174,6 @@ class NumberField(TypedField):
 
     def _drag(self, steps: float) -> None:
         """By the label; of whole numbers, parts of a step are gathered."""
-        if self.link is not None:
-            return
         if self.scale.whole:
             self._part += steps
             steps = int(self._part)
@@ -213,8 +199,7 @@ class NumberField(TypedField):
             self.parameter.coerce(number)
         except ParameterError:
             return
-        if self._gesture is None:
-            self._gesture = object()
+        self._gesture = self._gesture or object()
         self.offer(number, self._gesture)
 
     def _give_up_drag(self) -> None:

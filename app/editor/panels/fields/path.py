@@ -1,75 +1,21 @@
 """A field for a file name."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QRect, Qt
-from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QPalette
-from PySide6.QtWidgets import QFileDialog, QStyle, QStyleOptionFrame, QToolButton, QWidget
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog, QToolButton, QWidget
 
 from app.editor.declared_text import about, tip
 from app.editor.dialogs import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.panel_node import PanelNode
-from app.editor.panels.fields.type_in import TypeIn
-from app.editor.widgets import LEFT, filled, labelled
+from app.editor.widgets import filled, labelled
 from core.modules.parameters import Parameter
-
-# A line for a file name: its folder is cut in the middle, the file's own name is always seen.
-
-_DOTS = "…"
-_MARGIN = 2  # dots that QLineEdit leaves beside its text
-
-
-class PathLine(TypeIn):
-    """Draws as much of a name as there is room for; while it has the focus, all of it."""
-
-    def shown_text(self) -> str:
-        if self.hasFocus():
-            return self.text()
-        return elided_path(self.text(), self.fontMetrics(), self._room().width())
-
-    def draw_line(self, event: QPaintEvent) -> None:
-        text = self.shown_text()
-        if text == self.text():
-            super().draw_line(event)
-            return
-        painter, option = QPainter(self), QStyleOptionFrame()
-        self.initStyleOption(option)
-        style = self.style()
-        style.drawPrimitive(QStyle.PrimitiveElement.PE_PanelLineEdit, option, painter, self)
-        role = QPalette.ColorRole.Text
-        style.drawItemText(
-            painter, self._room(), int(LEFT), self.palette(), self.isEnabled(), text, role
-        )
-        painter.end()
-
-    def _room(self) -> QRect:
-        option = QStyleOptionFrame()
-        self.initStyleOption(option)
-        part = QStyle.SubElement.SE_LineEditContents
-        room = self.style().subElementRect(part, option, self).marginsRemoved(self.textMargins())
-        return room.adjusted(_MARGIN, 0, -_MARGIN, 0)
-
-
-def elided_path(path: str, metrics: QFontMetrics, width: int) -> str:
-    """A path that fits the width: without the middle of its folder, and only then of its name."""
-    if metrics.horizontalAdvance(path) <= width:
-        return path
-    folder, slash, name = path.rpartition("/")
-    end = slash + name
-    room = width - metrics.horizontalAdvance(end)
-    if room >= metrics.horizontalAdvance(_DOTS):
-        return metrics.elidedText(folder, Qt.TextElideMode.ElideMiddle, room) + end
-    return metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, width)
 
 
 class PathField(TypedField):
     """A line, and a button that opens a dialog; the line's tooltip is the whole name."""
-
-    line = PathLine
 
     def __init__(
         self,
@@ -96,13 +42,15 @@ class PathField(TypedField):
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text("" if value is None else Path(value).as_posix())
+        self.edit.end(False)  # the file's own name is seen, however long its folder
         whole = "" if value is None else (self._session.folder.absolute() / value).as_posix()
         self.edit.setToolTip(tip(f"{whole}\n{about(self.parameter)}") if whole else "")
 
     def open_dialog(self) -> None:
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
-        dialog = labelled(FileDialog(self, self._dialog_title()), "field.dialog")
+        title = f"{'Write' if self._writes else 'Open'} file: {self.node.name} · {self.title}"
+        dialog = labelled(FileDialog(self, title), "field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
         if self._writes:
@@ -117,10 +65,6 @@ class PathField(TypedField):
         dialog.fileSelected.connect(self._chosen)
         dialog.show()  # what is modal would keep the window from closing
         dialog.activateWindow()
-
-    def _dialog_title(self) -> str:
-        verb = "Write file" if self._writes else "Open file"
-        return f"{verb}: {self.node.name} · {self.title}"
 
     def _chosen(self, name: str) -> None:
         if name:

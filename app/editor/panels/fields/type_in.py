@@ -1,8 +1,6 @@
 """A line to type a value in: taken on Enter or when the focus leaves, given up on Esc."""
 
-from __future__ import annotations
-
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
     QKeyEvent,
@@ -11,14 +9,10 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPalette,
     QPen,
-    QWheelEvent,
 )
 from PySide6.QtWidgets import QCompleter, QLineEdit, QWidget
 
-from app.editor.theme import CHANGED, ERROR
-from app.editor.widgets import takes_wheel
-
-WHEEL_REST_MS = 400
+from app.editor.theme import ERROR
 
 _STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 _OF_LIST = {*_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab, Qt.Key.Key_Escape}
@@ -31,9 +25,8 @@ class TypeIn(QLineEdit):
     # text: Enter, or the focus has left; only if something was typed since it was shown
     committed = Signal(str)
     given_up = Signal()  # Esc: what was typed does not count
-    # steps: an arrow key (±1), a page key (±10) or the wheel (±1), where `steps` is set
-    stepped = Signal(int)
-    step_ended = Signal()  # that key was released, or the wheel rests
+    stepped = Signal(int)  # steps: an arrow key (±1) or a page key (±10), where `steps` is set
+    step_ended = Signal()  # that key was released
 
     def __init__(
         self, parent: QWidget | None = None, *, characters: int = 8, steps: bool = False
@@ -42,11 +35,8 @@ class TypeIn(QLineEdit):
         self._steps = steps
         self.marked = False
         """Whether the text was refused."""
-        self.is_linked = False
         self.names: QCompleter | None = None  # lists names to be taken into the text
         self.is_left_by_mouse = False
-        self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
-        self._rest.timeout.connect(self.step_ended)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # the field has one
         width = self.fontMetrics().averageCharWidth() * characters
         self.setMinimumWidth(width + 2 * self.fontMetrics().height() // 2)
@@ -67,13 +57,6 @@ class TypeIn(QLineEdit):
 
     def mark(self) -> None:
         self.marked = True
-        self.update()
-
-    def show_link(self, on: bool) -> None:
-        """Mark that the value follows others: two rings of a chain before the text."""
-        if on != self.is_linked:
-            self.is_linked = on
-            self.setTextMargins(round(1.3 * self.fontMetrics().height()) if on else 0, 0, 0, 0)
         self.update()
 
     def commit(self) -> None:
@@ -99,8 +82,8 @@ class TypeIn(QLineEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        listed = self.names.popup() if self.names is not None else None
-        if event.key() in _OF_LIST and listed is not None and listed.isVisible():
+        names = self.names.popup() if self.names is not None else None
+        if event.key() in _OF_LIST and names is not None and names.isVisible():
             event.ignore()  # Qt gives it to the list
         elif event.key() == Qt.Key.Key_Escape and self.unsettled:
             self.give_up()
@@ -117,55 +100,25 @@ class TypeIn(QLineEdit):
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         super().focusOutEvent(event)
-        if self._rest.isActive():
-            self._rest.stop()
-            self.step_ended.emit()
         if event.reason() != Qt.FocusReason.PopupFocusReason:
             self.is_left_by_mouse = event.reason() == Qt.FocusReason.MouseFocusReason
             self.commit()
             self.is_left_by_mouse = False
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        turned = event.angleDelta().y()
-        if not self._steps or not turned or not takes_wheel(self):
-            event.ignore()
-            return
-        self.commit()
-        self.stepped.emit(1 if turned > 0 else -1)
-        self._rest.start()
-        event.accept()
-
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw a frame over Qt's own: of what was refused, and one that is seen on dark grounds."""
-        self.draw_line(event)
-        painter = QPainter(self)
-        if self.marked:
-            painter.setPen(QPen(self.palette().color(ERROR), 2))
-            painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
-        elif not self.hasFocus():
-            painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
-            painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
-        if self.is_linked:
-            self._paint_rings(painter)
-        painter.end()
-
-    def draw_line(self, event: QPaintEvent) -> None:
         super().paintEvent(event)
-
-    def _paint_rings(self, painter: QPainter) -> None:
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(self.palette().color(CHANGED), 1.6))
-        high = self.fontMetrics().height()
-        ring = QRectF(0, 0, 0.5 * high, 0.32 * high)
-        middle = QPointF(0.72 * high, self.height() / 2)
-        for side in (-1, 1):
-            ring.moveCenter(middle + QPointF(side * 0.17 * high, 0))
-            painter.drawRoundedRect(ring, ring.height() / 2, ring.height() / 2)
+        with QPainter(self) as painter:
+            if self.marked:
+                painter.setPen(QPen(self.palette().color(ERROR), 2))
+                painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
+            elif not self.hasFocus():
+                painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
+                painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def _unmark(self, _text: str = "") -> None:
-        if self.marked:
-            self.marked = False
-            self.update()
+        self.marked = False
+        self.update()
 
 
 def discard_typing(widget: QWidget) -> None:
