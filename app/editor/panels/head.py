@@ -1,15 +1,13 @@
 """The head of a panel: title, name of the node, and what can be done with all of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction, QContextMenuEvent, QResizeEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
-from app.editor.declared_text import breakable, flowing, says_more, tip
+from app.editor.declared_text import flowing, says_more, tip
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
@@ -17,7 +15,6 @@ from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
 from app.editor.widgets import (
     ElidedLabel,
     FlowLayout,
-    Menu,
     filled,
     labelled,
     make_bold,
@@ -37,25 +34,23 @@ class TitleBar(QWidget):
 
     def __init__(self, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.fold = tool_button("fold", "", "fold the panel", self)
-        self.fold.setAutoRaise(True)
+        self.row = filled(QHBoxLayout(self), margins=(4, 3, 4, 3), spacing=2)
+        self.fold = self.add_button("fold", "", "fold the panel", "Hide or show what is below")
         self.fold.setCheckable(True)
         self.fold.setArrowType(Qt.ArrowType.DownArrow)
-        self.fold.setToolTip(tip("Hide or show what is below"))
         self.fold.toggled.connect(self._fold)
         self.title = ElidedLabel("title", "What this panel is of", self)
         self.title.show_text(title)
         make_bold(self.title)
-        self.row = filled(
-            QHBoxLayout(self), self.fold, self.title, None, margins=(4, 3, 4, 3), spacing=2
-        )
+        filled(self.row, self.title, None, margins=None)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
 
     def add_button(
-        self, name: str, text: str, about: str, *, checkable: bool = False
+        self, name: str, text: str, about: str, tooltip: str = "", *, checkable: bool = False
     ) -> QToolButton:
         button = (toggle_button if checkable else tool_button)(name, text, about, self)
         button.setAutoRaise(True)
-        button.setToolTip(tip(about))
+        button.setToolTip(tip(tooltip or about))
         self.row.addWidget(button)
         return button
 
@@ -65,14 +60,6 @@ class TitleBar(QWidget):
         action.setObjectName(name)
         action.triggered.connect(partial(without_argument, act))
         self.addAction(action)
-
-    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        if self.actions():
-            menu = labelled(Menu(self), "head.menu")
-            menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-            menu.addActions(self.actions())
-            menu.popup(event.globalPos())
-            event.accept()
 
     def _fold(self, on: bool) -> None:
         self.fold.setArrowType(Qt.ArrowType.RightArrow if on else Qt.ArrowType.DownArrow)
@@ -86,56 +73,38 @@ class PanelHead(QWidget):
     there moves nothing below. While it is folded away, the place is one line high.
     """
 
-    _group: str | None = None
     _badge: Badge | None = None
     _illustration: QWidget | None = None
     _most = 0  # dots that the illustration may be high
 
     def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._module = title
-        self.bar = TitleBar(title, self)
-        self.pin = self.bar.add_button(
-            "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
-        )
-        self.sets = self.bar.add_button(
-            "sets", "≡", "Save these parameters as a preset, or load one"
-        )
-        self.help = self.bar.add_button("help", "?", "What this module does", checkable=True)
-        self.close_button = self.bar.add_button("close", "×", "Close this panel")
+        self._module, self._group = title, group
+        self.bar = bar = TitleBar(title, self)
+        self.name = labelled(TypeIn(bar, characters=10), "node_name", "name of the node")
+        self.name.setToolTip(tip("Name of the node in this network"))
+        bar.row.insertWidget(1, self.name, 3)
+        about = "Keep this panel open when another node is selected"
+        self.pin = bar.add_button("pin", "Pin", about, checkable=True)
+        about = "Save these parameters as a preset, or load one"
+        self.sets = bar.add_button("sets", "≡", about)
+        self.help = bar.add_button("help", "?", "What this module does", checkable=True)
         self.help.setVisible(bool(text))
+        self.close_button = bar.add_button("close", "×", "Close this panel")
         self.text = plain_label("module_text", self, flowing(text), role=FAINT)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.text.hide()
         self.more = QLabel('<a href="handbook">More in the handbook</a>', self)
-        self.more.setObjectName("module_more")
-        self.more.setAccessibleName("More in the handbook")
+        labelled(self.more, "module_more", "More in the handbook")
         self.more.setTextInteractionFlags(
             Qt.TextInteractionFlag.LinksAccessibleByMouse
             | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
         )
-        self.more.hide()
-        self.help.toggled.connect(self.text.setVisible)
-        self.help.toggled.connect(self.more.setVisible)
-        self.below = QWidget(self)
-        self.place = QWidget(self.below)
-        self.problem = plain_label("problem", self.place)
-        self.problem.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.problem.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.problem.hide()
-        self._build()
-        self._group = group
-        self._colour()
-
-    def _build(self) -> None:
-        self.name = TypeIn(self.bar, characters=10)
-        self.name.setObjectName("node_name")
-        self.name.setAccessibleName("name of the node")
-        self.name.setToolTip(tip("Name of the node in this network"))
-        self.name_problem = plain_label("name_problem", self.below, role=ERROR)
+        for part in (self.text, self.more):
+            part.hide()
+            self.help.toggled.connect(part.setVisible)
+        self.below = below = QWidget(self)
+        self.name_problem = plain_label("name_problem", below, role=ERROR)
         self.name_problem.hide()
-        self.bar.row.insertWidget(1, self.name, 3)
-        below = self.below
         self.auto = toggle_button("auto", "Auto", "Auto-Generate", below)
         self.auto.setToolTip(
             tip(
@@ -160,11 +129,15 @@ class PanelHead(QWidget):
         self.fold_picture.hide()
         acts = (self.auto, self.generate, self.disable, self.output, self.fold_picture)
         buttons = filled(FlowLayout(across=4), *acts, margins=None)
+        self.place = QWidget(below)
+        self.problem = ElidedLabel("problem", "What is wrong with the node", self.place)
+        self.problem.hide()
         self._stack = filled(QVBoxLayout(self.place), self.problem, spacing=2)
         parts = (self.text, self.more, self.name_problem, buttons, self.place)
-        filled(QVBoxLayout(self.below), *parts, margins=(8, 2, 8, 0), spacing=4)
-        filled(QVBoxLayout(self), self.bar, self.below, spacing=2)
+        filled(QVBoxLayout(below), *parts, margins=(8, 2, 8, 0), spacing=4)
+        filled(QVBoxLayout(self), bar, below, spacing=2)
         self._fit()
+        self._colour()
 
     def illustrate(self, view: QWidget, *, shown: bool) -> None:
         self._illustration = view
@@ -175,8 +148,7 @@ class PanelHead(QWidget):
 
     def show_illustration(self, on: bool) -> None:
         self.fold_picture.setChecked(not on)
-        arrow = Qt.ArrowType.DownArrow if on else Qt.ArrowType.RightArrow
-        self.fold_picture.setArrowType(arrow)
+        self.fold_picture.setArrowType(Qt.ArrowType.DownArrow if on else Qt.ArrowType.RightArrow)
         if self._illustration is not None:
             self._illustration.setVisible(on)
         self._fit()
@@ -187,38 +159,17 @@ class PanelHead(QWidget):
         self._fit()
 
     def _fit(self) -> None:
-        line = self.fontMetrics().height()
+        height = line = self.fontMetrics().height()
         view = self._illustration
-        height = line
         if view is not None and not view.isHidden():
-            most = max(self._most, _LEAST_LINES * line)
-            height = min(view.sizeHint().height(), most)
+            height = min(view.sizeHint().height(), max(self._most, _LEAST_LINES * line))
         self.place.setFixedHeight(height)
-        self._show_problem()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow an illustration that shows more than the last one."""
         if watched is self.place and event.type() == QEvent.Type.LayoutRequest:
             self._fit()
         return False
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        super().resizeEvent(event)
-        self._show_problem()
-
-    def _show_problem(self) -> None:
-        text = self._badge.text if self._badge is not None else ""
-        wraps = self._illustration is not None and not self._illustration.isHidden()
-        if wraps:
-            shown = breakable(text)
-        else:
-            room = self.place.width()
-            one_line = " ".join(text.split())
-            shown = self.fontMetrics().elidedText(one_line, Qt.TextElideMode.ElideRight, room)
-        if wraps != self.problem.wordWrap():
-            self.problem.setWordWrap(wraps)
-        self.problem.setToolTip(tip(text) if text else "")
-        show_or_hide(self.problem, shown)
 
     def follow(self, node: Node) -> None:
         self.bar.title.show_text(self._module if says_more(self._module, node.id) else "")
@@ -237,16 +188,18 @@ class PanelHead(QWidget):
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge
-        self._show_problem()
+        text = badge.text if badge is not None else ""
+        self.problem.show_text(text, tip(text) if text else "")
+        self.problem.setVisible(bool(text))
         self._colour()
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange and self._group is not None:
+        if event.type() == QEvent.Type.PaletteChange and hasattr(self, "problem"):
             self._colour()
 
     def _colour(self) -> None:
         theme = theme_of(self)
-        set_ground(self.bar, theme.groups.get(self._group or "", theme.raised))
+        set_ground(self.bar, theme.groups.get(self._group, theme.raised))
         if self._badge is not None:
             set_ink(self.problem, theme.badges[self._badge.kind])

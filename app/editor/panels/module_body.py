@@ -1,15 +1,15 @@
 """What stands on the panel of a module: parameters, read-outs, ports."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
-from PySide6.QtCore import QEvent, QObject, QRectF, QSize, Qt
-from PySide6.QtGui import QAction, QColor, QPainter, QPaintEvent, QPalette, QResizeEvent
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import (
+    QFormLayout,
     QFrame,
     QGridLayout,
     QLabel,
@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import label_of, shown_figure, tip
 from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
+from app.editor.gestures import without_argument
 from app.editor.panels.fields.field import (
     MOST_BUTTONS,
     ButtonsField,
@@ -34,6 +35,7 @@ from app.editor.panels.fields.field import (
     TextField,
     choices_of,
 )
+from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.number import NumberField
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.path import PathField
@@ -41,13 +43,13 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
 from app.editor.widgets import (
+    RIGHT,
     Menu,
     PageTabs,
     filled,
     labelled,
     make_bold,
     plain_label,
-    steady_width,
     tool_button,
 )
 from core.chain.engine import Plan
@@ -57,7 +59,7 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Parameter
 from core.names import shown, thaw
 from core.network.linked_values import LinkError, expression_text
-from core.network.network import Link, Network, Node
+from core.network.network import Network, Node
 
 
 class ModuleBody(QWidget):
@@ -73,12 +75,11 @@ class ModuleBody(QWidget):
         session, node = panel_node.session, panel_node.name
         self._session = session
         self._node = node
-        self._column = filled(QVBoxLayout(self), margins=(8, 4, 8, 8), spacing=4)
+        self._valued: Node | None = None
         self.sections = SectionsView(declaration, panel_node, self)
         session.free.changed.connect(self._mark_free)
         self._mark_free()
-        self._valued: Node | None = None
-        self._column.addWidget(self.sections)
+        self._column = filled(QVBoxLayout(self), self.sections, margins=(8, 4, 8, 8), spacing=4)
         self.readouts = ReadoutsView(declaration, node, evaluator, session, self)
         if declaration.readouts:
             self._titled(self.readouts.title, self.readouts)
@@ -110,102 +111,82 @@ class ModuleBody(QWidget):
             field.show_free(self._session.free.has(self._node, field.parameter.name))
 
 
-# The ports of a node on its panel, each with a button that shows it.
-
-
 class PortsView(QWidget):
+    """The ports of a node, each with a button that shows it."""
+
     def __init__(
         self, declaration: Declaration, node: PanelNode, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setObjectName("ports")
-        self._node = node.name
-        self._rows: list[_PortRow] = []
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 2, 0, 2)
-        grid.setVerticalSpacing(2)
-        grid.setColumnStretch(1, 1)
-        sides = (("input", declaration.inputs), ("output", declaration.outputs))
-        for side, ports in sides:
-            for port in ports:
-                row = _PortRow(node, port, side, self)
-                line = len(self._rows)
-                for column, widget in enumerate((row.mark, row.label, row.button)):
-                    grid.addWidget(widget, line, column)
-                self._rows.append(row)
+        self._node = node
+        self._sources: dict[tuple[str, str], tuple[str, str]] = {}
+        self._dots: list[tuple[QLabel, str]] = []
+        self._inputs: dict[str, QLabel] = {}
+        self._buttons: dict[tuple[str, str], QToolButton] = {}
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 2, 0, 2)
+        self._grid.setVerticalSpacing(2)
+        self._grid.setColumnStretch(1, 1)
+        for port in declaration.inputs:
+            self._inputs[port.name] = self._add("input", port)
+        for port in declaration.outputs:
+            self._sources["output", port.name] = node.name, port.name
+            self._add("output", port)
+        self._colour()
+
+    def _add(self, side: str, port: Port) -> QLabel:
+        dot, label = QLabel("●", self), plain_label("", self, port.name)
+        self._dots.append((dot, port.types[0]))
+        need = "" if port.required else ", may be left unconnected"
+        label.setToolTip(tip(f"{side} {port.name}: {' or '.join(port.types)}{need}"))
+        place = side, port.name
+        about = f"view {side} {port.name}"
+        button = tool_button(f"view.{side}.{port.name}", "View", about, self)
+        button.clicked.connect(partial(without_argument, partial(self._view, place, 1)))
+        if set(port.types) <= set(PLOT_TYPES):
+            button.setToolTip(tip("Show it in Curves"))
+        else:
+            button.setToolTip(tip("Show it in viewer 1; the arrow (or Down key) lists the others"))
+            button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+            menu = Menu(button)
+            for number in VIEWER_NUMBERS:
+                offer(menu, "", f"Viewer {number}", partial(self._view, place, number))
+            button.setMenu(menu)
+        self._buttons[place] = button
+        row = self._grid.rowCount()
+        for column, widget in enumerate((dot, label, button)):
+            self._grid.addWidget(widget, row, column)
+        return label
 
     def follow(self, network: Network) -> None:
-        links = {link.input: link for link in network.links_into(self._node)}
-        for row in self._rows:
-            row.follow(links.get(row.port.name))
+        links = {link.input: link for link in network.links_into(self._node.name)}
+        for name, label in self._inputs.items():
+            place, link = ("input", name), links.get(name)
+            self._sources.pop(place, None)
+            if link is not None:
+                self._sources[place] = link.source, link.output
+            source = f"{link.source}.{link.output}" if link is not None else "not connected"
+            label.setText(f"{name} ← {source}")
+            self._buttons[place].setEnabled(link is not None)
 
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._colour()
 
-class _PortRow(QObject):
-    def __init__(self, node: PanelNode, port: Port, side: str, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.port = port
-        self._side = side
-        self._requests = node.requests
-        self._source = (node.name, port.name) if side == "output" else None
-        self.mark = _Dot(port.types[0], parent)
-        self.label = plain_label("", parent)
-        kinds = " or ".join(port.types)
-        need = "" if port.required else ", may be left unconnected"
-        self.label.setToolTip(tip(f"{side} {port.name}: {kinds}{need}"))
-        about = f"view {side} {port.name}"
-        self.button = tool_button(f"view.{side}.{port.name}", "View", about, parent)
-        if set(port.types) <= set(PLOT_TYPES):
-            self.button.setToolTip(tip("Show it in Curves"))
-        else:
-            self._offer_viewers()
-        self.button.clicked.connect(self._view)
-        self.follow(None)
+    def _colour(self) -> None:
+        theme = theme_of(self)
+        for dot, kind in self._dots:
+            set_ink(dot, theme.ports.get(kind, theme.faint_text))
 
-    def _offer_viewers(self) -> None:
-        tooltip = "Show it in viewer 1; the arrow (or Down key) lists the others"
-        self.button.setToolTip(tip(tooltip))
-        self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        menu = Menu(self.button)
-        for number in VIEWER_NUMBERS:
-            menu.addAction(f"Viewer &{number}").setData(number)
-        menu.triggered.connect(self._view)
-        self.button.setMenu(menu)
-
-    def follow(self, link: Link | None) -> None:
-        text = self.port.name
-        if self._side == "input":
-            self._source = (link.source, link.output) if link is not None else None
-            text += f" ← {link.source}.{link.output}" if link is not None else " ← not connected"
-        self.label.setText(text)
-        self.button.setEnabled(self._source is not None)
-
-    def _view(self, chosen: object = None) -> None:
-        if self._source is not None:
-            number = int(chosen.data()) if isinstance(chosen, QAction) else 1
-            self._requests.view.emit(*self._source, number)
-
-
-class _Dot(QWidget):
-    def __init__(self, kind: str, parent: QWidget) -> None:
-        super().__init__(parent)
-        self._kind = kind
-        self.setFixedSize(QSize(1, 1) * self.fontMetrics().height())
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        theme, radius = theme_of(self), 0.28 * self.height()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(theme.ports.get(self._kind, theme.faint_text)))
-        painter.drawEllipse(QRectF(self.rect()).center(), radius, radius)
-        painter.end()
-
-
-# What stands on the panel of a module that the library does not have.
+    def _view(self, place: tuple[str, str], number: int) -> None:
+        if place in self._sources:
+            self._node.requests.view.emit(*self._sources[place], number)
 
 
 class UnknownBody(QWidget):
-    """The parameters as the file has them; `why` the library does not have the module."""
+    """Of a module that is not in the library: the parameters as the file has them, and why."""
 
     def __init__(self, module: str, node: str, why: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -218,27 +199,20 @@ class UnknownBody(QWidget):
             "is kept with these parameters and saved again, but computes nothing.",
             role=CHANGED,
         )
-        self._grid = QGridLayout()
-        self._grid.setColumnStretch(1, 1)
-        self._labels: list[QLabel] = []
-        filled(QVBoxLayout(self), self.note, self._grid, margins=(8, 4, 8, 8))
+        self._form = QFormLayout()
+        filled(QVBoxLayout(self), self.note, self._form, margins=(8, 4, 8, 8))
 
     def follow(self, before: Network | None, after: Network) -> None:
         node = after.nodes[self._node]
         if before is not None and before.nodes.get(self._node) is node:
             return
-        for label in self._labels:
-            self._grid.removeWidget(label)
-            label.deleteLater()
-        self._labels = []
-        for row, (name, value) in enumerate(sorted(node.params.items())):
+        while self._form.rowCount():
+            self._form.removeRow(0)
+        for name, value in sorted(node.params.items()):
             text = value if isinstance(value, str) else json.dumps(thaw(value), ensure_ascii=False)
-            for column, words in enumerate((name, text)):
-                label = plain_label("", self, words)
-                self._grid.addWidget(label, row, column)
-                self._labels.append(label)
-            label.setObjectName(f"raw.{name}")
+            label = plain_label(f"raw.{name}", self, text)
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+            self._form.addRow(plain_label("", self, name), label)
 
 
 _LABEL_SHARE = 0.4  # of the width, at most, for the names
@@ -254,12 +228,15 @@ class SectionsView(QWidget):
         self._declaration = declaration
         self._panel_node = node
         self.sections = declaration.panel
-        self._boxes: list[QWidget] = []
         self.fields: list[Field] = []
-        self.pages = tuple(dict.fromkeys(s.page for s in self.sections if s.page))
-        self.tabs = PageTabs(self.pages, self)
-        column = filled(QVBoxLayout(self), spacing=4)
-        self._fill(column)
+        pages = tuple(dict.fromkeys(s.page for s in self.sections if s.page))
+        self.tabs = PageTabs(pages, self)
+        self.tabs.setVisible(bool(pages))
+        self.tabs.turned.connect(self._show_sections)
+        self._boxes = [self._box(section) for section in self.sections]
+        parts: list[QWidget] = [*self._boxes]
+        parts.insert(next((n for n, s in enumerate(self.sections) if s.page), 0), self.tabs)
+        filled(QVBoxLayout(self), *parts, spacing=4)
         self._line_up(_AT_FIRST)
         self._node: Node | None = None
 
@@ -283,18 +260,6 @@ class SectionsView(QWidget):
                 field.follow(raw)
         self._show_sections()
 
-    def _fill(self, column: QVBoxLayout) -> None:
-        self.tabs.setVisible(bool(self.pages))
-        self.tabs.turned.connect(self._show_sections)
-        placed = False
-        for section in self.sections:
-            if section.page and not placed:
-                column.addWidget(self.tabs)
-                placed = True
-            box = self._box(section)
-            self._boxes.append(box)
-            column.addWidget(box)
-
     def _box(self, section: Section) -> QWidget:
         box = QWidget(self)
         inside = filled(QVBoxLayout(box), spacing=2)
@@ -304,12 +269,10 @@ class SectionsView(QWidget):
             inside.addWidget(title)
         for name in section.parameters:
             parameter = self._declaration.parameter(name)
-            if parameter is None:
-                continue
-            offered = section.offer is not None and section.offer.parameter == name
-            field = self._field_for(parameter, box, as_buttons=offered)
-            self.fields.append(field)
-            inside.addWidget(field)
+            if parameter is not None:
+                offered = section.offer is not None and section.offer.parameter == name
+                self.fields.append(self._field_for(parameter, box, as_buttons=offered))
+                inside.addWidget(self.fields[-1])
         return box
 
     def _field_for(self, parameter: Parameter, box: QWidget, *, as_buttons: bool) -> Field:
@@ -358,10 +321,10 @@ class SectionsView(QWidget):
             box.setVisible(fits and section.page in ("", page))
 
     def _narrow(self, values: Mapping[str, Any]) -> None:
-        for offer in filter(None, (section.offer for section in self.sections)):
-            field = self.field(offer.parameter)
+        for offered in filter(None, (section.offer for section in self.sections)):
+            field = self.field(offered.parameter)
             if isinstance(field, ButtonsField):
-                field.narrow(offer.of(values[offer.by], field.choices))
+                field.narrow(offered.of(values[offered.by], field.choices))
 
 
 def _differs(params: Mapping[str, Any], name: str, raw: Any) -> bool:
@@ -372,7 +335,7 @@ def _differs(params: Mapping[str, Any], name: str, raw: Any) -> bool:
 NONE = "—"
 TITLE = "Read-outs"
 OLDER, HELD_BACK = "computed before the last edit", "as last generated"
-_BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
+_DIGITS = 13  # letters that a value is wide
 
 
 @dataclass(frozen=True)
@@ -413,41 +376,20 @@ class ReadoutsQuery(Query):
 class ReadoutValue(QLineEdit):
     """Can be selected and copied; a `QLabel` would have the window laid out for each text."""
 
-    _width = 0
-
     def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent, readOnly=True, frame=False)
+        super().__init__(NONE, parent, readOnly=True, frame=False, alignment=RIGHT)
         self.setTextMargins(0, 0, 0, 0)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        self.setFixedHeight(self.fontMetrics().height())
+        self.setMaximumWidth(self.fontMetrics().averageCharWidth() * _DIGITS)
         palette = self.palette()
         palette.setColor(QPalette.ColorRole.Base, Qt.GlobalColor.transparent)
         self.setPalette(palette)
-        self.show_text(NONE)
 
     def show_text(self, text: str) -> None:
         if text != self.text():
             self.setText(text)
             self.setCursorPosition(0)
-            self._fit(self._width)
-
-    def sizeHint(self) -> QSize:
-        return QSize(self._width + 2 * _BESIDE, self.fontMetrics().height())
-
-    def minimumSizeHint(self) -> QSize:
-        return self.sizeHint()
-
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
-            self._fit(0)
-
-    def _fit(self, had: int) -> None:
-        width = steady_width(self.text(), self.font(), had)
-        if width != self._width:
-            self._width = width
-            self.updateGeometry()
 
 
 class ReadoutsView(Viewer):
@@ -520,22 +462,16 @@ class ReadoutsView(Viewer):
             self.title.setText(text)
 
     def take(self, answer: Answer) -> None:
-        texts, units, reasons = {}, {}, {}
-        if answer.error is None:
-            texts = {name: text for name, text, _, _ in answer.value}
-            units = {name: unit for name, _, unit, _ in answer.value}
-            reasons = {name: reason for name, _, _, reason in answer.value}
-        else:
-            reasons = dict.fromkeys(self.values, str(answer.error))
+        rows = {name: row for name, *row in answer.value} if answer.error is None else {}
         for name, value in self.values.items():
-            value.show_text(texts.get(name, NONE))
-            reason = reasons.get(name, "")
-            meaning = self._meanings[name]
+            label, meaning = self.units[name], self._meanings[name]
+            nothing = (NONE, label.text(), str(answer.error or ""))
+            text, unit, reason = rows.get(name, nothing)
+            value.show_text(text)
             value.setToolTip(tip(f"{reason}\n{meaning}" if reason else meaning))
             value.setAccessibleDescription(reason)
-            unit = units.get(name, "")
-            if name in units and unit != self.units[name].text():
-                self.units[name].setText(unit)  # of the picture that comes in
+            if unit != label.text():  # that of the picture that comes in
+                label.setText(unit)
                 value.setAccessibleName(_spoken(name, unit))
         if self._freshness is not None:
             self._freshness.catch_up(answer.generation)

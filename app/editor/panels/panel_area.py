@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QFocusEvent, QKeyEvent, QResizeEvent
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QAction, QFocusEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QFormLayout,
     QFrame,
@@ -18,7 +19,6 @@ from PySide6.QtWidgets import (
     QToolButton,
     QVBoxLayout,
     QWidget,
-    QWidgetAction,
 )
 
 from app.editor.declared_text import tip
@@ -209,59 +209,54 @@ class NetworkPanel(QFrame):
         labelled(self, "panel.network", "control panel of the network")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self._session = session
-        self.bar = TitleBar("Network", self)
-        self.bar.setBackgroundRole(RAISED)
-        self.bar.setAutoFillBackground(True)
-        self.bar.fold.hide()
-        self.below = QWidget(self)
-        self._build()
-        filled(QVBoxLayout(self), self.bar, self.below)
-        self.follow(session.network)
-
-    def _build(self) -> None:
-        self.name = labelled(TypeIn(self.below), "network_name", "name of the network")
+        bar = TitleBar("Network", self)
+        bar.setBackgroundRole(RAISED)
+        bar.setAutoFillBackground(True)
+        bar.fold.hide()
+        below = QWidget(self)
+        self.name = labelled(TypeIn(below), "network_name", "name of the network")
         self.name.setPlaceholderText("untitled")
-        self.name.committed.connect(self._set_name)
-        self.name.given_up.connect(self._restore)
+        self.name.committed.connect(partial(self._set, "name"))
         about = "description of the network"
-        self.description = labelled(Words(self.below), "network_description", about)
-        self.description.committed.connect(self._set_description)
-        self.description.given_up.connect(self._restore)
-        self.seed = labelled(TypeIn(self.below), "network_seed", "seed of the network's noise")
+        self.description = labelled(Words(below), "network_description", about)
+        self.description.committed.connect(partial(self._set, "description"))
+        self.seed = labelled(TypeIn(below), "network_seed", "seed of the network's noise")
         about = f"The same seed gives the same noise: {SEEDS}"
         self.seed.setToolTip(tip(about))
         self.seed.setAccessibleDescription(about)
         self.seed.committed.connect(self._set_seed)
-        self.seed.given_up.connect(self._restore)
-        self.seed_problem = plain_label("seed_problem", self.below, role=ERROR)
+        for edit in (self.name, self.seed):
+            edit.given_up.connect(self._restore)
+        self.seed_problem = plain_label("seed_problem", below, role=ERROR)
         self.seed_problem.hide()
-        self.count = plain_label("network_count", self.below)
+        self.count = plain_label("network_count", below)
         text = "Select a node to see its control panel here."
-        hint = plain_label("network_hint", self.below, text, role=FAINT)
+        hint = plain_label("network_hint", below, text, role=FAINT)
         form = QFormLayout(fieldGrowthPolicy=QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         form.addRow("Name", self.name)
         form.addRow("Seed", self.seed)
         form.addRow(self.seed_problem)
         form.addRow("Contents", self.count)
-        words = QLabel("Description", self.below)
+        words = QLabel("Description", below)
         words.setBuddy(self.description)
-        filled(QVBoxLayout(self.below), form, words, self.description, hint, margins=(8, 4, 8, 8))
+        filled(QVBoxLayout(below), form, words, self.description, hint, margins=(8, 4, 8, 8))
+        filled(QVBoxLayout(self), bar, below)
+        self.follow(session.network)
 
     def follow(self, network: Network) -> None:
         self.name.show_text(network.name)
         self.description.show_text(network.description)
         if not self.seed.unsettled or self.seed.text() == str(network.seed):
             self._show_seed(network)
-        self.count.setText(f"{_many(network.nodes, 'node')}, {_many(network.links, 'wire')}")
+        nodes, wires = len(network.nodes), len(network.links)
+        self.count.setText(f"{nodes} node{'s' * (nodes != 1)}, {wires} wire{'s' * (wires != 1)}")
 
     def finish_typing(self) -> None:
         for edit in (self.name, self.description, self.seed):
             edit.commit()
 
     def discard_typing(self) -> None:
-        self.name.setModified(False)
-        self.seed.setModified(False)
         self.description.document().setModified(False)
         self._restore()
 
@@ -271,18 +266,11 @@ class NetworkPanel(QFrame):
 
     def _show_seed(self, network: Network) -> None:
         self.seed.show_text(str(network.seed))
-        self._show_problem("")
+        show_or_hide(self.seed_problem, "")
 
-    def _show_problem(self, text: str) -> None:
-        show_or_hide(self.seed_problem, text)
-
-    def _set_name(self, text: str) -> None:
-        self._session.do(set_network_field("name", text))
-        self.name.show_text(self._session.network.name)
-
-    def _set_description(self, text: str) -> None:
-        self._session.do(set_network_field("description", text))
-        self.description.show_text(self._session.network.description)
+    def _set(self, field: str, value: object) -> None:
+        self._session.do(set_network_field(field, value))
+        self.follow(self._session.network)
 
     def _set_seed(self, text: str) -> None:
         typed = text.strip()
@@ -290,18 +278,17 @@ class NetworkPanel(QFrame):
         try:
             check_seed(seed)
         except ParameterError as error:
-            self._show_problem(error.message)
+            show_or_hide(self.seed_problem, error.message)
             self.seed.mark()
             return
-        self._session.do(set_network_field("seed", seed))
-        self._show_seed(self._session.network)
+        self.seed.setModified(False)
+        self._set("seed", seed)
 
 
 class Words(QPlainTextEdit):
-    """Several lines of text, taken when the focus leaves or on Ctrl+Enter; Esc gives up."""
+    """Several lines of text, taken when the focus leaves."""
 
     committed = Signal(str)
-    given_up = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent, tabChangesFocus=True)
@@ -316,37 +303,10 @@ class Words(QPlainTextEdit):
         if self.document().isModified():
             self.committed.emit(self.toPlainText())
 
-    def event(self, event: QEvent) -> bool:
-        if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.ShortcutOverride:
-            return super().event(event)
-        if self.document().isModified() and self._ends(event):
-            event.accept()
-            return True
-        return super().event(event)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if not self._ends(event) or not self.document().isModified():
-            super().keyPressEvent(event)
-        elif event.key() == Qt.Key.Key_Escape:
-            self.document().setModified(False)
-            self.given_up.emit()
-        else:
-            self.commit()
-
     def focusOutEvent(self, event: QFocusEvent) -> None:
         super().focusOutEvent(event)
         if event.reason() != Qt.FocusReason.PopupFocusReason:
             self.commit()
-
-    def _ends(self, event: QKeyEvent) -> bool:
-        enter = event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-        control = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
-        return event.key() == Qt.Key.Key_Escape or (enter and control)
-
-
-def _many(things: object, word: str) -> str:
-    number = len(things)  # type: ignore[arg-type]
-    return f"{number} {word}" if number == 1 else f"{number} {word}s"
 
 
 class NodePanel(QFrame):
@@ -362,24 +322,18 @@ class NodePanel(QFrame):
         illustrations: Collection[str] = (),
     ) -> None:
         super().__init__(parent)
-        self._of = of
+        self._of, self._session = of, of.session
         session, node = of.session, of.name
-        self.setObjectName(f"panel.{node}")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.node = node
         self._local_name = session.local_name(node)
         self.module = session.network.nodes[node].module
-        self._session = session
         declared = self.declared = session.declared(node)
-        title, group, text = (
-            (declared.title, declared.group, declared.text)
-            if declared is not None
-            else (self.module, "", "")
-        )
-        self.setAccessibleName(f"control panel of {node}: {title}")
-        self.head = PanelHead(title, group, text, self)
+        title = declared.title if declared is not None else self.module
+        labelled(self, f"panel.{node}", f"control panel of {node}: {title}")
         self.body: ModuleBody | UnknownBody
         if declared is not None:
+            self.head = PanelHead(title, declared.group, declared.text, self)
             self.head.output.setVisible(has_picture(declared))
             module = session.library.get(declared.key)  # a macro is of none
             query = preview_query(module, node) if module is not None else None
@@ -389,6 +343,7 @@ class NodePanel(QFrame):
                 self.head.illustrate(preview, shown=at_first != (self.module in illustrations))
             self.body = ModuleBody(declared, of, evaluator, self)
         else:
+            self.head = PanelHead(title, "", "", self)
             why = where_absent(self.module, session.library)
             self.body = UnknownBody(self.module, node, why, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
@@ -402,23 +357,20 @@ class NodePanel(QFrame):
         self.follow(None, session.network)
 
     def _connect(self) -> None:
-        head, requests = self.head, self._of.requests
+        head, requests, done = self.head, self._of.requests, without_argument
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(lambda: self._set("pinned", head.pin.isChecked() or ABSENT))
         head.fold_picture.clicked.connect(self._fold_picture)
-        head.close_button.clicked.connect(
-            partial(without_argument, partial(requests.close.emit, self.node))
-        )
+        head.close_button.clicked.connect(partial(done, partial(requests.close.emit, self.node)))
         head.name.committed.connect(self._rename)
         head.name.returnPressed.connect(self._leave_name)  # after it is taken, or refused
         head.name.given_up.connect(self._show_name)
         head.auto.clicked.connect(lambda: self._set("auto", head.auto.isChecked()))
         head.disable.clicked.connect(lambda: self._set("disabled", head.disable.isChecked()))
         head.output.clicked.connect(self._mark_output)
-        head.generate.clicked.connect(partial(without_argument, requests.generate.emit))
-        head.more.linkActivated.connect(
-            partial(without_argument, partial(requests.handbook.emit, self.node))
-        )
+        head.generate.clicked.connect(partial(done, requests.generate.emit))
+        reading = partial(requests.handbook.emit, self.node)
+        head.more.linkActivated.connect(partial(done, reading))
         head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
         head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
@@ -474,13 +426,12 @@ class NodePanel(QFrame):
         if node is None or text == self._local_name:
             self._show_name()
             return
-        operation = Rename(self.node, text)
         try:
-            self._session.check(operation)
+            self._session.check(Rename(self.node, text))
         except ImagechainError as error:
             self.head.show_name_error(error.message)
-            return
-        self._session.do(operation)
+        else:
+            self._session.do(Rename(self.node, text))
 
     def _leave_name(self) -> None:
         if not self.head.name.marked:
@@ -512,9 +463,7 @@ class SetsMenu(Menu):
         self.setObjectName("sets.menu")
         button.setMenu(self)
         button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self._session = of.session
-        self._node = of.name
+        self._session, self._name = of.session, of.name
         self._folder = folder
         self._above = list(above)
         self.aboutToShow.connect(self.fill)
@@ -523,14 +472,12 @@ class SetsMenu(Menu):
         self.clear()
         self.addActions(self._above)
         self.addSeparator()
-        node = self._session.network.nodes.get(self._node)
+        node = self._session.network.nodes.get(self._name)
         if node is None:
             return
         sets: Sets = {}
-        try:
+        with self._told():
             sets = sets_of(node.module, self._folder)
-        except ImagechainError as error:
-            self._session.message.emit("error", error.message)
         for name in sets:
             about = f"Give every parameter its value of {name}"
             offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
@@ -541,39 +488,35 @@ class SetsMenu(Menu):
             for name in sets:
                 offer(removing, f"remove.{name}", name, partial(self._remove, name))
             self.addSeparator()
-        self.addAction(self._keeping())
-
-    def _keeping(self) -> QWidgetAction:
         edit, action = line_in_menu(self, "Save as", "set_name")
         edit.setPlaceholderText("name")
         edit.setAccessibleName("name to save these parameters under")
         edit.setToolTip("Press Enter to save the current parameters under this name")
         edit.returnPressed.connect(partial(self._keep, edit))
-        return action
+        self.addAction(action)
+
+    @contextmanager
+    def _told(self, begin: str = "") -> Iterator[None]:
+        """Report an error in place of raising it."""
+        try:
+            yield
+        except ImagechainError as error:
+            self._session.message.emit("error", f"{begin}{error}")
 
     def _keep(self, edit: QLineEdit) -> None:
         name = edit.text().strip()
-        node = self._session.valued(self._node)
         self.close()
-        try:
-            save_set(name, node, self._folder)
-        except ImagechainError as error:
-            self._session.message.emit("error", f"not saved: {error}")
-        else:
-            self._session.message.emit("note", f"saved the parameters of {self._node} as {name}")
+        with self._told("not saved: "):
+            save_set(name, self._session.valued(self._name), self._folder)
+            self._session.message.emit("note", f"saved the parameters of {self._name} as {name}")
 
     def _take(self, name: str, sets: Sets) -> None:
         session = self._session
-        declared, node = session.declared(self._node), session.network.nodes.get(self._node)
-        if declared is None or node is None:
-            return
-        try:
-            session.do(given(name, sets[name], node, declared, self._node))
-        except ImagechainError as error:
-            session.message.emit("error", str(error))
+        declared, node = session.declared(self._name), session.network.nodes.get(self._name)
+        if declared is not None and node is not None:
+            with self._told():
+                session.do(given(name, sets[name], node, declared, self._name))
 
     def _remove(self, name: str) -> None:
-        try:
-            remove_set(name, self._session.network.nodes[self._node].module, self._folder)
-        except ImagechainError as error:
-            self._session.message.emit("error", str(error))
+        with self._told():
+            remove_set(name, self._session.network.nodes[self._name].module, self._folder)

@@ -1,7 +1,5 @@
 """The preview of a node's module on top of its panel, which follows what is edited."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -12,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontInfo, QFontMetricsF, QImage, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from app.editor.declared_text import breakable, error_text, tip
+from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
@@ -24,7 +22,6 @@ from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import LEFT, RIGHT
 from core.chain.engine import Plan
-from core.errors import ImagechainError, UnconnectedError
 from core.modules.declaration import Module, NodeContext, declaration
 from core.modules.preview import (
     Bars,
@@ -35,12 +32,10 @@ from core.modules.preview import (
     Preview,
     Stack,
     brief,
-    not_connected,
     signed,
 )
 
-NO_EVALUATION = "nothing is computed here"
-DISABLED = "disabled: passes its input on unchanged"
+NOTHING = "nothing to show"
 
 _PENS = {
     "solid": Qt.PenStyle.SolidLine,
@@ -103,7 +98,7 @@ def preview_query(module: type[Module], node: str) -> Query | None:
 
 
 class PreviewView(Viewer):
-    """Draws the preview of a node; without an evaluator, nothing."""
+    """Draws the preview of a node; what is wrong with the node stands beside it."""
 
     def __init__(
         self,
@@ -116,13 +111,11 @@ class PreviewView(Viewer):
         self.setObjectName("preview")
         self.node = node
         self.preview: Preview | None = None
-        self.problem = ""
+        self._words = ""
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._module = session.library[session.network.nodes[node].module]
         self.setAccessibleName(f"illustration of {node}: {self._module.title}")
         have_plot_menu(self, session.message.emit)
-        if evaluator is None:
-            self._show_problem(NO_EVALUATION)
 
     def queries(self) -> Sequence[Query]:
         """The one query; none once the node is of another module."""
@@ -130,46 +123,17 @@ class PreviewView(Viewer):
         return () if query is None else (query,)
 
     def take(self, answer: Answer) -> None:
-        if answer.error is not None:
-            self._show_problem(self.in_short(answer.error))
-        elif answer.value is None:
-            self._show_problem(DISABLED)
-        else:
-            self.preview, self.problem = answer.value, ""
-            self._describe(self.preview.words)
-            self.updateGeometry()
-            self.update()
-
-    def _show_problem(self, problem: str) -> None:
-        self.problem = problem
-        self._describe(problem)
+        self.preview = answer.value
+        self._words = self.preview.words if self.preview is not None else NOTHING
+        self.setAccessibleDescription(self._words)
+        self.setToolTip(tip(self._words))
+        self.updateGeometry()
         self.update()
 
-    def _describe(self, text: str) -> None:
-        if text != self.accessibleDescription():
-            self.setAccessibleDescription(text)
-            self.setToolTip(tip(text))
-
-    def in_short(self, error: ImagechainError) -> str:
-        """Why there is no picture, in a line."""
-        if error.node is not None and error.node != self.node:
-            return f"waits for {error.node}: {error_text(error, on_node=True)}"
-        missing = self.missing_inputs()
-        if isinstance(error, UnconnectedError) and missing:
-            return not_connected(missing)
-        return error_text(error, on_node=True)
-
-    def missing_inputs(self) -> tuple[str, ...]:
-        linked = {link.input for link in self.session.network.links_into(self.node)}
-        ports = declaration(self._module).inputs
-        return tuple(p.name for p in ports if p.required and p.name not in linked)
-
-    def _height(self) -> int:
-        more = self.preview.more_lines if self.preview is not None else 0.0
-        return round(self.fontMetrics().height() * (self._module.preview_lines + more))
-
     def sizeHint(self) -> QSize:
-        return QSize(self.fontMetrics().height() * 20, self._height())
+        more = self.preview.more_lines if self.preview is not None else 0.0
+        line = self.fontMetrics().height()
+        return QSize(line * 20, round(line * (self._module.preview_lines + more)))
 
     def minimumSizeHint(self) -> QSize:
         return QSize(self.fontMetrics().height() * 14, 0)
@@ -179,16 +143,15 @@ class PreviewView(Viewer):
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             area = QRectF(self.rect())
             painter.fillRect(area, QColor(self.theme.base))
-            inner = area.adjusted(4, 3, -4, -3)
-            if self.problem:
+            if self.preview is not None:
+                paint_preview(painter, area.adjusted(4, 3, -4, -3), self.preview, self.theme)
+            else:
                 painter.setPen(QColor(self.theme.faint_text))
-                painter.drawText(inner, _CENTRED, breakable(self.problem))
-            elif self.preview is not None:
-                paint_preview(painter, inner, self.preview, self.theme)
+                painter.drawText(area, _CENTRED, self._words)
 
 
 def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Theme) -> None:
-    """Parts below one another, closer and then smaller where it is low; charts share the rest."""
+    """Parts below one another, smaller where it is low; charts share what is left."""
     metrics = QFontMetricsF(painter.font())
     line = metrics.height()
     if area.height() < line:  # what is wrong has its place
@@ -197,38 +160,26 @@ def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Them
         _paint_beside(painter, area, preview, theme)
         return
     plots = [part for part in preview.parts if isinstance(part, Plot)]
-    gaps = 0.2 * line * (len(preview.parts) - 1)
     # A chart with a title below is higher by it: so the frames are of one height.
-    low, high = (
-        [
-            line * (bool(part.x.title) if isinstance(part, Plot) else _lines(part, tight=tight))
-            for part in preview.parts
-        ]
-        for tight in (True, False)
-    )
-    height = area.height() - gaps - _LEAST_CHART * line * len(plots)
-    if height < sum(low):
-        scale = area.height() / (area.height() - height + sum(low))
-        painter.translate(area.topLeft())
-        painter.scale(scale, scale)
-        area = QRectF(QPointF(), area.size() / scale)
-    share = min(max((height - sum(low)) / max(sum(high) - sum(low), 1e-9), 0.0), 1.0)
-    heights = [least + share * (most - least) for least, most in zip(low, high, strict=True)]
-    free = (area.height() - sum(heights) - gaps) / max(1, len(plots))
-    left = max(
-        (
-            room_for_ticks(ordinate_ticks(plot.y, free + line, metrics), metrics)
-            for plot in plots
-            if len(plots) > 1
-        ),
-        default=0.0,
-    )
+    heights = [
+        line * (bool(part.x.title) if isinstance(part, Plot) else getattr(part, "lines", 3.2))
+        for part in preview.parts
+    ]
+    fixed = sum(heights) + 0.2 * line * (len(heights) - 1)
+    scale = area.height() / max(area.height(), fixed + _LEAST_CHART * line * len(plots))
+    painter.translate(area.topLeft())
+    painter.scale(scale, scale)
+    area = QRectF(QPointF(), area.size() / scale)
+    free = (area.height() - fixed) / max(1, len(plots))
+    left = 0.0
+    if len(plots) > 1:
+        ticks = (ordinate_ticks(plot.y, free + line, metrics) for plot in plots)
+        left = max(room_for_ticks(rows, metrics) for rows in ticks)
     top = area.top()
     for part, height in zip(preview.parts, heights, strict=True):
-        more = free if isinstance(part, Plot) else 0.0
-        room = QRectF(area.left(), top, area.width(), height + more)
-        top = room.bottom() + 0.2 * line
+        room = QRectF(area.left(), top, area.width(), height)
         if isinstance(part, Plot):
+            room.setHeight(height + free)
             _paint_plot(painter, room, part, theme, left=left)
         elif isinstance(part, Bars):
             _paint_bars(painter, room, part, theme)
@@ -237,16 +188,7 @@ def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Them
         else:
             painter.setPen(QColor(theme.faint_text if plots else theme.text))
             painter.drawText(room if plots else area, _CENTRED, str(part))
-
-
-def _lines(part: Part, *, tight: bool) -> float:
-    """Height of what is no chart, in lines of text; of `tight`, without room between the lines."""
-    if tight and isinstance(part, Bars):
-        return min(part.lines, 1.05 * len(part.bars))
-    if tight and isinstance(part, Stack):
-        named = sum(bar.size > 0.0 for bar in part.parts)
-        return min(part.lines, 2.5 + 1.2 * -(-named // 2))
-    return part.lines if isinstance(part, Bars | Stack) else 3.2
+        top = room.bottom() + 0.2 * line
 
 
 def _colour(theme: Theme, colour: Colour) -> str:
