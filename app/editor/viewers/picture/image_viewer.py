@@ -218,7 +218,9 @@ class ImageViewer(Viewer):
         else:
             self.canvas.make_faint()
             self._hint.setText(str(answer.error))  # in sight where no picture was shown before
-            self.status.show_text(str(answer.error), failed=True)
+            node = answer.error.node if answer.error is not None else None
+            text = f"Not updated: {node} has an error, see its panel" if node else answer.error
+            self.status.show_text(str(text), failed=True)
 
     def follow(self, before: Network, after: Network) -> None:
         """Follow nodes that are renamed; of one that is deleted show the input, till it is back."""
