@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -29,6 +28,7 @@ from app.editor.canvas.wires import (
     course_of,
     length,
     overlap,
+    straight,
     wire_path,
 )
 from app.editor.evaluation.queries import Badge
@@ -73,7 +73,10 @@ class Content:
 
     def follow(self, network: Network) -> None:
         links_differ = network.links != self._links
-        touched = links_at(network) if links_differ else {}
+        touched: dict[str, list[Link]] = {}
+        for link in network.links if links_differ else ():
+            for name in {link.source, link.target}:
+                touched.setdefault(name, []).append(link)
         for name in [name for name in self.nodes if name not in network.nodes]:
             self._remove_node(name)
         marked = frozenset(name.partition(SEPARATOR)[0] for name in network.output_nodes)
@@ -96,7 +99,12 @@ class Content:
             for view in self._scene.views():
                 view.viewport().update()
         if links_differ or len(self.wires) != len(network.links):
-            self._follow_links(network)
+            for wire in [wire for link, wire in self.wires.items() if link not in network.links]:
+                self._remove_wire(wire)
+            for link in network.links:
+                if link not in self.wires and {link.source, link.target} <= self.nodes.keys():
+                    self._add_wire(link)
+            self._links = network.links
             moved = True
         if network.extra is not self._extra or links_differ:
             dots = dots_of(network)
@@ -169,18 +177,16 @@ class Content:
 
     def bounds(self, names: Iterable[str] | None = None) -> QRectF:
         """What the nodes take up; of all, the backdrops too. Null where there is nothing."""
-        whole, there, reach = QRectF(), self._ground.boxes, QPointF(DOT_RADIUS, DOT_RADIUS)
+        there = self._ground.boxes
         boxes = [*there.values()] if names is None else [there[n] for n in names if n in there]
-        if boxes:
-            left, top, right, bottom = hull(boxes)
-            whole = QRectF(left, top, right - left, bottom - top)
-        for backdrop in self.backdrops if names is None else ():
-            whole = whole.united(backdrop.frame())
+        left, top, right, bottom = hull(boxes) if boxes else (0.0, 0.0, 0.0, 0.0)
+        whole = QRectF(left, top, right - left, bottom - top)
         if names is None:
-            whole = whole.united(self.ends.boundingRect())
-        for wire in self.wires.values() if names is None else ():
-            for dot in wire.dots:
-                whole = whole.united(QRectF(dot - reach, dot + reach))
+            for backdrop in self.backdrops:
+                whole |= backdrop.frame()
+            whole |= self.ends.boundingRect()
+            for dot in (dot for wire in self.wires.values() for dot in wire.dots):
+                whole |= QRectF(dot, dot).adjusted(-DOT_RADIUS, -DOT_RADIUS, DOT_RADIUS, DOT_RADIUS)
         return whole
 
     def mark_selected(self, names: Iterable[str]) -> None:
@@ -200,12 +206,9 @@ class Content:
 
     def set_style(self, style: CanvasStyle) -> None:
         self.style = self.ends.style = style
-        for node in self.nodes.values():
-            node.set_style(style)
-        for wire in self.wires.values():
-            wire.set_style(style)
-        for backdrop in self.backdrops:
-            backdrop.set_style(style)
+        items: list[NodeItem | WireItem | BackdropItem] = [*self.nodes.values(), *self.backdrops]
+        for item in (*items, *self.wires.values()):
+            item.set_style(style)
 
     def _follow_node(self, node: Node, links: list[Link]) -> None:
         declared = declared_node(node, self._library)
@@ -229,15 +232,6 @@ class Content:
         self.nodes[node.id] = item
         self._ground.put(node.id, item.box())
         self._scene.addItem(item)
-
-    def _follow_links(self, network: Network) -> None:
-        wanted = set(network.links)
-        for wire in [wire for link, wire in self.wires.items() if link not in wanted]:
-            self._remove_wire(wire)
-        for link in network.links:
-            if link not in self.wires and {link.source, link.target} <= self.nodes.keys():
-                self._add_wire(link)
-        self._links = network.links
 
     def _follow_backdrops(self, wanted: Sequence[Backdrop]) -> None:
         self._frames = [rect_of(backdrop) for backdrop in wanted]
@@ -277,14 +271,6 @@ class Content:
         item = self.nodes.pop(name)
         item.ports.clear()
         self._scene.removeItem(item)
-
-
-def links_at(network: Network) -> dict[str, list[Link]]:
-    links: dict[str, list[Link]] = {}
-    for link in network.links:
-        for name in {link.source, link.target}:
-            links.setdefault(name, []).append(link)
-    return links
 
 
 # Where nodes stand: as in the document, else in columns by their depth.
@@ -353,11 +339,13 @@ class MacroEnds(QGraphicsItem):
         self.prepareGeometryChange()
         self.ends, self._bounds = (), QRectF()
         for side, named, x in ((INPUT, face.inputs, left), (OUTPUT, outputs, right)):
-            lowest = -math.inf
-            for name, ports in _in_order(side, named, nodes):
-                y = max(ports[0].centre().y(), lowest + _PITCH)
+            led = {name: _ports(side, ends, nodes) for name, ends in named.items()}
+            there = [(name, ports) for name, ports in led.items() if ports]
+            y = -math.inf
+            for name, ports in sorted(there, key=lambda one: one[1][0].centre().y()):
+                y = max(ports[0].centre().y(), y + _PITCH)
                 end = self._end(name, side, QPointF(x, y), ports, ground)
-                self.ends, lowest = (*self.ends, end), y
+                self.ends = (*self.ends, end)
                 for part in (end.plate, *(wire.controlPointRect() for wire in end.wires)):
                     self._bounds |= part.adjusted(-4, -4, 4, 4)
         self.update()
@@ -396,16 +384,11 @@ class MacroEnds(QGraphicsItem):
             painter.drawEllipse(QPointF(x, end.plate.center().y()), PORT_RADIUS, PORT_RADIUS)
 
 
-def _in_order(
-    side: Side, named: Mapping[str, Sequence[tuple[str, str]]], nodes: Mapping[str, NodeItem]
-) -> list[tuple[str, list[NodePort]]]:
-    """The macro's ends with the ports they lead to, from the highest port down."""
-    found = []
-    for name, ends in named.items():
-        ports = [nodes[node].ports.get((side, port)) for node, port in ends if node in nodes]
-        found.append((name, [port for port in ports if port is not None]))
-    there = [(name, ports) for name, ports in found if ports]
-    return sorted(there, key=lambda one: one[1][0].centre().y())
+def _ports(
+    side: Side, ends: Sequence[tuple[str, str]], nodes: Mapping[str, NodeItem]
+) -> list[NodePort]:
+    places = ((nodes[node], (side, port)) for node, port in ends if node in nodes)
+    return [node.ports[place] for node, place in places if place in node.ports]
 
 
 _PORT_PX, _PORT_LEAST, _PORT_MOST = 9.0, 9.0, 26.0
@@ -480,89 +463,62 @@ def dot_near(content: Content, point: QPointF, reach: float) -> tuple[WireItem, 
 def place_on_wire(wire: WireItem, point: QPointF) -> int:
     """Before which of its dots a point of a wire lies; their number where behind all."""
     line = wire.line()
-    nearest = min(range(len(line)), key=lambda place: length(line[place] - point))
-    places = [
-        min(range(len(line)), key=lambda place: length(line[place] - dot)) for dot in wire.dots
-    ]
-    return sum(place < nearest for place in places)
+
+    def place_of(spot: QPointF) -> int:
+        return min(range(len(line)), key=lambda place: length(line[place] - spot))
+
+    return sum(place_of(dot) < place_of(point) for dot in wire.dots)
 
 
 def wires_near(content: Content, point: QPointF, reach: float) -> list[WireItem]:
-    nearby = []
-    for wire in content.wires.values():
-        around = wire.boundingRect().adjusted(-reach, -reach, reach, reach)
-        if wire.isVisible() and around.contains(point):
-            away = distance(wire.line(), point)
-            if away <= reach:
-                nearby.append((away, wire))
-    return [wire for _, wire in sorted(nearby, key=itemgetter(0))]
+    around = QRectF(point, point).adjusted(-reach, -reach, reach, reach)
+    wires = [
+        wire
+        for wire in content.wires.values()
+        if wire.isVisible() and wire.boundingRect().intersects(around)
+    ]
+    near: list[WireItem] = []
+    for width in (0.6 * reach, 2 * reach):  # the nearest first
+        near += [w for w in wires if w not in near and w.stroke(width).contains(point)]
+    return near
 
 
 def wires_crossed(content: Content, start: QPointF, end: QPointF) -> list[WireItem]:
-    area = QRectF(start, end).normalized().adjusted(-1, -1, 1, 1)
-    return [
-        wire
-        for wire in content.wires.values()
-        if wire.boundingRect().intersects(area) and _crossed(wire.line(), start, end)
-    ]
-
-
-def distance(line: list[QPointF], point: QPointF) -> float:
-    best = float("inf")
-    px, py = point.x(), point.y()
-    for a, b in pairwise(line):
-        ax, ay, dx, dy = a.x(), a.y(), b.x() - a.x(), b.y() - a.y()
-        square = dx * dx + dy * dy
-        t = 0.0 if not square else ((px - ax) * dx + (py - ay) * dy) / square
-        t = min(max(t, 0.0), 1.0)
-        away = (ax + t * dx - px) ** 2 + (ay + t * dy - py) ** 2
-        best = min(best, away)
-    return float(best**0.5)
-
-
-def _crossed(line: list[QPointF], start: QPointF, end: QPointF) -> bool:
-    return any(
-        _side(start, end, a) * _side(start, end, b) <= 0
-        and _side(a, b, start) * _side(a, b, end) <= 0
-        for a, b in pairwise(line)
-    )
-
-
-def _side(a: QPointF, b: QPointF, point: QPointF) -> float:
-    return (b.x() - a.x()) * (point.y() - a.y()) - (b.y() - a.y()) * (point.x() - a.x())
-
-
-# Which wire and which backdrop are selected, and what the pointer is over: the view's alone.
-#
-# Held by their names in the document, never as items: items are replaced.
+    cut = straight(start, end)
+    return [wire for wire in content.wires.values() if wire.stroke(0.1).intersects(cut)]
 
 
 class Marks:
-    """At most one wire, one dot of it, or one backdrop is selected; nodes are in the session."""
+    """What the view alone knows: at most one wire, a dot of it, or one backdrop is selected.
+
+    Held by their names in the document, never as items: items are replaced.
+    """
 
     def __init__(self, content: Content) -> None:
         self._content = content
         self._link: Link | None = None
         self._backdrop: int | None = None
         self._dot: int | None = None
-        self._over_port: tuple[str, Side, str] | None = None
+        self._over_port: tuple[str, tuple[Side, str]] | None = None
         self._over_wire: Link | None = None
 
     @property
+    def wire(self) -> WireItem | None:
+        return self._content.wires.get(self._link) if self._link is not None else None
+
+    @property
     def link(self) -> Link | None:
-        return self._link if self._link in self._content.wires else None
+        return self.wire.link if self.wire is not None else None
 
     @property
     def backdrop(self) -> BackdropItem | None:
-        backdrops = self._content.backdrops
-        index = self._backdrop
+        backdrops, index = self._content.backdrops, self._backdrop
         return backdrops[index] if index is not None and index < len(backdrops) else None
 
     @property
     def dot(self) -> int | None:
-        wire = self._content.wires.get(self._link) if self._link is not None else None
-        there = wire is not None and self._dot is not None and self._dot < len(wire.dots)
-        return self._dot if there else None
+        there = len(self.wire.dots) if self.wire is not None else 0
+        return self._dot if self._dot is not None and self._dot < there else None
 
     def choose(
         self, link: Link | None, backdrop: BackdropItem | None, dot: int | None = None
@@ -574,37 +530,27 @@ class Marks:
 
     def hover(self, hit: Hit) -> None:
         port = hit.port
-        over = (port.node.id, port.side, port.name) if port is not None else None
-        if over != self._over_port:
-            self._show_port(False)
-            self._over_port = over
-            self._show_port(True)
-        link = hit.wire.link if hit.wire is not None else None
-        if link != self._over_wire:
-            self._show_wire(False)
-            self._over_wire = link
-            self._show_wire(True)
+        over_port = (port.node.id, (port.side, port.name)) if port is not None else None
+        over_wire = hit.wire.link if hit.wire is not None else None
+        if (over_port, over_wire) != (self._over_port, self._over_wire):
+            self._show_hovered(False)
+            self._over_port, self._over_wire = over_port, over_wire
+            self._show_hovered(True)
 
     def _show_chosen(self, on: bool) -> None:
-        wire = self._content.wires.get(self._link) if self._link is not None else None
-        if wire is not None:
-            wire.chosen_dot = self._dot if on else None
-            wire.set_state(chosen=on)
-            wire.update()
+        if self.wire is not None:
+            self.wire.chosen_dot = self._dot if on else None
+            self.wire.set_state(chosen=on)
+            self.wire.update()
         if self.backdrop is not None:
             self.backdrop.setSelected(on)
             self.backdrop.update()
 
-    def _show_port(self, on: bool) -> None:
-        if self._over_port is None:
-            return
-        name, side, port = self._over_port
+    def _show_hovered(self, on: bool) -> None:
+        name, place = self._over_port or ("", None)
         item = self._content.nodes.get(name)
-        if item is not None and (side, port) in item.ports:
-            item.ports[side, port].hovered = on
+        if item is not None and place in item.ports:
+            item.ports[place].hovered = on
             item.update()
-
-    def _show_wire(self, on: bool) -> None:
-        wire = self._content.wires.get(self._over_wire) if self._over_wire is not None else None
-        if wire is not None:
-            wire.set_state(hovered=on)
+        if self._over_wire in self._content.wires:
+            self._content.wires[self._over_wire].set_state(hovered=on)

@@ -7,8 +7,10 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QColor, QPainter, QPainterPath, QPainterPathStroker, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
 
 from app.editor.canvas.canvas_style import CanvasStyle
@@ -97,14 +99,14 @@ class WireItem(QGraphicsPathItem):
     def boundingRect(self) -> QRectF:
         return self._bounds
 
+    def stroke(self, width: float) -> QPainterPath:
+        stroker = QPainterPathStroker()
+        stroker.setWidth(width)
+        return stroker.createStroke(self.path())
+
     def shape(self) -> QPainterPath:
         """The line itself, for the pointer: Qt's own would be the area under it."""
-        path = QPainterPath(self.line()[0])
-        for point in self.line()[1:]:
-            path.lineTo(point)
-        for point in reversed(self.line()):
-            path.lineTo(point + QPointF(0, 4))
-        return path
+        return self.stroke(6.0)
 
     def paint(self, painter: QPainter, *_: Any) -> None:
         zoom = max(painter.worldTransform().m11(), 1e-3)
@@ -138,31 +140,31 @@ class LiveWire(QGraphicsPathItem):
         self.setVisible(False)
 
     def show_wire(self, start: QPointF, end: QPointF, colour: QColor) -> None:
-        self.setPen(_cosmetic(colour, 2.2, Qt.PenStyle.DashLine))
-        self.setPath(wire_path(start, end))
-        self.setVisible(True)
+        self._show(wire_path(start, end), QPen(colour, 2.2, Qt.PenStyle.DashLine))
 
     def show_cut(self, start: QPointF, end: QPointF, colour: QColor) -> None:
-        self.setPen(_cosmetic(colour, 1.6, Qt.PenStyle.DashDotLine))
-        path = QPainterPath(start)
-        path.lineTo(end)
+        self._show(straight(start, end), QPen(colour, 1.6, Qt.PenStyle.DashDotLine))
+
+    def _show(self, path: QPainterPath, pen: QPen) -> None:
+        pen.setCosmetic(True)
+        self.setPen(pen)
         self.setPath(path)
         self.setVisible(True)
 
 
-def _cosmetic(colour: QColor, width: float, line: Qt.PenStyle) -> QPen:
-    pen = QPen(colour, width, line)
-    pen.setCosmetic(True)
-    return pen
+def straight(start: QPointF, end: QPointF) -> QPainterPath:
+    path = QPainterPath(start)
+    path.lineTo(end)
+    return path
 
 
 Spot = tuple[float, float]
+Boxes = NDArray[np.float64]
 
 _LEAVE = 32.0  # units across in which a wire changes to its lane: less than the gap of columns
 _TURN = 40.0  # units aside in which a wire turns back
 _BELOW = 16.0  # a lane back is this much further below nodes than others are beside them
 _TRIES = 5
-_CELL = 512.0  # units: about two nodes by three
 _SHARE = 0.35  # of the way to the next dot that a wire keeps its direction
 _FAVOUR = 80.0  # for the lane above
 
@@ -175,7 +177,11 @@ def wire_path(start: QPointF, end: QPointF, lane: float | None = None) -> QPaint
         path.cubicTo(start + QPointF(reach, 0), end - QPointF(reach, 0), end)
         return path
     if end.x() < start.x() + 2 * _LEAVE:
-        _go_back(path, start, end, lane)
+        turn = QPointF(_TURN, 0)
+        at_lane, from_lane = QPointF(start.x(), lane), QPointF(end.x(), lane)
+        path.cubicTo(start + turn, at_lane + turn, at_lane)
+        path.lineTo(from_lane)
+        path.cubicTo(from_lane - turn, end - turn, end)
         return path
     half = QPointF(_LEAVE / 2, 0)
     up, down = QPointF(start.x() + _LEAVE, lane), QPointF(end.x() - _LEAVE, lane)
@@ -207,94 +213,43 @@ def length(way: QPointF) -> float:
     return math.hypot(way.x(), way.y())
 
 
-def _go_back(path: QPainterPath, start: QPointF, end: QPointF, lane: float) -> None:
-    turn = QPointF(_TURN, 0)
-    at_lane, from_lane = QPointF(start.x(), lane), QPointF(end.x(), lane)
-    path.cubicTo(start + turn, at_lane + turn, at_lane)
-    path.lineTo(from_lane)
-    path.cubicTo(from_lane - turn, end - turn, end)
-
-
 class Ground:
-    """Where nodes stand, found by place: a wire looks only at the nodes near its course.
+    """Where nodes stand.
 
     `changed` is the hull of all places where nodes came, stood or went since it was last None.
     """
 
     def __init__(self, boxes: Iterable[Box] = ()) -> None:
         self.changed: Box | None = None
-        self.boxes: dict[str, Box] = {}
-        self._cells: dict[tuple[int, int], dict[str, Box]] = {}
-        for number, box in enumerate(boxes):
-            self.put(str(number), box)
+        self.boxes: dict[str, Box] = {str(number): box for number, box in enumerate(boxes)}
+        self._rows: Boxes | None = None
 
     def put(self, name: str, box: Box) -> None:
-        if self.boxes.get(name) == box:
-            return
-        self.drop(name)
-        self.boxes[name] = box
-        for cell in _cells(box):
-            self._cells.setdefault(cell, {})[name] = box
-        self._change(box)
-
-    def drop(self, name: str) -> None:
-        box = self.boxes.pop(name, None)
-        if box is not None:
-            for cell in _cells(box):
-                del self._cells[cell][name]
+        if self.boxes.get(name) != box:
+            self.drop(name)
+            self.boxes[name] = box
             self._change(box)
 
-    def within(self, area: Box) -> set[Box]:
-        columns, rows = _cell_ranges(area)
-        if len(columns) * len(rows) > len(self.boxes):
-            near: Iterable[Box] = self.boxes.values()
-        else:
-            cells = (self._cells.get((x, y)) for x in columns for y in rows)
-            near = (box for cell in cells if cell for box in cell.values())
-        return {box for box in near if overlap(box, area)}
+    def drop(self, name: str) -> None:
+        if name in self.boxes:
+            self._change(self.boxes.pop(name))
 
-    def span(self, area: Box) -> tuple[float, float]:
-        """The least top and the greatest bottom of the nodes that overlap an area; some do."""
-        columns, rows = _cell_ranges(area)
-        if len(columns) * len(rows) > len(self.boxes):
-            every = self.within(area)
-            return min(box[1] for box in every), max(box[3] for box in every)
-
-        def first(order: Iterable[int]) -> list[Box]:
-            """The nodes in the first row of cells that has one: none beyond reaches further."""
-            for y in order:
-                cells = (self._cells.get((x, y), {}) for x in columns)
-                if row := [b for cell in cells for b in cell.values() if overlap(b, area)]:
-                    return row
-            raise AssertionError
-
-        upper, lower = first(rows), first(reversed(rows))
-        return min(box[1] for box in upper), max(box[3] for box in lower)
-
-    def meets(self, points: Iterable[Spot], area: Box) -> bool:
-        """Whether one of the points lies in a node that overlaps an area."""
-        return any(
-            box[0] < x < box[2] and box[1] < y < box[3] and overlap(box, area)
-            for x, y in points
-            for box in self._cells.get((math.floor(x / _CELL), math.floor(y / _CELL)), {}).values()
-        )
+    def within(self, area: Box) -> Boxes:
+        """The boxes of nodes that overlap an area, in rows as in `Box`."""
+        if self._rows is None:
+            self._rows = np.array([*self.boxes.values()], np.float64).reshape(-1, 4)
+        left, top, right, bottom = self._rows.T
+        there = (left < area[2]) & (right > area[0]) & (top < area[3]) & (bottom > area[1])
+        inside: Boxes = self._rows[there]
+        return inside
 
     def _change(self, box: Box) -> None:
         self.changed = hull([self.changed or box, box])
+        self._rows = None
 
 
 def overlap(one: Box, other: Box) -> bool:
     return one[0] < other[2] and one[2] > other[0] and one[1] < other[3] and one[3] > other[1]
-
-
-def _cell_ranges(area: Box) -> tuple[range, range]:
-    left, top, right, bottom = (math.floor(side / _CELL) for side in area)
-    return range(left, right + 1), range(top, bottom + 1)
-
-
-def _cells(box: Box) -> Iterable[tuple[int, int]]:
-    columns, rows = _cell_ranges(box)
-    return ((x, y) for x in columns for y in rows)
 
 
 class Course(NamedTuple):
@@ -309,84 +264,63 @@ def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
 
     The lane is the free height above the boxes, `beside` away from them, or the one below where
     that is much nearer: so that wires from one port run along one lane. A wire that goes back to
-    the left, as to the next row, has its lane between the two rows.
+    the left, as to the next row, has its lane between the two rows: below the row of the end
+    further up, where no title of a backdrop is in the way.
     """
     left, right = start[0] + _LEAVE, end[0] - _LEAVE
-    if right - left < _LEAVE:
-        return _course_back(start, end, ground, beside)
     top, bottom = min(start[1], end[1]), max(start[1], end[1])
+    if right - left < _LEAVE:
+        low = top + _LEAVE
+        reach = end[0] - _TURN, top - _BELOW - beside, start[0] + _TURN, max(low, bottom) + 4
+        near = ground.within(reach)
+        below_rows = np.unique(near[:, 3]) + _BELOW + beside if _meets(start, end, near) else ()
+        free = (lane for lane in below_rows if low < lane < bottom and not _on(near, lane).size)
+        return Course(next(free, None), reach)
     # A cubic with level ends stays near its ends' heights: that of the end met first.
-    in_way = left, top - 4, right, bottom + 4
-    if not ground.meets(_points(start, end), in_way):
-        return Course(None, in_way)
-    upper, lower = ground.span(in_way)
-    above, highest = _free(upper - beside, left, right, ground, -beside)
-    below, lowest = _free(lower + beside, left, right, ground, beside)
+    reach = left, top - 4, right, bottom + 4
+    near = ground.within(reach)
+    if not _meets(start, end, near):
+        return Course(None, reach)
+    above, highest = _free(near[:, 1].min() - beside, left, right, ground, -beside)
+    below, lowest = _free(near[:, 3].max() + beside, left, right, ground, beside)
     reach = left, min(top, highest) - 4, right, max(bottom, lowest) + 4
-    lanes = [
-        (lane, favour) for lane, favour in ((above, _FAVOUR), (below, 0.0)) if lane is not None
-    ]
-    if not lanes:
-        return Course(None, reach)
-    best = min(lanes, key=lambda one: abs(one[0] - start[1]) + abs(one[0] - end[1]) - one[1])
-    return Course(best[0], reach)
+    lanes = [lane for lane in (above, below) if lane is not None]
 
+    def cost(lane: float) -> float:
+        return abs(lane - start[1]) + abs(lane - end[1]) - _FAVOUR * (lane == above)
 
-def _course_back(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
-    """The height between two ends where nothing stands: below the row of the one further up.
-
-    There no title of a backdrop is in the way.
-    """
-    low, high = min(start[1], end[1]) + _LEAVE, max(start[1], end[1])
-    highest = min(start[1], end[1]) - _BELOW - beside
-    reach = end[0] - _TURN, highest, start[0] + _TURN, max(low, high) + 4
-    if not ground.meets(_points(start, end), reach):
-        return Course(None, reach)
-    between = ground.within(reach)
-    lanes = {box[3] + _BELOW + beside for box in between}
-    spans = sorted({(box[1], box[3]) for box in between}, reverse=True)
-    reached = -math.inf  # the lower end of all spans that begin above the lane
-    for lane in sorted(lane for lane in lanes if low < lane < high):
-        while spans and spans[-1][0] - 3 < lane:
-            reached = max(reached, spans.pop()[1] + 3)
-        if reached <= lane:
-            return Course(lane, reach)
-    return Course(None, reach)
+    return Course(min(lanes, key=cost, default=None), reach)
 
 
 def _free(
     lane: float, left: float, right: float, ground: Ground, step: float
 ) -> tuple[float | None, float]:
     """The first height from `lane` on, away by `step`, with no box; and the last one tried."""
+    last = lane
     for _ in range(_TRIES):
-        near = ground.within((left, lane - 4, right, lane + 4))
-        hit = [box for box in near if box[1] - 3 < lane < box[3] + 3]
-        if not hit:
-            return lane, lane
+        hit = _on(ground.within((left, lane - 4, right, lane + 4)), lane)
         last = lane
-        lane = (min(box[1] for box in hit) if step < 0 else max(box[3] for box in hit)) + step
+        if not hit.size:
+            return lane, lane
+        lane = (hit[:, 1].min() if step < 0 else hit[:, 3].max()) + step
     return None, last
 
 
-def _weights(t: float) -> tuple[float, float, float, float]:
-    u = 1 - t
-    return u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+def _on(boxes: Boxes, lane: float) -> Boxes:
+    return boxes[(boxes[:, 1] - 3 < lane) & (lane < boxes[:, 3] + 3)]
 
 
-_CUBIC = [_weights(n / 20) for n in range(1, 20)]
+_SHARES = np.arange(1, 20)[:, np.newaxis] / 20
+_CUBIC = (1 - _SHARES) ** [3, 2, 1, 0] * _SHARES ** [0, 1, 2, 3] * [1, 3, 3, 1]
 
 
-def _points(start: Spot, end: Spot) -> list[Spot]:
+def _meets(start: Spot, end: Spot, boxes: Boxes) -> bool:
+    """Whether a wire without a lane goes through one of the boxes."""
     reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
-    xs = start[0], start[0] + reach, end[0] - reach, end[0]
-    ys = start[1], start[1], end[1], end[1]
-    return [
-        (
-            a * xs[0] + b * xs[1] + c * xs[2] + d * xs[3],
-            a * ys[0] + b * ys[1] + c * ys[2] + d * ys[3],
-        )
-        for a, b, c, d in _CUBIC
-    ]
+    ends = [start, (start[0] + reach, start[1]), (end[0] - reach, end[1]), end]
+    x, y = (_CUBIC @ np.array(ends)).T[:, :, np.newaxis]
+    left, top, right, bottom = boxes.T
+    return bool(np.any((left < x) & (x < right) & (top < y) & (y < bottom)))
 
 
 def _reach(across: float, along: float) -> float:
