@@ -72,15 +72,12 @@ class Adding:
         self._popup.open_at(QPoint(room.width() // 3, room.height() // 8), "Find a node", choices)
 
     def _show_node(self, name: str) -> None:
-        surface = self._surface
+        surface, view = self._surface, self._surface.view
         if name in surface.content.nodes:
             surface.session.select([name])
-            frame = surface.content.nodes[name].frame()
-            seen = surface.view.visible_rect()
-            if frame.width() < seen.width() and frame.height() < seen.height():
-                surface.view.make_visible(frame)
-            else:
-                surface.view.frame(frame)
+            frame, seen = surface.content.nodes[name].frame(), view.visible_rect()
+            fits = frame.width() < seen.width() and frame.height() < seen.height()
+            (view.make_visible if fits else view.frame)(frame)
 
     def ask_for_wire(self, port: NodePort, loose: Link | None, pos: QPoint) -> None:
         """List the modules that fit a wire from a port that ended on empty ground.
@@ -91,14 +88,13 @@ class Adding:
         end: End = (port.node.id, port.name, port.side)
         other: Side = "input" if port.side == "output" else "output"
         point = surface.view.scene_point(pos)
-        candidates = fitting(surface.session.library, port.types, other)
         choices = [
             self._module_choice(
                 candidate.module,
                 partial(self._wire_to, end, candidate, point, loose),
                 port=candidate.port,
             )
-            for candidate in candidates
+            for candidate in fitting(surface.session.library, port.types, other)
         ]
         if loose is not None:
             choices.insert(0, Choice(f"Disconnect {loose}", self._disconnect_loose))
@@ -166,25 +162,23 @@ class Adding:
             self._surface.view.make_visible(self._surface.content.nodes[name].frame())
 
     def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
-        session = self._surface.session
-        steps: list[Operation] = [Rewire(remove=(loose,))] if loose is not None else []
+        """Wire a new node to an end, so that its port is where the wire was drawn to."""
+        surface, session = self._surface, self._surface.session
+        removing = Rewire(remove=(loose,) if loose is not None else ())
+        node = Node(local_key(candidate.module), candidate.module)
+        face = face_of(node, declaration(session.library[candidate.module]), ())
+        side: Side = "input" if end[2] == "output" else "output"
+        ports = geometry_of(face, surface.content.style).ports
+        corner = point - ports[side, candidate.port]
+        at = free_place(surface, candidate.module, (corner.x(), corner.y()))
         try:
-            network = steps[0].apply(session.network) if steps else session.network
-            at = self._at_port(candidate, end[2], point)
+            network = removing.apply(session.network)
             name, operation = wired_to(network, session.library, end, candidate, at)
         except ImagechainError as error:
             session.message.emit("error", str(error))
             return
-        if session.do(Together((*steps, operation), operation.text)):
+        if session.do(Together((removing, operation), operation.text)):
             session.select([name])
-
-    def _at_port(self, candidate: Candidate, drawn_from: str, point: QPointF) -> Point:
-        known = declaration(self._surface.session.library[candidate.module])
-        node = Node(local_key(candidate.module), candidate.module)
-        geometry = geometry_of(face_of(node, known, ()), self._surface.content.style)
-        side: Side = "input" if drawn_from == "output" else "output"
-        at = point - geometry.ports[side, candidate.port]
-        return free_place(self._surface, candidate.module, (at.x(), at.y()))
 
     def _disconnect_loose(self) -> None:
         if self._loose is not None:

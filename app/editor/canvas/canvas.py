@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.canvas.adding import Adding, Dropping
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
-from app.editor.canvas.canvas_view import GraphView, Handler, Minimap
+from app.editor.canvas.canvas_view import GraphView, Minimap
 from app.editor.canvas.content import Content, Hit, Marks, node_at
 from app.editor.canvas.gestures import Surface
 from app.editor.canvas.mouse import Dots, Mouse, backdrop_at, moved_together
@@ -45,32 +46,19 @@ class Canvas(QWidget):
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
         self.surface = surface = Surface(session, self.view, self.content, self)
-        self.empty_hint = EmptyHint(session, self.view.viewport())
+        self.empty_hint = EmptyHint(session, self.view)
         self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content)
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
         self.adding = Adding(surface, self.popup)
         self.dots = Dots(surface, self.marks)
-        self.mouse = mouse = Mouse(surface, self.marks, self.dots, self.adding.ask_for_wire)
-        self.keys = Keys(surface, self.marks, self.dots)
-        self.menus = Menus(surface, self.marks, self.dots, self)
-        dropping = Dropping(surface)
-        self.view.handler = Handler(
-            press=mouse.press,
-            move=mouse.move,
-            release=mouse.release,
-            double_click=mouse.double_click,
-            leave=mouse.leave,
-            interrupted=mouse.cancel,
-            wants_key=self._wants_key,
-            key=self._key,
-            key_released=self.keys.release,
-            menu=self.menus.open,
-            drag_over=dropping.over,
-            drag_left=dropping.left,
-            drop=dropping.drop,
+        self.mouse = self.view.mouse = Mouse(
+            surface, self.marks, self.dots, self.adding.ask_for_wire
         )
+        self.view.keys = Keys(surface, self.marks, self.dots)
+        self.menus = self.view.menus = Menus(surface, self.marks, self.dots, self)
+        self.view.dropping = Dropping(surface)
         filled(QVBoxLayout(self), self.view)
         self._connect()
         self._take_look()
@@ -152,23 +140,13 @@ class Canvas(QWidget):
             floating.setPalette(raised_palette(theme))
 
     def _connect(self) -> None:
-        session = self._session
+        session, surface = self._session, self.surface
         session.opened.connect(self._opened)
         session.changed.connect(self._changed)
         session.selection_changed.connect(self._selection_changed)
-        surface = self.surface
         surface.search_wanted.connect(lambda at: self.adding.search((at.x(), at.y())))
         surface.title_wanted.connect(self._edit_title)
         self.title_editor.edited.connect(self._retitle)
-
-    def _wants_key(self, event: QKeyEvent) -> bool:
-        return self.mouse.busy and event.key() == Qt.Key.Key_Escape
-
-    def _key(self, event: QKeyEvent) -> bool:
-        if self._wants_key(event):
-            self.mouse.cancel()
-            return True
-        return self.keys.press(event)
 
     def _opened(self) -> None:
         self._let_go()
@@ -203,41 +181,27 @@ class Canvas(QWidget):
         self._session.do(change(network, index, backdrop))
 
 
-# What to do on a canvas with nothing on it; gone with the first node.
-
-TEXT = "Tab or double-click adds a module; drag one from the library; drop a file"
-
-
 class EmptyHint(QLabel):
-    """Through it the mouse reaches the canvas."""
+    """What to do on a canvas with nothing on it. Through it the mouse reaches the canvas."""
 
-    def __init__(self, session: Session | Level, ground: QWidget) -> None:
-        super().__init__(TEXT, ground)
+    def __init__(self, session: Session | Level, view: GraphView) -> None:
+        super().__init__(TEXT, view.viewport())
         self.setObjectName("canvas.empty_hint")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setWordWrap(True)
         self.setForegroundRole(FAINT)
-        self._session = session
-        self._ground = ground
-        ground.installEventFilter(self)
-        session.opened.connect(self._follow)
-        session.changed.connect(self._follow)
+        self._session, self._view = session, view
+        for signal in (session.opened, session.changed, view.looked_elsewhere):
+            signal.connect(self._follow)
         self._follow()
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if watched is self._ground and event.type() is QEvent.Type.Resize:
-            self._fill()
-        return False
-
     def _follow(self, *_: object) -> None:
-        empty = not self._session.network.nodes
-        if empty:
-            self._fill()
-        self.setVisible(empty)
+        self.setGeometry(self._view.viewport().rect().adjusted(24, 0, -24, 0))
+        self.setVisible(not self._session.network.nodes)
 
-    def _fill(self) -> None:
-        self.setGeometry(self._ground.rect().adjusted(24, 0, -24, 0))
+
+TEXT = "Tab or double-click adds a module; drag one from the library; drop a file"
 
 
 class Menus:
@@ -374,6 +338,9 @@ class Keys:
         self._nudging = False
 
     def press(self, event: QKeyEvent) -> bool:
+        if event.key() == _KEY.Key_Escape and self._surface.view.mouse.busy:
+            self._surface.view.mouse.cancel()
+            return True
         arrow = _ARROWS.get(event.key())
         if arrow is not None:
             self._arrow(arrow, event.modifiers())
@@ -434,45 +401,39 @@ class Keys:
         session.do(operation, gesture=gesture)
 
     def _go(self, arrow: tuple[float, float], *, adding: bool) -> None:
-        surface = self._surface
+        """To the next node or backdrop that way; where nothing is selected, to the middle one."""
+        surface, marks = self._surface, self._marks
         session, content = surface.session, surface.content
         spots: dict[str | int, QPointF] = {
             name: item.frame().center() for name, item in content.nodes.items()
         }
-        if not adding:
-            spots |= {
-                item.index: item.head(surface.view.zoom).center() for item in content.backdrops
-            }
-        here: str | int | None = session.selection[-1] if session.selection else None
-        if here is None and self._marks.backdrop is not None:
-            here = self._marks.backdrop.index
-        start = spots.pop(here) if here in spots else None
-        if start is None:  # nothing selected: the one nearest the middle
-            middle = surface.view.visible_rect().center()
-            nearest = min(
-                spots, key=lambda one: (spots[one] - middle).manhattanLength(), default=None
-            )
-        else:
-            nearest = _next(spots, start, arrow)
+        for item in () if adding else content.backdrops:
+            spots[item.index] = item.head(surface.view.zoom).center()
+        here: str | int = next(iter(session.selection[-1:]), "")
+        if not here and marks.backdrop is not None:
+            here = marks.backdrop.index
+        start = spots.pop(here, None)
+        ways = {
+            one: spot - (start or surface.view.visible_rect().center())
+            for one, spot in spots.items()
+        }
+
+        def cost(one: str | int) -> float:
+            way = ways[one]
+            if start is None:
+                return way.manhattanLength()
+            ahead = way.x() * arrow[0] + way.y() * arrow[1]
+            aside = abs(way.x() * arrow[1]) + abs(way.y() * arrow[0])
+            return ahead + _ASIDE * aside if ahead > 1.0 else math.inf
+
+        nearest = min(ways, key=cost, default=None)
+        if nearest is None or math.isinf(cost(nearest)):
+            return
         if isinstance(nearest, str):
-            self._marks.choose(None, None)
+            marks.choose(None, None)
             session.select((*session.selection, nearest) if adding else (nearest,))
             surface.view.make_visible(content.nodes[nearest].frame())
-        elif nearest is not None:
+        else:
             session.select(())
-            self._marks.choose(None, content.backdrops[nearest])
+            marks.choose(None, content.backdrops[nearest])
             surface.view.make_visible(content.backdrops[nearest].frame())
-
-
-def _next(
-    spots: Mapping[str | int, QPointF], start: QPointF, arrow: tuple[float, float]
-) -> str | int | None:
-    best: tuple[float, str | int] | None = None
-    for candidate, spot in spots.items():
-        way = spot - start
-        ahead = way.x() * arrow[0] + way.y() * arrow[1]
-        aside = abs(way.x() * arrow[1]) + abs(way.y() * arrow[0])
-        cost = ahead + _ASIDE * aside
-        if ahead > 1.0 and (best is None or cost < best[0]):
-            best = (cost, candidate)
-    return best[1] if best is not None else None

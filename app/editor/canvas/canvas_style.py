@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal
 
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -66,25 +65,22 @@ class NodeFace:
         return self.inputs if side == "input" else self.outputs
 
 
-def _absent(module: str) -> str:
-    package = package_of(module)
-    of_package = f"; it is of the package {package}" if package else ""
-    return f"The library has no module {module}{of_package}."
-
-
 def face_of(
     node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
 ) -> NodeFace:
     """The face of a node with the links at it; ports that only a link names have no types."""
     inputs = declared.inputs if declared else ()
     outputs = declared.outputs if declared else ()
+    package = package_of(node.module)
+    of_package = f"; it is of the package {package}" if package else ""
+    absent = f"The library has no module {node.module}{of_package}."
     coming = (link.input for link in links if link.target == node.id)
     going = (link.output for link in links if link.source == node.id)
     return NodeFace(
         id=node.id,
         module=declared.title if declared else node.module,
         group=declared.group if declared else "",
-        summary=declared.summary if declared else _absent(node.module),
+        summary=declared.summary if declared else absent,
         inputs=inputs + _missing(inputs, coming),
         outputs=outputs + _missing(outputs, going),
         known=declared is not None,
@@ -105,39 +101,33 @@ def _missing(known: tuple[Port, ...], names: Iterable[str]) -> tuple[Port, ...]:
     return tuple(Port(name, ()) for name in dict.fromkeys(names) if name not in there)
 
 
-TextRole = Literal["title", "id", "port", "backdrop"]
+TextRole = Literal["title", "id", "port"]
 
 _PLAIN = 12  # units that the window's font is worth
-_SIZES: dict[TextRole, int] = {"title": 13, "id": 11, "port": 11, "backdrop": 15}
+_SIZES: dict[TextRole, int] = {"title": 13, "id": 11, "port": 11}
 
 
 # Chosen so that the theme's text is read on them, contrast 4.5 or more; the tests measure it.
-_TINTS: Mapping[Look, Mapping[str, str]] = MappingProxyType(
-    {
-        "dark": MappingProxyType(
-            {
-                "red": "#7a2e35",
-                "orange": "#7a4a1e",
-                "yellow": "#665a17",
-                "green": "#2c6138",
-                "blue": "#28538a",
-                "violet": "#5d3f86",
-                "grey": "#555b63",
-            }
-        ),
-        "light": MappingProxyType(
-            {
-                "red": "#f3c1c3",
-                "orange": "#f5d0a9",
-                "yellow": "#efe3a0",
-                "green": "#c3e5c5",
-                "blue": "#bfd7f5",
-                "violet": "#ddcbf2",
-                "grey": "#d3d6da",
-            }
-        ),
-    }
-)
+_TINTS: Mapping[Look, Mapping[str, str]] = {
+    "dark": {
+        "red": "#7a2e35",
+        "orange": "#7a4a1e",
+        "yellow": "#665a17",
+        "green": "#2c6138",
+        "blue": "#28538a",
+        "violet": "#5d3f86",
+        "grey": "#555b63",
+    },
+    "light": {
+        "red": "#f3c1c3",
+        "orange": "#f5d0a9",
+        "yellow": "#efe3a0",
+        "green": "#c3e5c5",
+        "blue": "#bfd7f5",
+        "violet": "#ddcbf2",
+        "grey": "#d3d6da",
+    },
+}
 TINTS: tuple[str, ...] = tuple(_TINTS["dark"])
 
 
@@ -147,9 +137,8 @@ class CanvasStyle:
         self.natural_zoom = max(QFontInfo(font).pixelSize(), 6) / _PLAIN
         self._font = font
         self._fonts: dict[tuple[int, bool], QFont] = {}
-        self._sized_metrics: dict[int, QFontMetricsF] = {}
+        self._metrics: dict[tuple[int, bool], QFontMetricsF] = {}
         self._widths: dict[tuple[TextRole, str], float] = {}
-        self._metrics = {role: QFontMetricsF(self.font(role)) for role in _SIZES}
         self.text = QColor(theme.text)
         self.faint = QColor(theme.faint_text)
         self.node = QBrush(QColor(theme.node))
@@ -157,15 +146,13 @@ class CanvasStyle:
         self.dashed = QPen(self.faint, 1.4, Qt.PenStyle.DashLine)
         self.accent = QColor(theme.accent)
         self.error = QColor(theme.error)
-        self.group = {name: QColor(colour) for name, colour in theme.groups.items()}
-        self.unknown_group = QColor(theme.raised)
         self._ports = {name: QColor(colour) for name, colour in theme.ports.items()}
 
     def is_of(self, theme: Theme, font: QFont) -> bool:
         return theme is self.theme and font == self._font
 
     def font(self, role: TextRole) -> QFont:
-        return self.sized(_SIZES[role], bold=role in ("title", "backdrop"))
+        return self.sized(_SIZES[role], bold=role == "title")
 
     def sized(self, size: int, *, bold: bool = False) -> QFont:
         font = self._fonts.get((size, bold))
@@ -178,22 +165,22 @@ class CanvasStyle:
             self._fonts[size, bold] = font
         return font
 
-    def metrics(self, size: int) -> QFontMetricsF:
-        metrics = self._sized_metrics.get(size)
-        if metrics is None:
-            metrics = self._sized_metrics[size] = QFontMetricsF(self.sized(size))
-        return metrics
+    def metrics(self, size: int, *, bold: bool = False) -> QFontMetricsF:
+        if (size, bold) not in self._metrics:
+            self._metrics[size, bold] = QFontMetricsF(self.sized(size, bold=bold))
+        return self._metrics[size, bold]
 
     def width(self, role: TextRole, text: str) -> float:
-        width = self._widths.get((role, text))
-        if width is None:
-            width = self._widths[role, text] = self._metrics[role].horizontalAdvance(text)
-        return width
+        if (role, text) not in self._widths:
+            metrics = self.metrics(_SIZES[role], bold=role == "title")
+            self._widths[role, text] = metrics.horizontalAdvance(text)
+        return self._widths[role, text]
 
     def elided(self, role: TextRole, text: str, width: float) -> str:
         if self.width(role, text) <= width:
             return text
-        return self._metrics[role].elidedText(text, Qt.TextElideMode.ElideRight, width)
+        metrics = self.metrics(_SIZES[role], bold=role == "title")
+        return metrics.elidedText(text, Qt.TextElideMode.ElideRight, width)
 
     def port(self, types: tuple[str, ...]) -> QColor:
         return self._ports.get(types[0], self.faint) if types else self.faint
@@ -204,11 +191,11 @@ class CanvasStyle:
         return 9.0 + 5.0 * (order.index(types[0]) if types and types[0] in order else len(order))
 
     def tint(self, name: str) -> QColor | None:
-        colour = _TINTS[self.theme.look].get(name)
-        return QColor(colour) if colour is not None else None
+        tints = _TINTS[self.theme.look]
+        return QColor(tints[name]) if name in tints else None
 
     def head(self, group: str) -> QColor:
-        return self.group.get(group, self.unknown_group)
+        return QColor(self.theme.groups.get(group, self.theme.raised))
 
 
 # Where the parts of a node lie, in units of the scene.

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtCore import (
     QEvent,
     QLineF,
-    QObject,
     QPoint,
     QPointF,
     QRect,
@@ -46,6 +45,11 @@ from app.editor.canvas.nodegraphqt import NodeViewer
 from app.editor.gestures import accept_copy
 from app.editor.widgets import labelled
 
+if TYPE_CHECKING:
+    from app.editor.canvas.adding import Dropping
+    from app.editor.canvas.canvas import Keys, Menus
+    from app.editor.canvas.mouse import Mouse
+
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
 _SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150 pixels wide
 _GRID = 24.0
@@ -62,32 +66,14 @@ def by_fingers(event: QWheelEvent) -> bool:
     return touchpad or event.phase() != Qt.ScrollPhase.NoScrollPhase
 
 
-@dataclass(frozen=True)
-class Handler:
-    press: Callable[[QMouseEvent], None]
-    move: Callable[[QMouseEvent], None]
-    release: Callable[[QMouseEvent], None]
-    double_click: Callable[[QMouseEvent], None]
-    leave: Callable[[], None]
-    interrupted: Callable[[], None]
-    """A dialog has opened, behind which no button's release arrives."""
-    wants_key: Callable[[QKeyEvent], bool]
-    """Whether a key is for a gesture under way, and no shortcut."""
-    key: Callable[[QKeyEvent], bool]
-    """Whether a key was for the canvas."""
-    key_released: Callable[[QKeyEvent], None]
-    menu: Callable[[QContextMenuEvent], None]
-    drag_over: Callable[[QDropEvent], bool]
-    """Whether what is dragged from elsewhere can be dropped there."""
-    drag_left: Callable[[], None]
-    drop: Callable[[QDropEvent], bool]
-
-
 class GraphView(NodeViewer):
-    """Shows a part of the scene; `handler` has mouse and keys, nothing of its base acts itself."""
+    """Shows a part of the scene; mouse and keys go to others, nothing of its base acts itself."""
 
     looked_elsewhere = Signal()  # it shows another part of the scene, or at another zoom
-    handler: Handler
+    mouse: Mouse
+    keys: Keys
+    menus: Menus
+    dropping: Dropping
 
     def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
         self.style_of_canvas = style
@@ -125,9 +111,13 @@ class GraphView(NodeViewer):
 
     def natural_room(self) -> tuple[float, float]:
         """Width and height of what can be framed at the natural zoom."""
-        size, natural = self.viewport().size(), self.style_of_canvas.natural_zoom
-        wide = max(size.width() - 2 * _MARGIN, 20) / natural
-        return wide, max(size.height() - 2 * _MARGIN, 20) / natural
+        natural = self.style_of_canvas.natural_zoom
+        wide, high = self._room()
+        return wide / natural, high / natural
+
+    def _room(self) -> tuple[float, float]:
+        size = self.viewport().size()
+        return max(size.width() - 2 * _MARGIN, 20.0), max(size.height() - 2 * _MARGIN, 20.0)
 
     def scene_point(self, pos: QPoint | QPointF) -> QPointF:
         return QPointF(self.mapToScene(QPointF(pos).toPoint()))
@@ -136,9 +126,7 @@ class GraphView(NodeViewer):
         return QPoint(self.mapFromScene(point))
 
     def pan(self, by: QPointF) -> None:
-        self._framed = None
-        self._centre -= by / self.zoom
-        self._show()
+        self.look_at(self._centre - by / self.zoom)
 
     def look_at(self, point: QPointF) -> None:
         self._framed = None
@@ -164,30 +152,23 @@ class GraphView(NodeViewer):
     def frame(self, rect: QRectF) -> None:
         """Show this part of the scene, no larger than natural; also once the view is resized."""
         self._framed = QRectF(rect)
-        natural = self.style_of_canvas.natural_zoom
-        if rect.isEmpty():
-            self._centre, self.zoom = rect.center(), natural
-        else:
-            room = self.viewport().size()
-            wide = max(room.width() - 2 * _MARGIN, 20) / rect.width()
-            high = max(room.height() - 2 * _MARGIN, 20) / rect.height()
-            self.zoom = min(max(min(wide, high), _SMALLEST_FRAMED * natural), natural)
-            self._centre = rect.center()
+        self.zoom = natural = self.style_of_canvas.natural_zoom
+        if not rect.isEmpty():
+            wide, high = self._room()
+            fitting = min(wide / rect.width(), high / rect.height())
+            self.zoom = min(max(fitting, _SMALLEST_FRAMED * natural), natural)
+        self._centre = rect.center()
         self._show()
 
     def make_visible(self, rect: QRectF) -> None:
         """Pan, as little as needed, so that this part of the scene is seen."""
-        shown = self.visible_rect()
         margin = _MARGIN / self.zoom
-        shown.adjust(margin, margin, -margin, -margin)
-        right = max(rect.right() - shown.right(), 0.0)
-        below = max(rect.bottom() - shown.bottom(), 0.0)
-        dx = min(rect.left() - shown.left(), right) if rect.left() < shown.left() else right
-        dy = min(rect.top() - shown.top(), below) if rect.top() < shown.top() else below
-        if dx or dy:
-            self._framed = None
-            self._centre += QPointF(dx, dy)
-            self._show()
+        shown = self.visible_rect().adjusted(margin, margin, -margin, -margin)
+        left, top = rect.left() - shown.left(), rect.top() - shown.top()
+        right, below = rect.right() - shown.right(), rect.bottom() - shown.bottom()
+        by = QPointF(min(left, 0.0) or max(right, 0.0), min(top, 0.0) or max(below, 0.0))
+        if not by.isNull():
+            self.look_at(self._centre + by)
 
     def set_style(self, style: CanvasStyle) -> None:
         self.zoom *= style.natural_zoom / self.style_of_canvas.natural_zoom
@@ -218,17 +199,13 @@ class GraphView(NodeViewer):
         step = _GRID
         while step * self.zoom < _GRID_LEAST_PX:
             step *= 4
-        area = QRectF(rect)
-        left = int(area.left() // step)
-        top = int(area.top() // step)
-        lines = [
-            QLineF(x * step, area.top(), x * step, area.bottom())
-            for x in range(left, int(area.right() // step) + 1)
-        ]
-        lines += [
-            QLineF(area.left(), y * step, area.right(), y * step)
-            for y in range(top, int(area.bottom() // step) + 1)
-        ]
+        left, top, right, bottom = QRectF(rect).getCoords()
+        xs, ys = (
+            np.arange(left // step, right // step + 1),
+            np.arange(top // step, bottom // step + 1),
+        )
+        lines = [QLineF(x, top, x, bottom) for x in (xs * step).tolist()]
+        lines += [QLineF(left, y, right, y) for y in (ys * step).tolist()]
         pen = QPen(theme.grid)
         pen.setCosmetic(True)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
@@ -258,13 +235,17 @@ class GraphView(NodeViewer):
         return False if onward else bool(QGraphicsView.focusNextPrevChild(self, onward))
 
     def event(self, event: QEvent) -> bool:
-        """Claim the keys that a gesture needs before they become shortcuts; end it by a dialog."""
+        """Keep Esc from shortcuts during a gesture; end that where a dialog opens.
+
+        No button's release arrives behind a dialog.
+        """
         if event.type() == QEvent.Type.WindowBlocked:
-            self.handler.interrupted()
+            self.mouse.cancel()
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)
-            and self.handler.wants_key(event)
+            and event.key() == Qt.Key.Key_Escape
+            and self.mouse.busy
         ):
             event.accept()
             return True
@@ -279,20 +260,20 @@ class GraphView(NodeViewer):
         return bool(QGraphicsView.viewportEvent(self, event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        self.handler.press(event)
+        self.mouse.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        self.handler.move(event)
+        self.mouse.move(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        self.handler.release(event)
+        self.mouse.release(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        self.handler.double_click(event)
+        self.mouse.double_click(event)
 
     def leaveEvent(self, event: QEvent) -> None:
         QGraphicsView.leaveEvent(self, event)
-        self.handler.leave()
+        self.mouse.leave()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom at the pointer; two fingers on a touchpad pan, and zoom with Ctrl."""
@@ -305,30 +286,30 @@ class GraphView(NodeViewer):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if not self.handler.key(event):
+        if not self.keys.press(event):
             event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        self.handler.key_released(event)
+        self.keys.release(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        self.handler.menu(event)
+        self.menus.open(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         self.dragMoveEvent(event)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
-        if self.handler.drag_over(event):
-            accept_copy(event)
-        else:
-            event.ignore()
+        self._answer(event, taken=self.dropping.over(event))
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        self.handler.drag_left()
+        self.dropping.left()
         event.accept()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        if self.handler.drop(event):
+        self._answer(event, taken=self.dropping.drop(event))
+
+    def _answer(self, event: QDropEvent, *, taken: bool) -> None:
+        if taken:
             accept_copy(event)
         else:
             event.ignore()
@@ -340,6 +321,7 @@ _LARGEST = QSize(200, 130)
 _SHARE = 0.28  # of the canvas's width and height, at most
 _INSET = 10
 _PADDING = 6.0
+_AROUND = QSizeF(2 * _PADDING, 2 * _PADDING)
 _LEAST = QSizeF(2, 2)  # of a node on it
 
 
@@ -357,7 +339,6 @@ class Minimap(QWidget):
         self._wanted = True
         self._held = False
         self.hide()
-        view.viewport().installEventFilter(self)
         view.looked_elsewhere.connect(self.follow)
 
     def toggle(self) -> None:
@@ -373,29 +354,24 @@ class Minimap(QWidget):
         self.raise_()
         self.update()
 
-    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        if event.type() == QEvent.Type.Resize:
-            self.follow()
-        return False
-
     def paintEvent(self, _event: QPaintEvent) -> None:
-        style = self._view.style_of_canvas
-        whole = self._content.bounds()
+        style, whole = self._view.style_of_canvas, self._content.bounds()
+        theme = style.theme
         with QPainter(self) as painter:
-            ground = QColor(style.theme.raised)
+            ground = QColor(theme.raised)
             ground.setAlpha(225)
             painter.fillRect(self.rect(), ground)
-            painter.setPen(QColor(style.theme.line))
+            painter.setPen(QColor(theme.line))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setPen(Qt.PenStyle.NoPen)
             scale = self._scale(whole)
-            for backdrop in self._content.backdrops:
-                painter.setBrush(QColor(style.theme.canvas))
-                painter.drawRect(_mapped(backdrop.frame(), whole, scale))
+            marks = [(QColor(theme.canvas), b.frame()) for b in self._content.backdrops]
             for node in self._content.nodes.values():
-                painter.setBrush(style.accent if node.selected else head_colour(node))
-                painter.drawRect(_mapped(node.frame(), whole, scale))
+                marks.append((style.accent if node.selected else head_colour(node), node.frame()))
+            for colour, frame in marks:
+                painter.setBrush(colour)
+                painter.drawRect(_mapped(frame, whole, scale))
             painter.setPen(QPen(style.accent, 1.5))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             seen = _mapped(self._view.visible_rect(), whole, scale)
@@ -416,35 +392,23 @@ class Minimap(QWidget):
         self.follow()
         self._view.setFocus()
 
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        self._go(event.position())
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        self._view.zoom_by_wheel(event)
-        event.accept()
-
     def _go(self, pos: QPointF) -> None:
         whole = self._content.bounds()
-        scale = self._scale(whole)
         inner = pos - QPointF(_PADDING, _PADDING)
-        self._view.look_at(whole.topLeft() + inner / scale)
+        self._view.look_at(whole.topLeft() + inner / self._scale(whole))
 
     def _place(self, whole: QRectF) -> bool:
         """Stand in a corner without a node, of the lower ones first; whether there is one."""
         room = self._view.viewport().size()
-        most = QSize(round(room.width() * _SHARE), round(room.height() * _SHARE))
-        most = most.boundedTo(_LARGEST)
-        across, down = most.width() - 2 * _PADDING, most.height() - 2 * _PADDING
-        scale = max(min(across / whole.width(), down / whole.height()), 1e-6)
-        width = max(round(whole.width() * scale + 2 * _PADDING), 24)
-        height = max(round(whole.height() * scale + 2 * _PADDING), 24)
-        right, low = room.width() - width - _INSET, room.height() - height - _INSET
-        for x, y in ((right, low), (_INSET, low), (right, _INSET), (_INSET, _INSET)):
-            corner = QRect(x, y, width, height)
-            ground = self._view.mapToScene(corner).boundingRect()
-            nodes = self._content.nodes.values()
+        most = (room * _SHARE).boundedTo(_LARGEST)
+        size = whole.size().scaled(QSizeF(most) - _AROUND, Qt.AspectRatioMode.KeepAspectRatio)
+        self.resize((size + _AROUND).toSize().expandedTo(QSize(24, 24)))
+        right, low = room.width() - self.width() - _INSET, room.height() - self.height() - _INSET
+        nodes = self._content.nodes.values()
+        for corner in ((right, low), (_INSET, low), (right, _INSET), (_INSET, _INSET)):
+            self.move(*corner)
+            ground = self._view.mapToScene(self.geometry()).boundingRect()
             if not any(ground.intersects(node.frame()) for node in nodes):
-                self.setGeometry(corner)
                 return True
         return False
 

@@ -13,6 +13,7 @@ from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.content import Content, Hit, hit, wires_crossed
 from app.editor.canvas.wires import LiveWire
 from app.editor.session import Level, Session
+from app.editor.widgets import show_or_hide
 from core.editing.layout import Point
 from core.editing.operations import Rewire
 
@@ -47,8 +48,7 @@ class Gesture(ABC):
     def drag(self, pos: QPoint, point: QPointF) -> None:
         """Show its present position."""
 
-    @abstractmethod
-    def drop(self, pos: QPoint, point: QPointF) -> None:
+    def drop(self, pos: QPoint, point: QPointF) -> None:  # noqa: B027 - a pan has moved the view
         """Do it."""
 
     @abstractmethod
@@ -68,9 +68,6 @@ class Pan(Gesture):
     def drag(self, pos: QPoint, _point: QPointF) -> None:
         self.surface.view.pan(QPointF(pos - self._last))
         self._last = pos
-
-    def drop(self, pos: QPoint, point: QPointF) -> None:
-        """Change nothing more: the view has been moved already."""
 
     def leave(self) -> None:
         self.surface.view.viewport().unsetCursor()
@@ -137,16 +134,14 @@ class Hint(QLabel):
 
     def show_at(self, text: str, pos: QPoint) -> None:
         """Show a text at a pixel of the view; hide for an empty one."""
-        if not text:
-            self.hide()
-            return
-        self.setText(text)
+        show_or_hide(self, text)
         self.adjustSize()
+        place = self.rect().translated(pos + QPoint(16, 20))
         room = self._ground.rect()
-        x = min(pos.x() + 16, room.right() - self.width())
-        y = pos.y() + 20 if pos.y() + 20 + self.height() < room.bottom() else pos.y() - 30
-        self.move(max(x, 0), max(y, 0))
-        self.show()
+        place.moveRight(min(place.right(), room.right()))
+        if place.bottom() > room.bottom():
+            place.moveBottom(pos.y() - 10)
+        self.move(place.topLeft())
         self.raise_()
 
 

@@ -153,22 +153,24 @@ class DragWire(Gesture):
         self._network = surface.session.network
         if self._carried is not None:
             self._network = Rewire(remove=(self._carried.link,)).apply(self._network)
-        self._candidates: list[NodePort] = []
+        self._begun = False
 
     def drag(self, pos: QPoint, point: QPointF) -> None:
         surface = self.surface
-        if not self._candidates:
-            self._begin()
+        if self._carried is not None:
+            self._carried.setVisible(False)
+        if not self._begun:
+            self._mark(lambda port: None if port is self._fixed else not self._refusal(port))
         port, refused = self._target(point)
         end = port.centre() if port is not None and not refused else point
         ends = (self._fixed.centre(), end)
         if self._fixed.side == "input":
             ends = (end, self._fixed.centre())
-        refusing = bool(refused)
-        colour = surface.content.style.port(self._fixed.types)
-        surface.live.show_wire(*ends, surface.content.style.error if refusing else colour)
+        style = surface.content.style
+        colour = style.error if refused else style.port(self._fixed.types)
+        surface.live.show_wire(*ends, colour)
         surface.hint.show_at(refused or "", pos)
-        shape = Qt.CursorShape.ForbiddenCursor if refusing else Qt.CursorShape.CrossCursor
+        shape = Qt.CursorShape.ForbiddenCursor if refused else Qt.CursorShape.CrossCursor
         surface.view.viewport().setCursor(shape)
 
     def drop(self, pos: QPoint, point: QPointF) -> None:
@@ -190,20 +192,13 @@ class DragWire(Gesture):
         surface.view.viewport().unsetCursor()
         if self._carried is not None:
             self._carried.setVisible(True)
-        for item in surface.content.nodes.values():
-            for port in item.ports.values():
-                port.fits = None
-            item.update()
+        self._mark(lambda _: None)
 
-    def _begin(self) -> None:
-        surface = self.surface
-        if self._carried is not None:
-            self._carried.setVisible(False)
-        for item in surface.content.nodes.values():
+    def _mark(self, fits: Callable[[NodePort], bool | None]) -> None:
+        self._begun = True
+        for item in self.surface.content.nodes.values():
             for port in item.ports.values():
-                if port is not self._fixed:
-                    port.fits = self._refusal(port) is None
-                    self._candidates.append(port)
+                port.fits = fits(port)
             item.update()
 
     def _target(self, point: QPointF) -> tuple[NodePort | None, str | None]:
@@ -294,15 +289,13 @@ class DragNodes(Gesture):
         self.surface.content.restore()
 
     def _look_for_wire(self, point: QPointF) -> None:
-        if len(self._from) != 1 or self._backdrop is not None:
-            return
-        (name,) = self._from
-        insertion = insertion_at(self.surface, name, point)
-        self._mark(insertion[0] if insertion else None)
-        self._inserting = insertion[1] if insertion else None
+        if len(self._from) == 1 and self._backdrop is None:
+            (name,) = self._from
+            wire, self._inserting = insertion_at(self.surface, name, point) or (None, None)
+            self._mark(wire)
 
     def _mark(self, wire: WireItem | None) -> None:
-        if self._target is not None and self._target is not wire:
+        if self._target is not None:
             self._target.set_state(target=False)
         self._target = wire
         if wire is not None:
@@ -403,11 +396,10 @@ class Dots:
     def remove(self) -> bool:
         """Take the selected dot away; whether there was one."""
         session, link, dot = self._surface.session, self._marks.link, self._marks.dot
-        if link is None or dot is None:
-            return False
-        self._marks.choose(link, None)
-        session.do(remove_dot(session.network, link, dot))
-        return True
+        if link is not None and dot is not None:
+            self._marks.choose(link, None)
+            session.do(remove_dot(session.network, link, dot))
+        return dot is not None
 
     def straighten(self) -> None:
         session, link = self._surface.session, self._marks.link
@@ -417,20 +409,16 @@ class Dots:
 
     def nudge(self, by: QPointF) -> bool:
         """Move the selected dot, with others of the same key as one step; whether there is one."""
-        session, link, dot = self._surface.session, self._marks.link, self._marks.dot
-        if link is None or dot is None:
-            return False
-        at = self._surface.content.wires[link].dots[dot] + by
-        moving = move_dot(session.network, link, dot, (at.x(), at.y()))
-        session.do(moving, gesture=("dot", link, dot))
-        return True
+        session, wire, dot = self._surface.session, self._marks.wire, self._marks.dot
+        if wire is not None and dot is not None:
+            moving = move_dot(session.network, wire.link, dot, whole(wire.dots[dot] + by))
+            session.do(moving, gesture=("dot", wire.link, dot))
+        return dot is not None
 
     def _chosen_wire(self) -> WireItem | None:
-        content = self._surface.content
-        if self._marks.link is not None:
-            return content.wires[self._marks.link]
+        if self._marks.wire is not None:
+            return self._marks.wire
         for name in self._surface.session.selection[-1:]:
-            wires = content.wires_at(name)
-            leaving = [wire for wire in wires if wire.link.source == name]
-            return next(iter((*leaving, *wires)), None)
+            wires = self._surface.content.wires_at(name)
+            return min(wires, key=lambda wire: wire.link.source != name, default=None)
         return None

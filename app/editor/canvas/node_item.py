@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+import re
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem
 
 from app.editor.canvas.canvas_style import (
@@ -131,15 +131,12 @@ class NodeItem(AbstractNodeItem):
     def set_badge(self, badge: Badge | None) -> None:
         if badge == self.badge:
             return
-        if badge is None:
-            assert self._badge is not None
+        if self._badge is not None:
             self.scene().removeItem(self._badge)  # which takes it from this item, too
             self._badge = None
-        elif self._badge is None:
+        if badge is not None:
             self._badge = BadgeItem(badge, self.style, self)
             self._badge.setPos(self._width - INSET, INSET)
-        else:
-            self._badge.show_badge(badge)
 
     def title_at(self, zoom: float) -> Fitted | None:
         """The title as it is drawn in the overview; measured once for a zoom."""
@@ -153,8 +150,8 @@ class NodeItem(AbstractNodeItem):
         frame, title = self.geometry.frame, self.title_at(zoom)
         if title is None:
             return frame
-        beside = max(0.0, title.width + 10 - frame.width()) / 2
-        above = max(0.0, title.pitch * len(title.lines) + 4 - frame.height())
+        beside = max(0.0, title.size.width() + 10 - frame.width()) / 2
+        above = max(0.0, title.size.height() + 4 - frame.height())
         return frame.adjusted(-beside, -above, beside, 0)
 
     def take_face(self, face: NodeFace) -> bool:
@@ -163,11 +160,9 @@ class NodeItem(AbstractNodeItem):
         same = {name: getattr(shown, name) for name in ("disabled", "output", "colour")}
         if replace(face, **same) != shown:
             return False
-        if face != self.face:
-            self.face = face
-            self.disabled = face.disabled
-            self.setToolTip(face.tooltip)
-            self.update()
+        self.face, self.disabled = face, face.disabled
+        self.setToolTip(face.tooltip)
+        self.update()
         return True
 
     def set_style(self, style: CanvasStyle) -> None:
@@ -225,14 +220,10 @@ def _paint_overview(painter: QPainter, item: NodeItem, zoom: float, plate: QRect
     painter.drawRoundedRect(plate, _ROUND, _ROUND)
     _veil_disabled(painter, item)
     title = item.title_at(zoom)
-    if title is None:
-        return
-    painter.setPen(style.text)
-    painter.setFont(title.font)
-    top = plate.center().y() - title.pitch * len(title.lines) / 2
-    for number, line in enumerate(title.lines):
-        row = QRectF(plate.left(), top + number * title.pitch, plate.width(), title.pitch)
-        painter.drawText(row, _CENTRED, line)
+    if title is not None:
+        painter.setPen(style.text)
+        painter.setFont(title.font)
+        painter.drawText(plate, _CENTRED, title.text)
 
 
 def _paint_border(painter: QPainter, item: NodeItem, zoom: float, frame: QRectF) -> None:
@@ -310,45 +301,25 @@ def _head(width: float, height: float) -> QPainterPath:
     return path
 
 
-@dataclass(frozen=True)
-class Fitted:
-    lines: tuple[str, ...]
+class Fitted(NamedTuple):
+    text: str
     font: QFont
-    pitch: float
-    width: float
+    size: QSizeF
 
 
 def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
-    """Break a title into lines in the largest font that fits and can be read; None if none does."""
-    words = face.id.replace("_", "_ ").replace("-", "- ").split() or [""]
+    """A title in lines, in the largest font that fits and can be read; None if none does."""
+    text = re.sub(r"([_-])", "\\1\N{ZERO WIDTH SPACE}", face.id)
     size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
     while size * zoom >= _LEAST_PX * style.natural_zoom:
-        metrics = style.metrics(size)
-        pitch = metrics.height() * 0.92
-        if pitch <= room.height() and all(
-            metrics.horizontalAdvance(word) <= room.width() for word in words
-        ):
-            lines = _broken(words, room.width(), metrics)
-            if pitch * len(lines) <= room.height():
-                width = max(metrics.horizontalAdvance(line) for line in lines)
-                return Fitted(tuple(lines), style.sized(size), pitch, width)
+        needed = style.metrics(size).boundingRect(QRectF(QPointF(), room), _CENTRED, text).size()
+        if needed.width() <= room.width() and needed.height() <= room.height():
+            return Fitted(text, style.sized(size), needed)
         size -= max(1, size // 16)
     return None
 
 
-def _broken(words: Sequence[str], width: float, metrics: QFontMetricsF) -> list[str]:
-    lines: list[str] = []
-    for word in words:
-        joint = "" if lines and lines[-1].endswith(("_", "-")) else " "
-        longer = f"{lines[-1]}{joint}{word}" if lines else word
-        if lines and metrics.horizontalAdvance(longer) <= width:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines
-
-
-_CENTRED = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextDontClip
+_CENTRED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextDontClip | Qt.TextFlag.TextWordWrap)
 _HATCHED = QBrush(QColor(128, 128, 128, 64), Qt.BrushStyle.BDiagPattern)
 _VEIL = 130  # of 255, the opacity of the ground that fades a disabled node
 
@@ -364,14 +335,9 @@ _LARGEST = 3.0  # times the normal size
 class BadgeItem(QGraphicsItem):
     def __init__(self, badge: Badge, style: CanvasStyle, parent: QGraphicsItem) -> None:
         super().__init__(parent)
-        self.style = style
+        self.badge, self.style = badge, style
         self.setZValue(3)
-        self.show_badge(badge)
-
-    def show_badge(self, badge: Badge) -> None:
-        self.badge = badge
         self.setToolTip(badge.text)
-        self.update()
 
     def boundingRect(self) -> QRectF:
         return _BOUNDS
@@ -455,11 +421,8 @@ class BackdropItem(AbstractNodeItem):
         return self.shown.title
 
     def show_backdrop(self, shown: Backdrop) -> None:
-        if shown != self.shown:
-            self.shown = shown
-            self.update()
-        if self.frame() != rect_of(shown):
-            self.place(rect_of(shown))
+        self.shown = shown
+        self.place(rect_of(shown))
 
     def place(self, rect: QRectF) -> None:
         self.prepareGeometryChange()
@@ -498,9 +461,12 @@ class BackdropItem(AbstractNodeItem):
         painter.setPen(QPen(border, max(1.4, (2.0 if self.selected else 1.0) / zoom)))
         painter.setBrush(ground)
         painter.drawRoundedRect(frame, 6, 6)
+        painter.setPen(QPen(style.faint, 1.4))
+        corner = frame.bottomRight()
+        for step in (5.0, 10.0):
+            painter.drawLine(corner - QPointF(step, 3), corner - QPointF(3, step))
         if self.shown.note:
             self._text(painter, frame.adjusted(_INSET, _INSET, -_INSET, -_INSET), zoom)
-            self._corner(painter, frame)
             return
         head = self._head(zoom)
         painter.setFont(style.sized(round(head.height() * 0.58), bold=True))
@@ -510,7 +476,6 @@ class BackdropItem(AbstractNodeItem):
             self.title, Qt.TextElideMode.ElideRight, int(room.width())
         )
         painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
-        self._corner(painter, frame)
 
     def _text(self, painter: QPainter, area: QRectF, zoom: float) -> None:
         readable = round(_READABLE_TITLE_PX * self.style.natural_zoom / zoom)
@@ -520,12 +485,6 @@ class BackdropItem(AbstractNodeItem):
             if painter.boundingRect(area, _WRAPPED, self.title).height() <= area.height():
                 break
         painter.drawText(area, _WRAPPED, self.title)
-
-    def _corner(self, painter: QPainter, frame: QRectF) -> None:
-        painter.setPen(QPen(self.style.faint, 1.4))
-        corner = frame.bottomRight()
-        for step in (5.0, 10.0):
-            painter.drawLine(corner - QPointF(step, 3), corner - QPointF(3, step))
 
     def _head(self, zoom: float) -> QRectF:
         """On the ground; or, where letters of that size are too small, larger and above it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -15,7 +16,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 from app.editor.canvas.canvas_style import CanvasStyle
 from app.editor.canvas.content import Content
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Answer, Passing, Query
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.transfer_preview import shrunk, transfer_lines
 from app.editor.session import Level, Session
 from app.editor.viewers.pixels.grey_levels import between_ends, grey_levels
@@ -53,9 +54,7 @@ class NodeThumbnails(QObject):
 
     def toggle(self) -> None:
         self.on = not self.on
-        if not self.on:
-            self._clear()
-        self._ask()
+        self._opened()
 
     def set_style(self, style: CanvasStyle) -> None:
         for item in self.items.values():
@@ -70,21 +69,19 @@ class NodeThumbnails(QObject):
         """By the node in the whole network whose output is drawn, the one here that shows it."""
         session, sources = self._session, {}
         for name, node in session.network.nodes.items():
-            try:
-                inner = picture_node(node, session.library)
-            except NetworkError:  # a macro that shows no picture
-                continue
-            sources[session.head + inner] = name
+            with suppress(NetworkError):  # a macro that shows no picture
+                sources[session.head + picture_node(node, session.library)] = name
         return sources
 
     def _opened(self) -> None:
-        self._clear()
+        for name in list(self.items):
+            self._drop(name)
         self._evaluator.forget(_OWNER)  # a query that stays would not be answered again
         self._ask()
 
     def _changed(self, before: Any, after: Any) -> None:
         if before.nodes.keys() != after.nodes.keys():
-            for name in [name for name in self.items if name not in after.nodes]:
+            for name in self.items.keys() - after.nodes.keys():
                 self._drop(name)
             self._ask()
         elif self.on and self._sources() != self._shown_by:
@@ -101,32 +98,20 @@ class NodeThumbnails(QObject):
     def bounds(self) -> QRectF:
         whole = QRectF()
         for item in self.items.values():
-            whole = whole.united(item.frame())
+            whole |= item.frame()
         return whole
 
     def _take(self, answer: Any) -> None:
-        if (
-            not isinstance(answer, Answer)
-            or answer.owner != _OWNER
-            or not isinstance(answer.query, NodeThumbnailQuery)
-        ):
+        if answer.owner != _OWNER:
             return
-        name, small = self._shown_by.get(answer.query.node, ""), answer.value
-        if not self.on or small is None or name not in self._content.nodes:
-            self._drop(name)
-            return
-        self._show(name, small)
-
-    def _show(self, name: str, small: Small) -> None:
-        node = self._content.nodes[name]
-        item = self.items.get(name)
-        if item is None:
-            item = ThumbnailItem(small, node.frame().width(), self._content.style)
+        name = self._shown_by.get(getattr(answer.query, "node", ""), "")
+        self._drop(name)
+        if self.on and answer.value is not None and name in self._content.nodes:
+            node = self._content.nodes[name]
+            item = ThumbnailItem(answer.value, node.frame().width(), self._content.style)
+            item.setPos(node.frame().bottomLeft())
             self.items[name] = item
             self._scene.addItem(item)
-        else:
-            item.show_small(small)
-        item.setPos(node.frame().bottomLeft())
 
     def _follow_places(self) -> None:
         for name, item in self.items.items():
@@ -134,13 +119,8 @@ class NodeThumbnails(QObject):
                 item.setPos(self._content.nodes[name].frame().bottomLeft())
 
     def _drop(self, name: str) -> None:
-        item = self.items.pop(name, None)
-        if item is not None:
-            self._scene.removeItem(item)
-
-    def _clear(self) -> None:
-        for name in list(self.items):
-            self._drop(name)
+        if name in self.items:
+            self._scene.removeItem(self.items.pop(name))
 
 
 # A thumbnail on the canvas, below its node.
@@ -155,23 +135,15 @@ _LEAST_SHARE = 0.35  # of the node's width, of a picture that is very high
 class ThumbnailItem(QGraphicsItem):
     def __init__(self, small: Small, width: float, style: CanvasStyle) -> None:
         super().__init__()
-        self.style = style
+        self.small, self.style = small, style
         self.setZValue(Z_THUMBNAIL)
         self.setAcceptedMouseButtons(Qt.MouseButton.NoButton)
-        self._room = width
-        self.show_small(small)
-
-    def show_small(self, small: Small) -> None:
-        self.prepareGeometryChange()
-        self.small = small
-        self._box = box_of(small, self._room)
-        self._image: QImage | None = None
-        self._points: QPolygonF | None = None
+        self._box = box_of(small, width)
+        self._image = QImage()
         if isinstance(small, SmallPicture):
             high, wide = small.grey.shape
             grey = QImage(small.grey.data, wide, high, wide, QImage.Format.Format_Grayscale8)
             self._image = grey.copy()  # Qt's own: the array may go
-        self.update()
 
     def boundingRect(self) -> QRectF:
         return self._box.adjusted(-1, -1, 1, 1)
@@ -184,39 +156,27 @@ class ThumbnailItem(QGraphicsItem):
         painter.fillRect(box, QColor(style.theme.base))
         if box.height() * painter.worldTransform().m11() < _LEAST_PX:
             return
-        if self._image is not None:
+        if isinstance(self.small, SmallPicture):
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(box, self._image)
         else:
-            self._curve(painter, box)
+            self._paint_curve(painter, self.small)
         painter.setPen(style.border)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(box)
 
-    def _curve(self, painter: QPainter, box: QRectF) -> None:
-        small = self.small
-        assert not isinstance(small, SmallPicture)
-        inner = box.adjusted(3, 3, -3, -3)
-        span = (small.high - small.low) or 1.0
+    def _paint_curve(self, painter: QPainter, small: SmallCurve) -> None:
+        inner = self._box.adjusted(3, 3, -3, -3)
+        across = inner.left() + small.places * inner.width()
+        scale = inner.height() / ((small.high - small.low) or 1.0)
+        zero = inner.bottom() + small.low * scale
         if small.low < 0:
-            zero = inner.bottom() + small.low / span * inner.height()
             painter.setPen(QPen(QColor(self.style.theme.line), 1.0))
             painter.drawLine(QPointF(inner.left(), zero), QPointF(inner.right(), zero))
-        if self._points is None:
-            self._points = QPolygonF(
-                [
-                    QPointF(
-                        inner.left() + place * inner.width(),
-                        inner.bottom() - (value - small.low) / span * inner.height(),
-                    )
-                    for place, value in zip(
-                        small.places.tolist(), small.values.tolist(), strict=True
-                    )
-                ]
-            )
+        points = map(QPointF, across.tolist(), (zero - small.values * scale).tolist())
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QPen(QColor(self.style.theme.curves[0]), 2.0))
-        painter.drawPolyline(self._points)
+        painter.drawPolyline(QPolygonF(list(points)))
 
 
 def box_of(small: Small, width: float) -> QRectF:
@@ -224,12 +184,9 @@ def box_of(small: Small, width: float) -> QRectF:
     if not isinstance(small, SmallPicture):
         return QRectF(0, GAP, width, CURVE_HEIGHT)
     shape = small.height / small.width if small.width > 0 else 1.0
-    wide = width
-    high = wide * shape
-    if high > HIGHEST:
-        high = HIGHEST
-        wide = max(high / shape, _LEAST_SHARE * width)
-    return QRectF((width - wide) / 2, GAP, wide, max(high, 8.0))
+    high = max(min(width * shape, HIGHEST), 8.0)
+    wide = min(max(high / shape, _LEAST_SHARE * width), width)
+    return QRectF((width - wide) / 2, GAP, wide, high)
 
 
 # The query for what comes out of a node, small: its picture, or its transfer function's curve.

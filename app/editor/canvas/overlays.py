@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFocusEvent,
@@ -36,9 +36,10 @@ from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.node_item import BackdropItem
 from app.editor.declared_text import tip
 from app.editor.gestures import without_argument
+from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED
-from app.editor.widgets import RIGHT, filled, labelled
+from app.editor.widgets import RIGHT, filled, labelled, plain_label, tool_button
 
 _ROLE = Qt.ItemDataRole.UserRole
 _ROWS = 9
@@ -66,25 +67,20 @@ class Choice:
 def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
     """Choices with every word, first those that begin so; else those with the further words."""
     words = typed.casefold().split()
-    matches = [choice for choice in choices if _matches(choice, words)]
+
+    def fits(choice: Choice, further: str = "") -> bool:
+        text = f"{choice.text} {choice.detail} {choice.words} {further}".casefold()
+        return all(word in text for word in words)
+
+    def rank(choice: Choice) -> int:
+        text, word = choice.text.casefold(), words[0]
+        begins = text.startswith(word), any(part.startswith(word) for part in text.split())
+        return next((n for n, met in enumerate((*begins, word in text)) if met), 3)
+
+    matches = [choice for choice in choices if fits(choice)]
     if not matches:
-        return [choice for choice in choices if _matches(choice, words, choice.further)]
-    first = words[0] if words else ""
-    return sorted(matches, key=lambda choice: _rank(choice, first)) if first else matches
-
-
-def _matches(choice: Choice, words: Sequence[str], further: str = "") -> bool:
-    text = f"{choice.text} {choice.detail} {choice.words} {further}".casefold()
-    return all(word in text for word in words)
-
-
-def _rank(choice: Choice, word: str) -> int:
-    text = choice.text.casefold()
-    if text.startswith(word):
-        return 0
-    if any(part.startswith(word) for part in text.split()):
-        return 1
-    return 2 if word in text or word in choice.words.casefold() else 3
+        return [choice for choice in choices if fits(choice, choice.further)]
+    return sorted(matches, key=rank) if words else matches
 
 
 class ChoicePopup(QFrame):
@@ -136,12 +132,8 @@ class ChoicePopup(QFrame):
         self.field.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def abandon(self) -> None:
-        if self._close():
+        if self.dismiss():
             self.abandoned.emit()
-
-    def dismiss(self) -> None:
-        """Close without a signal: what it was opened for is gone."""
-        self._close()
 
     def choose(self) -> None:
         item = self.list.currentItem()
@@ -164,17 +156,14 @@ class ChoicePopup(QFrame):
         return bool(super().eventFilter(watched, event))
 
     def _key(self, event: QKeyEvent) -> bool:
-        key = event.key()
-        step = {Qt.Key.Key_Down: 1, Qt.Key.Key_Up: -1, Qt.Key.Key_Tab: 1, Qt.Key.Key_Backtab: -1}
-        page = {Qt.Key.Key_PageDown: _ROWS, Qt.Key.Key_PageUp: -_ROWS}
+        key = Qt.Key(event.key())
         if key == Qt.Key.Key_Escape:
             self.abandon()
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self.choose()
-        elif key in step or key in page:
-            last = self.list.count() - 1
-            row = self.list.currentRow() + (step.get(Qt.Key(key)) or page.get(Qt.Key(key), 0))
-            self.list.setCurrentRow(min(max(row, 0), last))
+        elif key in _STEPS:
+            row = self.list.currentRow() + _STEPS[key]
+            self.list.setCurrentRow(min(max(row, 0), self.list.count() - 1))
         else:
             return False
         return True
@@ -185,15 +174,18 @@ class ChoicePopup(QFrame):
             item = QListWidgetItem(choice.text)
             item.setData(_ROLE, choice)
             item.setToolTip(choice.tip)
+            if choice.colour:
+                item.setData(Qt.ItemDataRole.DecorationRole, QColor(choice.colour))
             self.list.addItem(item)
         self.list.setCurrentRow(0)
 
     def _choose_item(self, item: QListWidgetItem) -> None:
         choice = item.data(_ROLE)
-        if self._close():
+        if self.dismiss():
             self.chosen.emit(choice.value)
 
-    def _close(self) -> bool:
+    def dismiss(self) -> bool:
+        """Close without a signal; whether it was open."""
         was, self.is_open = self.is_open, False
         if was:
             held = self.field.hasFocus()
@@ -211,18 +203,13 @@ class ChoicePopup(QFrame):
         rows = max(min(len(self._choices), _ROWS, spare // row), 1)
         self.list.setFixedHeight(rows * row + 2 * self.list.frameWidth())
         self._layout.activate()
-        width = min(self._wide() + 2 * _PADDING, room.width())
-        place = QRect(pos, QSize(width, self._layout.totalSizeHint().height()))
+        letters = [len(choice.text) + len(choice.detail) + 8 for choice in self._choices]
+        wide = min(max([_NARROW, *letters]), _WIDE) * self.fontMetrics().averageCharWidth()
+        size = QSize(wide + 2 * _PADDING, self._layout.totalSizeHint().height())
+        place = QRect(pos, size.boundedTo(room.size()))
         place.moveRight(min(place.right(), room.right()))
         place.moveBottom(min(place.bottom(), room.bottom()))
-        place.moveLeft(max(place.left(), room.left()))
-        place.moveTop(max(place.top(), room.top()))
         return place
-
-    def _wide(self) -> int:
-        metrics = self.fontMetrics()
-        letters = [len(choice.text) + len(choice.detail) + 8 for choice in self._choices]
-        return min(max([_NARROW, *letters]), _WIDE) * metrics.averageCharWidth()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         super().paintEvent(event)
@@ -233,41 +220,30 @@ class ChoicePopup(QFrame):
 
 
 class _Row(QStyledItemDelegate):
-    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
-        choice: Choice = index.data(_ROLE)
-        metrics = option.fontMetrics
-        mark = metrics.height() // 2
-        detail = metrics.horizontalAdvance(choice.detail)
-        painter.save()
-        palette = option.palette
-        chosen = bool(option.state & QStyle.StateFlag.State_Selected)
-        if chosen:
-            painter.fillRect(option.rect, palette.highlight())
-        text_colour = palette.highlightedText() if chosen else palette.text()
-        rect = option.rect.adjusted(6, 0, -6, 0)
-        if choice.colour:
-            box = QRect(rect.left(), rect.center().y() - mark // 2, mark, mark)
-            painter.fillRect(box, QColor(choice.colour))
-        painter.setPen(text_colour.color())
-        left = rect.adjusted(mark + 6, 0, 0, 0)
-        room = left.width() - (detail + 12 if detail < left.width() // 2 else 0)
-        text = metrics.elidedText(choice.text, Qt.TextElideMode.ElideRight, room)
-        painter.drawText(left, Qt.AlignmentFlag.AlignVCenter, text)
-        if detail < left.width() // 2:
-            faint = palette.placeholderText().color()
-            painter.setPen(text_colour.color() if chosen else faint)
-            painter.drawText(rect, RIGHT, choice.detail)
-        painter.restore()
+    """An entry with its detail at the right, if there is room."""
 
-    def sizeHint(self, option: QStyleOptionViewItem, _index: Any) -> QSize:
-        return QSize(0, option.fontMetrics.height() + 6)
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
+        super().paint(painter, option, index)
+        choice: Choice = index.data(_ROLE)
+        room = option.rect.adjusted(0, 0, -6, 0)
+        wide = option.fontMetrics.horizontalAdvance(f"MMM{choice.text}{choice.detail}")
+        if wide < room.width():
+            chosen = option.state & QStyle.StateFlag.State_Selected
+            role = QPalette.ColorRole.HighlightedText if chosen else FAINT
+            painter.setPen(option.palette.color(role))
+            painter.drawText(room, RIGHT, choice.detail)
 
 
 _WINDOW_LEFT = Qt.FocusReason.ActiveWindowFocusReason
 _KEYS = (QEvent.Type.KeyPress, QEvent.Type.ShortcutOverride)
-
-
-_BETWEEN = "›"
+_STEPS = {
+    Qt.Key.Key_Down: 1,
+    Qt.Key.Key_Tab: 1,
+    Qt.Key.Key_Up: -1,
+    Qt.Key.Key_Backtab: -1,
+    Qt.Key.Key_PageDown: _ROWS,
+    Qt.Key.Key_PageUp: -_ROWS,
+}
 
 
 class Crumbs(QWidget):
@@ -278,133 +254,97 @@ class Crumbs(QWidget):
         labelled(self, "crumbs", "path to the macro shown")
         self._level = level
         self._row = filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
-        self.up = self._button(
-            "crumbs.up", "↑ Up", "Leave this macro and show the network around it (Alt+PgUp)"
-        )
+        about = "Leave this macro and show the network around it (Alt+PgUp)"
+        self.up = self._button("crumbs.up", "↑ Up", about)
         self.up.clicked.connect(level.leave)
-        self.steps: list[QToolButton] = []
-        self._others: list[QLabel] = []
         self._row.addWidget(self.up)
-        self._row.addStretch(1)
-        level.opened.connect(self._fill)
-        level.changed.connect(self._fill)
-        level.session.state_changed.connect(self._fill)
-        self._shown: tuple[str, ...] | None = None
+        self.steps: list[QToolButton] = []
+        self._shown: list[QWidget] = []
+        for signal in (level.opened, level.changed, level.session.state_changed):
+            signal.connect(self._fill)
         self.setBackgroundRole(RAISED)
         self.setAutoFillBackground(True)
         self._fill()
 
     def _fill(self, *_: object) -> None:
-        document = self._level.session.document
+        document, path = self._level.session.document, self._level.path
         name = document.network.name or (document.path.stem if document.path else "network")
-        path = self._level.path
         self.setVisible(bool(path))
-        if self._shown == (name, *path):
-            return
-        self._shown = (name, *path)
-        for widget in (*self.steps, *self._others):
-            self._row.removeWidget(widget)
-            widget.hide()
-            widget.deleteLater()
-        self.steps, self._others = [], []
+        for old in self._shown:
+            self._row.removeWidget(old)
+            old.hide()
+            old.deleteLater()
+        self._shown = []
+        self.steps = []
         for depth, text in enumerate((name, *path)):
             if depth:
-                self._put(self._label(_BETWEEN))
+                self._shown.append(plain_label("", self, "›", role=FAINT))
             button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
             button.setEnabled(depth < len(path))
             going = partial(self._level.go_to, path[:depth])
             button.clicked.connect(partial(without_argument, going))
             self.steps.append(button)
-            self._put(button)
-        for widget in (*self.steps, *self._others):
+            self._shown.append(button)
+        for widget in self._shown:
+            self._row.addWidget(widget)
             widget.show()
         self._row.activate()
         self.resize(self.sizeHint())
         self.raise_()
 
-    def _put(self, widget: QWidget) -> None:
-        self._row.insertWidget(self._row.count() - 1, widget)
-
-    def _label(self, text: str) -> QLabel:
-        label = QLabel(text, self)
-        label.setForegroundRole(FAINT)
-        self._others.append(label)
-        return label
-
     def _button(self, name: str, text: str, about: str) -> QToolButton:
-        button = labelled(QToolButton(self), name)
-        button.setText(text.replace("&", "&&"))
+        button = tool_button(name, text.replace("&", "&&"), about, self)
         button.setAutoRaise(True)
-        button.setAccessibleName(about)
         button.setToolTip(tip(about))
-        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         return button
 
 
-# Editing a backdrop's title in its place.
-
 _NARROWEST = 160
-_ENDS = (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
-class TitleEditor(QLineEdit):
-    """A field over the title; Enter and leaving it take the text, Esc does not."""
+class TitleEditor(TypeIn):
+    """A field over a backdrop's title; Enter and leaving it take the text, Esc does not."""
 
     # (index, text): the backdrop of that place in the document's list gets this title
     edited = Signal(int, str)
 
     def __init__(self, view: GraphView) -> None:
         super().__init__(view.viewport())
-        labelled(self, "canvas.title", "Title of the backdrop")
         self._view = view
         self._index: int | None = None
         self.hide()
-        self.editingFinished.connect(self._take)
-        self.installEventFilter(self)
+        self.editingFinished.connect(self.finish)
+        self.given_up.connect(self.dismiss)
 
     def edit(self, backdrop: BackdropItem) -> None:
-        head = backdrop.head(self._view.zoom)
-        corner = self._view.pixel(head.topLeft())
-        far = self._view.pixel(QPointF(head.right(), head.bottom()))
-        width = max(far.x() - corner.x(), _NARROWEST)
+        head, view = backdrop.head(self._view.zoom), self._view
+        place = QRect(view.pixel(head.topLeft()), view.pixel(head.bottomRight()))
         line = self.sizeHint().height()
-        height = line if backdrop.shown.note else max(far.y() - corner.y(), line)
-        self.setGeometry(QRect(corner.x(), corner.y(), width, height))
+        place.setWidth(max(place.width(), _NARROWEST))
+        place.setHeight(line if backdrop.shown.note else max(place.height(), line))
+        self.setGeometry(place)
         self._index = backdrop.index
         about = "Text of the note" if backdrop.shown.note else "Title of the backdrop"
-        self.setAccessibleName(about)
-        self.setText(backdrop.title)
+        labelled(self, "canvas.title", about)
+        self.show_text(backdrop.title)
+        self.setModified(True)  # so that Esc is its own, and no shortcut
         self.selectAll()
         self.show()
         self.raise_()
         self.setFocus(Qt.FocusReason.PopupFocusReason)
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        super().keyPressEvent(event)
+        event.accept()  # no key is also the canvas's
+
     def finish(self) -> None:
-        if self._index is not None:
-            self._take()
+        index = self._index
+        self.dismiss()
+        if index is not None:
+            self.edited.emit(index, self.text().strip())
 
     def dismiss(self) -> None:
         self._index = None
         if self.isVisible():
             self.hide()
             self._view.setFocus(Qt.FocusReason.PopupFocusReason)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Esc and Enter are this field's before they are the window's and the canvas's."""
-        if isinstance(event, QKeyEvent) and watched is self and event.key() in _ENDS:
-            if event.type() == QEvent.Type.ShortcutOverride:
-                event.accept()
-                return True
-            if event.type() == QEvent.Type.KeyPress:
-                if event.key() == Qt.Key.Key_Escape:
-                    self.dismiss()
-                else:
-                    self._take()
-                return True
-        return bool(super().eventFilter(watched, event))
-
-    def _take(self) -> None:
-        index = self._index
-        self.dismiss()
-        if index is not None:
-            self.edited.emit(index, self.text().strip())

@@ -57,6 +57,12 @@ class Chart:
             frame.left() + across * frame.width(), frame.bottom() - along * frame.height()
         )
 
+    def _points(self, x: ArrayLike, y: ArrayLike) -> list[QPointF]:
+        frame = self.frame
+        across = frame.left() + self._x.share(x) * frame.width()
+        shares = np.clip(self._y.share(y), -_FURTHEST, _FURTHEST)
+        return list(map(QPointF, across, frame.bottom() - shares * frame.height()))
+
     def curve(
         self,
         x: ArrayLike,
@@ -66,40 +72,32 @@ class Chart:
         width: float = 1.6,
     ) -> None:
         """Broken where a value is NaN."""
-        frame = self.frame
-        across = frame.left() + self._x.share(x) * frame.width()
-        shares = np.clip(self._y.share(y), -_FURTHEST, _FURTHEST)
-        along = frame.bottom() - shares * frame.height()
-        painter = self._painter
+        points, painter = self._points(x, y), self._painter
         painter.save()
-        painter.setClipRect(frame.adjusted(0, -1, 1, 1))
+        painter.setClipRect(self.frame.adjusted(0, -1, 1, 1))
         painter.setPen(_pen(colour, width, style))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        for run in _runs(np.isfinite(along)):
-            points = map(QPointF, across[run].tolist(), along[run].tolist())
-            painter.drawPolyline(QPolygonF(list(points)))
+        for run in _runs(np.isfinite([point.y() for point in points])):
+            painter.drawPolyline(QPolygonF(points[run]))
         painter.restore()
 
     def filled(self, x: ArrayLike, y: ArrayLike, colour: str, *, closed: bool = False) -> None:
         """Tint what lies below points, which are all finite, or inside a closed line of them."""
-        along, values = np.asarray(x, np.float64), np.asarray(y, np.float64)
-        points = [self.at(*point) for point in zip(along, values, strict=True)]
-        foot = [self.at(along[-1], self._y.low), self.at(along[0], self._y.low)]
-        foot = [] if closed else foot
-        tint = QColor(colour)
-        tint.setAlpha(60)
+        points, bottom = self._points(x, y), self.frame.bottom()
+        if not closed:
+            points += [QPointF(points[-1].x(), bottom), QPointF(points[0].x(), bottom)]
         self._painter.save()
         self._painter.setClipRect(self.frame)
         self._painter.setPen(Qt.PenStyle.NoPen)
-        self._painter.setBrush(tint)
-        self._painter.drawPolygon(QPolygonF([*points, *foot]))
+        self._painter.setBrush(_tint(colour, 60))
+        self._painter.drawPolygon(QPolygonF(points))
         self._painter.restore()
 
     def dots(self, x: ArrayLike, y: ArrayLike, colour: str, radius: float) -> None:
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(colour))
-        for point in zip(np.asarray(x), np.asarray(y), strict=True):
-            self._painter.drawEllipse(self.at(*point), radius, radius)
+        for point in self._points(x, y):
+            self._painter.drawEllipse(point, radius, radius)
 
     def upright(self, x: float, text: str, line: int = 0) -> None:
         """A dashed line at a place across, with a text at its top, so many lines down."""
@@ -117,9 +115,7 @@ class Chart:
         left, right = self.at(low, self._y.low).x(), self.at(high, self._y.low).x()
         frame = self.frame
         shaded = QRectF(left, frame.top(), right - left, frame.height()).intersected(frame)
-        tint = QColor(colour)
-        tint.setAlpha(48)
-        self._painter.fillRect(shaded, tint)
+        self._painter.fillRect(shaded, _tint(colour, 48))
 
     def point(self, x: float, y: float, colour: str) -> None:
         self._painter.setPen(_pen(self._theme.base, 1.0))
@@ -134,10 +130,12 @@ class Chart:
         if left + width > self.frame.right():
             left = max(self.frame.left(), beside.x() - line * 0.25 - width)
         box = QRectF(left, beside.y() - line / 2, width, line)
-        ground = QColor(self._theme.base)
-        ground.setAlpha(200)
-        self._painter.fillRect(box, ground)
-        self._painter.setPen(QColor(colour or self._theme.text))
+        self._painter.fillRect(box, _tint(self._theme.base, 200))
+        self._write(text, left + line * 0.15, box.top(), colour or self._theme.text)
+
+    def _write(self, text: str, left: float, top: float, colour: str) -> None:
+        box = QRectF(left, top, self._width(text), self._metrics.height())
+        self._painter.setPen(QColor(colour))
         self._painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
     def legend(self, entries: Sequence[tuple[str, str, Qt.PenStyle]]) -> None:
@@ -146,12 +144,10 @@ class Chart:
         right = self.frame.right()
         middle = self.frame.top() - line * 0.62
         for text, colour, style in reversed(entries):
-            width = self._width(text)
-            box = QRectF(right - width, middle - line / 2, width, line)
-            self._painter.setPen(QColor(self._theme.text))
-            self._painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+            left = right - self._width(text)
+            self._write(text, left, middle - line / 2, self._theme.text)
             self._painter.setPen(_pen(colour, 1.6, style))
-            start = box.left() - line * 1.9
+            start = left - line * 1.9
             self._painter.drawLine(QPointF(start, middle), QPointF(start + line * 1.6, middle))
             right = start - line * 0.6
 
@@ -168,12 +164,9 @@ class Chart:
             y = self.at(self._x.low, tick.value).y()
             painter.setPen(_pen(theme.grid, 1.0))
             painter.drawLine(QPointF(frame.left(), y), QPointF(frame.right(), y))
-            if self._y.title and y < frame.top() + line * 0.3:
-                continue  # the title stands there
-            painter.setPen(QColor(theme.faint_text))
-            width = self._width(tick.text)
-            box = QRectF(frame.left() - width - line * 0.3, y - line / 2, width, line)
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, tick.text)
+            if not self._y.title or y >= frame.top() + line * 0.3:  # else the title stands there
+                left = frame.left() - self._width(tick.text) - line * 0.3
+                self._write(tick.text, left, y - line / 2, theme.faint_text)
         free = -1e9
         for tick in columns:
             x = self.at(tick.value, self._y.low).x()
@@ -181,12 +174,9 @@ class Chart:
             painter.drawLine(QPointF(x, frame.top()), QPointF(x, frame.bottom()))
             width = self._width(tick.text)
             left = min(x - width / 2, frame.right() + line * 0.5 - width)
-            if left < free:
-                continue
-            free = left + width + line * 0.4
-            painter.setPen(QColor(theme.faint_text))
-            box = QRectF(left, frame.bottom() + line * 0.08, width, line)
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, tick.text)
+            if left >= free:
+                free = left + width + line * 0.4
+                self._write(tick.text, left, frame.bottom() + line * 0.08, theme.faint_text)
         painter.setPen(_pen(theme.line, 1.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(frame)
@@ -199,7 +189,9 @@ class Chart:
             area, width = self._area, self._width(self._x.title)
             left = min(frame.center().x() - width / 2, area.right() - width)
             box = QRectF(max(left, area.left()), frame.bottom() + line * 1.05, area.width(), line)
-            title = self._metrics.elidedText(self._x.title, _ELIDED, area.width())
+            title = self._metrics.elidedText(
+                self._x.title, Qt.TextElideMode.ElideRight, area.width()
+            )
             painter.drawText(box, LEFT, title)
 
     def _width(self, text: str) -> float:
@@ -215,13 +207,16 @@ def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
     return widest + metrics.height() * 0.4
 
 
-_ELIDED = Qt.TextElideMode.ElideRight
-
-
 def _pen(colour: str, width: float, style: Qt.PenStyle = Qt.PenStyle.SolidLine) -> QPen:
     pen = QPen(QColor(colour), width, style)
     pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     return pen
+
+
+def _tint(colour: str, alpha: int) -> QColor:
+    tint = QColor(colour)
+    tint.setAlpha(alpha)
+    return tint
 
 
 def _runs(good: np.ndarray) -> list[slice]:

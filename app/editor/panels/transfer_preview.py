@@ -99,8 +99,12 @@ def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLin
 def _frequencies(end: float, turn: float | None) -> Vector:
     if turn is None:
         return np.linspace(0.0, end, SAMPLES)
-    low = min(turn, end) * LOWEST_SHARE**0.5
-    return np.concatenate(([0.0], np.geomspace(low, end, SAMPLES - 1)))
+    return np.append(0.0, np.geomspace(_lowest(end, turn), end, SAMPLES - 1))
+
+
+def _lowest(end: float, turn: float) -> float:
+    """Where a logarithmic axis begins."""
+    return float(min(turn, end) * LOWEST_SHARE**0.5)
 
 
 def _line(
@@ -144,18 +148,19 @@ def _sampled(
     own = work.value(transfer.own)
     rows, columns = own.values.shape
     grid = transfer.grid
-    sides = (
-        (own.values[0, : (columns + 1) // 2], own.interval_x, grid.nyquist_x, cutoffs[0]),
-        (own.values[: (rows + 1) // 2, 0], own.interval_y, grid.nyquist_y, cutoffs[1]),
-    )
-    lines = []
-    for values, interval, nyquist, cutoff in sides:
-        frequency = np.arange(len(values)) * interval
+
+    def line(values: Vector, interval: float, nyquist: float, cutoff: float | None) -> TransferLine:
+        frequency: Vector = np.arange(len(values), dtype=np.float64) * interval
         reach = frequency <= max(nyquist, cutoff or 0.0) + interval
         frequency, shown = frequency[reach], np.asarray(values[reach], np.float64)
         at = float(np.interp(nyquist, frequency, shown, right=np.nan))
-        lines.append(_line(frequency, shown, nyquist, at, cutoff, transfer.part))
-    return lines[0], lines[1]
+        return _line(frequency, shown, nyquist, at, cutoff, transfer.part)
+
+    row, column = own.values[0, : (columns + 1) // 2], own.values[: (rows + 1) // 2, 0]
+    return (
+        line(row, own.interval_x, grid.nyquist_x, cutoffs[0]),
+        line(column, own.interval_y, grid.nyquist_y, cutoffs[1]),
+    )
 
 
 def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
@@ -209,16 +214,16 @@ def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -
 
 
 def _uprights(x: TransferLine, y: TransferLine) -> Iterator[Upright]:
-    if brief(x.nyquist) == brief(y.nyquist):
-        yield Upright(x.nyquist, f"Nyquist {brief(x.nyquist)}")
-    else:
-        yield Upright(x.nyquist, f"Nyquist x {brief(x.nyquist)}")
-        yield Upright(y.nyquist, f"Nyquist y {brief(y.nyquist)}", 1)
-    for number, line in enumerate((x, y)):
-        if line.cutoff is None or (number and brief(line.cutoff) == brief(x.cutoff or 0.0)):
-            continue
-        which = "" if brief(x.cutoff or 0.0) == brief(y.cutoff or 0.0) else f" {'xy'[number]}"
-        yield Upright(line.cutoff, f"cutoff{which} {brief(line.cutoff)}", 2 + number)
+    """Nyquist frequencies and cutoffs, once where both axes have the same."""
+    lines = {0: x, 1: y}
+    for name, down, values in (
+        ("Nyquist", 0, {n: line.nyquist for n, line in lines.items()}),
+        ("cutoff", 2, {n: line.cutoff for n, line in lines.items() if line.cutoff is not None}),
+    ):
+        one = len({brief(value) for value in values.values()}) == 1
+        for number, value in list(values.items())[: 1 if one else 2]:
+            which = "" if one else f" {'xy'[number]}"
+            yield Upright(value, f"{name}{which} {brief(value)}", down + number)
 
 
 def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
@@ -233,13 +238,11 @@ def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
 
 
 def _both(x: float | None, y: float | None, unit: str) -> str:
-    across, along = ("none" if v is None else brief(_clean(v)) + unit for v in (x, y))
+    # What rounding leaves of 0 is 0.
+    across, along = (
+        "none" if v is None else brief(v if abs(v) >= _NOTHING else 0.0) + unit for v in (x, y)
+    )
     return across if across == along else f"{across} across, {along} along"
-
-
-def _clean(value: float) -> float:
-    """Without what rounding leaves of 0."""
-    return 0.0 if abs(value) < _NOTHING else value
 
 
 def _across(x: TransferLine, y: TransferLine, turn: float | None) -> Axis:
@@ -247,7 +250,7 @@ def _across(x: TransferLine, y: TransferLine, turn: float | None) -> Axis:
     end = max(x.frequency[-1], y.frequency[-1], x.nyquist, y.nyquist)
     if turn is None:
         return Axis(0.0, end * 1.03, title)
-    return Axis(min(turn, end) * LOWEST_SHARE**0.5, end * 1.2, title, log=True)
+    return Axis(_lowest(end, turn), end * 1.2, title, log=True)
 
 
 def _up(part: Part, values: Vector) -> Axis:
