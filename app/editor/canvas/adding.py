@@ -1,7 +1,5 @@
 """The lists that add nodes and wires: search, what fits a loose wire, wiring by the keyboard."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import partial
 from operator import itemgetter

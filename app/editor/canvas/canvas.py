@@ -1,7 +1,5 @@
 """The canvas: the picture of the document's network, its menus and its keys."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

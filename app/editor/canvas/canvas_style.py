@@ -5,8 +5,6 @@ Sizes are in units of the scene, in which networks store their layout: a node st
 large as that of the window.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """The items on the canvas, made to follow a network: only what differs is touched; what is hit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What lies over the canvas: lists of choices, the way to a macro, and the title that is edited."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Painting a small chart: frame, ticks, curves and marks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

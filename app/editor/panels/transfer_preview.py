@@ -1,7 +1,5 @@
 """MTF or PTF of a node along both axes, and the preview of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar

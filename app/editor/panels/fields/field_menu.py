@@ -1,7 +1,5 @@
 """The menu of a field: what can be done with a parameter, beside editing its value."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Fields for numbers: type-in and slider."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The node that a panel is of: what the panel edits, copies, and asks of the window."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
