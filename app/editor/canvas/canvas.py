@@ -20,7 +20,6 @@ from app.editor.canvas.node_item import BackdropItem
 from app.editor.canvas.node_thumbnails import NodeThumbnails
 from app.editor.canvas.overlays import ChoicePopup, TitleEditor
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.gestures import without_argument
 from app.editor.session import Level, Session
 from app.editor.theme import FAINT, raised_palette, theme_of
 from app.editor.widgets import Menu, filled, labelled
@@ -218,11 +217,6 @@ class Menus:
         self._add_dot = self.wire_menu.addAction("&Add Dot")
         self._add_dot.setToolTip("Bend the wire through a dot here (R, or double-click)")
         self._add_dot.triggered.connect(lambda: dots.add(self._pos))
-        self._delete_dot = self.wire_menu.addAction("D&elete Dot")
-        self._delete_dot.triggered.connect(partial(without_argument, dots.remove))
-        self._straighten = self.wire_menu.addAction("&Straighten")
-        self._straighten.setToolTip("Remove all dots from the wire")
-        self._straighten.triggered.connect(partial(without_argument, dots.straighten))
         self._pos: QPoint | None = None
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)
         self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.delete_backdrop)
@@ -263,8 +257,6 @@ class Menus:
             session.select(())
             self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop, hit.dot)
             self._add_dot.setEnabled(hit.dot is None)
-            self._delete_dot.setEnabled(hit.dot is not None)
-            self._straighten.setEnabled(hit.wire is not None and bool(hit.wire.dots))
             return self.wire_menu if hit.wire is not None else self.backdrop_menu
         return self.canvas_menu
 

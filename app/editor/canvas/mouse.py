@@ -23,7 +23,7 @@ from app.editor.canvas.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on
 from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together
-from core.editing.wire_dots import add_dot, move_dot, moved_with_dots, remove_dot, straighten
+from core.editing.wire_dots import add_dot, move_dot, moved_with_dots, remove_dot
 from core.network.network import Link, Network
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
@@ -400,12 +400,6 @@ class Dots:
             self._marks.choose(link, None)
             session.do(remove_dot(session.network, link, dot))
         return dot is not None
-
-    def straighten(self) -> None:
-        session, link = self._surface.session, self._marks.link
-        if link is not None:
-            self._marks.choose(link, None)
-            session.do(straighten(session.network, (link,), f"Straighten {link}"))
 
     def nudge(self, by: QPointF) -> bool:
         """Move the selected dot, with others of the same key as one step; whether there is one."""

@@ -125,7 +125,7 @@ def test_dots_go_along_with_both_nodes_and_stay_with_one(window, hand, bent):
     assert dots(bent) == ((500.0, 120.0),)
 
 
-def test_the_menu_of_a_wire_adds_deletes_and_straightens(window, hand, bent):
+def test_the_menu_of_a_wire_adds_a_dot(window, hand, bent):
     def entry(pos, text):
         hand.ask_for_menu(pos)
         menu = window.findChild(QMenu, "canvas.menu.wire")
@@ -137,8 +137,3 @@ def test_the_menu_of_a_wire_adds_deletes_and_straightens(window, hand, bent):
     assert not entry(hand.at(500, 120), "Add Dot").isEnabled()
     entry(hand.wire(WIRE), "Add Dot").trigger()
     assert len(dots(bent)) == 2
-    entry(hand.at(500, 120), "Delete Dot").trigger()
-    assert len(dots(bent)) == 1
-    entry(hand.wire(WIRE), "Straighten").trigger()
-    assert not dots(bent)
-    assert not entry(hand.wire(WIRE), "Straighten").isEnabled()
