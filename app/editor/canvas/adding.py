@@ -297,21 +297,17 @@ def _placed(
     return Together((operation, Move({name: at})), operation.text)
 
 
-# What is dropped on the canvas from elsewhere: modules of the library, files.
-
-
 class Dropping:
-    """Takes modules, which become nodes, and files, which the window opens."""
+    """Takes modules, which become nodes, and files and presets, which the window opens."""
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
         self._over: Link | None = None
 
     def over(self, event: QDropEvent) -> bool:
-        """Mark the wire that a module would be put into; whether anything can be dropped."""
         module = dragged_module(event.mimeData())
         if module in self._surface.session.library:
-            wire = wire_for_new(self._surface, module, self._point(event))
+            wire, *_ = added_at(self._surface, module, self._point(event))
             self._mark(wire.link if wire is not None else None)
             return True
         return module.startswith(KEY) or bool(local_files(event.mimeData()))
@@ -320,12 +316,11 @@ class Dropping:
         self._mark(None)
 
     def drop(self, event: QDropEvent) -> bool:
-        """Put it there; whether it could be."""
         self._mark(None)
         session, point = self._surface.session, self._point(event)
         module = dragged_module(event.mimeData())
         if module in session.library:
-            name, operation = added_at(self._surface, module, point)
+            _, name, operation = added_at(self._surface, module, point)
             if session.do(operation):
                 session.select([name])
                 self._surface.view.setFocus()
@@ -349,8 +344,6 @@ class Dropping:
         self._over = link
 
 
-# Putting a node into a wire that it is dropped on.
-
 _REACH_PX = 12.0
 
 
@@ -363,23 +356,19 @@ def insertion_at(surface: Surface, name: str, point: QPointF) -> Insertion | Non
     return _insertion(surface, surface.session.network, name, (point, middle))
 
 
-def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operation]:
+def added_at(
+    surface: Surface, module: str, point: QPointF
+) -> tuple[WireItem | None, str, Operation]:
     """A new node, in the wire at the point if it fits into one, else on free ground."""
-    session, at = surface.session, whole(point)
-    name, adding = new_node(session.network, session.library, module, at)
-    insertion = _insertion(surface, adding.apply(session.network), name, (point,))
+    network, library = surface.session.network, surface.session.library
+    name, adding = new_node(network, library, module, whole(point))
+    insertion = _insertion(surface, adding.apply(network), name, (point,))
     if insertion is None:
-        free = free_place(surface, module, at)
-        return new_node(session.network, session.library, module, free)
-    inserting = Together((adding, insertion[1]), adding.text)
-    return name, with_way_made(surface, inserting, name, size_of(surface, module))
-
-
-def wire_for_new(surface: Surface, module: str, point: QPointF) -> WireItem | None:
-    session = surface.session
-    name, adding = new_node(session.network, session.library, module, None)
-    insertion = _insertion(surface, adding.apply(session.network), name, (point,))
-    return insertion[0] if insertion else None
+        at = free_place(surface, module, whole(point))
+        return None, *new_node(network, library, module, at)
+    wire, leading = insertion
+    inserting = Together((adding, leading), adding.text)
+    return wire, name, with_way_made(surface, inserting, name, size_of(surface, module))
 
 
 def _insertion(

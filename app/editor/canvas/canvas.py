@@ -70,7 +70,6 @@ class Canvas(QWidget):
         self.thumbnails = NodeThumbnails(self._session, evaluator, self.view.scene(), self.content)
 
     def frame_all(self) -> None:
-        """Show the whole network, no larger than natural."""
         whole = self.content.bounds()
         if self.thumbnails is not None:
             whole = whole.united(self.thumbnails.bounds())
@@ -100,7 +99,6 @@ class Canvas(QWidget):
         }
 
     def cursor_point(self) -> tuple[float, float]:
-        """The point of the scene under the mouse, or in the middle, in whole units."""
         return self.surface.cursor_point()
 
     def add_module(self, key: str) -> None:

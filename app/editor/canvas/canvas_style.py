@@ -217,7 +217,6 @@ class NodeGeometry:
 
     @property
     def frame(self) -> QRectF:
-        """The node without its ports' outer halves."""
         return QRectF(0, 0, self.width, self.height)
 
 

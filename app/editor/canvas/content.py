@@ -97,7 +97,8 @@ class Content:
             for view in self._scene.views():
                 view.viewport().update()
         if links_differ or len(self.wires) != len(network.links):
-            for wire in [wire for link, wire in self.wires.items() if link not in network.links]:
+            wanted = set(network.links)
+            for wire in [wire for link, wire in self.wires.items() if link not in wanted]:
                 self._remove_wire(wire)
             for link in network.links:
                 if link not in self.wires and {link.source, link.target} <= self.nodes.keys():
@@ -110,12 +111,12 @@ class Content:
             self._dots = dots
         if moved:
             self.route()
-        if moved or network.extra is not self._extra:
+        if network.extra is not self._extra:
+            self._extra, moved = network.extra, True
+            self._follow_backdrops(backdrops_of(network))
+        if moved:
             self._body = network
             self.ends.follow(network, self.nodes, self._ground)
-        if network.extra is not self._extra:
-            self._extra = network.extra
-            self._follow_backdrops(backdrops_of(network))
 
     def wires_at(self, name: str) -> list[WireItem]:
         return self._at.get(name, [])
@@ -212,21 +213,18 @@ class Content:
         declared = declared_node(node, self._library)
         face = face_of(node, declared, links, output=node.id in self._marked)
         old = self.nodes.get(node.id)
-        was_disabled = old is not None and old.face.disabled
-        self._drawn[node.id] = node
         if old is not None and old.take_face(face):
-            if old.face.disabled != was_disabled:
-                for wire in self.wires_at(node.id):
-                    wire.update()
+            self._drawn[node.id] = node
+            for wire in self.wires_at(node.id) if old.face is face else ():
+                wire.update()  # dashed at a disabled node
             return
         item = NodeItem(face, self.style)
         if old is not None:
             item.setPos(old.pos())
             self._remove_node(node.id)
-            self._drawn[node.id] = node
         item.set_badge(self._badges.get(node.id))
-        if node.id in self._selected:
-            item.setSelected(True)
+        item.setSelected(node.id in self._selected)
+        self._drawn[node.id] = node
         self.nodes[node.id] = item
         self._ground.put(node.id, item.box())
         self._scene.addItem(item)
@@ -235,12 +233,11 @@ class Content:
         self._frames = [rect_of(backdrop) for backdrop in wanted]
         while len(self.backdrops) > len(wanted):
             self._scene.removeItem(self.backdrops.pop())
-        for index, backdrop in enumerate(wanted):
-            if index == len(self.backdrops):
-                item = BackdropItem(index, backdrop, self.style)
-                self.backdrops.append(item)
-                self._scene.addItem(item)
-            self.backdrops[index].show_backdrop(backdrop)
+        for item, backdrop in zip(self.backdrops, wanted, strict=False):
+            item.show_backdrop(backdrop)
+        for index in range(len(self.backdrops), len(wanted)):
+            self.backdrops.append(BackdropItem(index, wanted[index], self.style))
+            self._scene.addItem(self.backdrops[-1])
 
     def _add_wire(self, link: Link) -> None:
         source, target = self.nodes[link.source], self.nodes[link.target]

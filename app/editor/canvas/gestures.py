@@ -133,7 +133,6 @@ class Hint(QLabel):
         self.hide()
 
     def show_at(self, text: str, pos: QPoint) -> None:
-        """Show a text at a pixel of the view; hide for an empty one."""
         show_or_hide(self, text)
         self.adjustSize()
         place = self.rect().translated(pos + QPoint(16, 20))

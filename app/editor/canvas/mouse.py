@@ -268,11 +268,11 @@ class DragNodes(Gesture):
         by = point - self.start
         session = self.surface.session
         places = {name: at + by for name, at in self._from.items()}
-        moving = Move({name: whole(at) for name, at in places.items()})
-        operation = moved_with_dots(session.network, moving)
         if self._backdrop is not None:
             frame = self._frame.translated(by)
             operation = moved_together(session.network, self._backdrop, frame, places)
+        else:
+            operation = moved(session.network, places)
         if self._inserting is not None:
             operation = Together((operation, self._inserting), self._inserting.text)
             (name,) = self._from
@@ -328,9 +328,12 @@ class ResizeBackdrop(Gesture):
 def moved_together(
     network: Network, backdrop: BackdropItem, frame: QRectF, places: Mapping[str, QPointF]
 ) -> Operation:
-    moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
-    moving = moved_with_dots(network, Move({name: whole(at) for name, at in places.items()}))
-    return Together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
+    ground = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
+    return Together((ground, moved(network, places)), f"Move {backdrop.title or 'backdrop'}")
+
+
+def moved(network: Network, places: Mapping[str, QPointF]) -> Operation:
+    return moved_with_dots(network, Move({name: whole(at) for name, at in places.items()}))
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:

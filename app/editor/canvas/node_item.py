@@ -160,9 +160,10 @@ class NodeItem(AbstractNodeItem):
         same = {name: getattr(shown, name) for name in ("disabled", "output", "colour")}
         if replace(face, **same) != shown:
             return False
-        self.face, self.disabled = face, face.disabled
-        self.setToolTip(face.tooltip)
-        self.update()
+        if face != shown:
+            self.face, self.disabled = face, face.disabled
+            self.setToolTip(face.tooltip)
+            self.update()
         return True
 
     def set_style(self, style: CanvasStyle) -> None:
@@ -247,7 +248,6 @@ def _paint_border(painter: QPainter, item: NodeItem, zoom: float, frame: QRectF)
 
 
 def _veil_disabled(painter: QPainter, item: NodeItem) -> None:
-    """Its texts are read as those of the others."""
     if not item.disabled:
         return
     veil = QColor(item.style.theme.canvas)
@@ -417,7 +417,6 @@ class BackdropItem(AbstractNodeItem):
 
     @property
     def title(self) -> str:
-        """Its title; of a note, its text."""
         return self.shown.title
 
     def show_backdrop(self, shown: Backdrop) -> None:
