@@ -125,14 +125,19 @@ def choose_below(field):
     return field.choices[at + 1 if down else at - 1]
 
 
-def drag(slider, share):
-    """Take the handle and pull it by a share of the slider's width, in four movements."""
+def handle_of(slider):
+    """The middle of a slider's handle."""
     option = QStyleOptionSlider()
     slider.initStyleOption(option)
     handle = slider.style().subControlRect(
         QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, slider
     )
-    start = handle.center()
+    return handle.center()
+
+
+def drag(slider, share):
+    """Take the handle and pull it by a share of the slider's width, in four movements."""
+    start = handle_of(slider)
     QTest.mousePress(slider, LEFT, pos=start)
     for step in range(1, 5):
         QTest.mouseMove(slider, start + QPoint(round(share * slider.width() * step / 4), 0))

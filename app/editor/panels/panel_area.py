@@ -497,7 +497,6 @@ class SetsMenu(Menu):
 
     @contextmanager
     def _told(self, begin: str = "") -> Iterator[None]:
-        """Report an error in place of raising it."""
         try:
             yield
         except ImagechainError as error:

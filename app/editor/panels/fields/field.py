@@ -3,12 +3,11 @@
 from functools import partial
 from typing import Any, NamedTuple
 
-from PySide6.QtCore import QEvent, QPoint, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFontMetrics,
     QGuiApplication,
-    QMouseEvent,
     QPainter,
     QPaintEvent,
     QWheelEvent,
@@ -33,7 +32,6 @@ from app.editor.declared_text import (
     shown_value,
     tip,
 )
-from app.editor.gestures import AfterRelease
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,
@@ -61,6 +59,8 @@ from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw
 
+_CLICK_MS = 250  # after which a button is up again
+
 
 class FieldLink(NamedTuple):
     text: str
@@ -82,11 +82,10 @@ class Field(QWidget):
         self.value: Any = parameter.default
         self.stored = False
         self.link: FieldLink | None = None
-        self._later = AfterRelease(self)
         self.setObjectName(f"field.{parameter.name}")
         self.title = label_of(parameter.name)
         self.setToolTip(tip(f"{self.title}: {about(parameter)}"))
-        self.label = labelled(DragLabel(self.title, self), f"label.{parameter.name}")
+        self.label = labelled(NameLabel(self.title, self), f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
         self.label.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
         self.unit = plain_label(f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT)
@@ -291,7 +290,7 @@ class Field(QWidget):
             return
         if any(edit.is_left_by_mouse for edit in self.findChildren(TypeIn)):
             # What the mouse has just pressed would slide away below it.
-            self._later.do("problem", partial(show_or_hide, self.message, text))
+            QTimer.singleShot(_CLICK_MS, self, partial(show_or_hide, self.message, text))
         else:
             show_or_hide(self.message, text)
 
@@ -318,35 +317,16 @@ class TypedField(Field):
         self.edit.mark()
 
 
-# The name of a number, which is dragged sideways to change it.
+class NameLabel(QLabel):
+    """A name in a column of a given width; its middle is left out where that is too narrow."""
 
-PIXELS_A_STEP = 4
-START_PIXELS = 3
-FINER, COARSER = 0.1, 10.0
-
-
-class DragLabel(QLabel):
-    """A label that signals how far it is dragged; its middle is left out where it is too narrow."""
-
-    pressed = Signal()  # the button is down
-    # steps: so many steps more, parts of a step included: to the right is up
-    dragged = Signal(float)
-    released = Signal()  # the button is up
-
-    _drags = False
-    _last: float | None = None
-    _moving = False
-    column = 0  # its width where there is room
+    column = 0
 
     def sizeHint(self) -> QSize:
         return QSize(self.column, super().sizeHint().height())
 
     def minimumSizeHint(self) -> QSize:
         return QSize(0, super().minimumSizeHint().height())
-
-    def set_drags(self, on: bool) -> None:
-        self._drags = on
-        self.setCursor(Qt.CursorShape.SizeHorCursor if on else Qt.CursorShape.ArrowCursor)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         room = self.contentsRect()
@@ -355,42 +335,6 @@ class DragLabel(QLabel):
         with QPainter(self) as painter:
             painter.setPen(self.palette().color(self.foregroundRole()))
             painter.drawText(room, int(self.alignment()), text)
-
-    def event(self, event: QEvent) -> bool:
-        """A dialog ends a drag: the release of the button behind it does not arrive."""
-        if event.type() == QEvent.Type.WindowBlocked and self._last is not None:
-            self._last = None
-            self.released.emit()
-        return bool(super().event(event))
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton and self._drags:
-            self._last, self._moving = event.position().x(), False
-            self.pressed.emit()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._last is None:
-            return
-        way = event.position().x() - self._last
-        if not self._moving and abs(way) < START_PIXELS:
-            return
-        self._moving, self._last = True, event.position().x()
-        if way:
-            self.dragged.emit(way / PIXELS_A_STEP * _rate(event.modifiers()))
-
-    def let_go(self) -> None:
-        self._last = None
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._last is not None and event.button() == Qt.MouseButton.LeftButton:
-            self._last = None
-            self.released.emit()
-
-
-def _rate(modifiers: Qt.KeyboardModifier) -> float:
-    if modifiers & Qt.KeyboardModifier.ShiftModifier:
-        return FINER
-    return COARSER if modifiers & Qt.KeyboardModifier.ControlModifier else 1.0
 
 
 MOST_BUTTONS = 4

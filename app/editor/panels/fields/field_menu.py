@@ -38,9 +38,6 @@ def offer(
     return action
 
 
-# A value as text with its unit, as it is copied and pasted.
-
-
 def chosen(parameter: Parameter, text: str) -> Any:
     """The choice, or the state of a switch, that a text names; the text where there is none."""
     if parameter.kind == "switch":
@@ -79,25 +76,19 @@ def text_with_unit(parameter: Parameter, value: Any, unit: str) -> str:
     return "" if value in ((), []) else shown_value(parameter, value)
 
 
-# What is offered about fits: free a number, or fix it again.
-
-
 def add_fit_action(menu: QMenu, session: Session, node: str, parameter: str) -> None:
     is_free = session.free.has(node, parameter)
     if not is_free and parameter in session.network.nodes[node].linked:
         return  # what it follows can be free
     menu.addSeparator()
+    act: Callable[[], object] = partial(session.free.put, FreeNumber(node, parameter))
+    name, text = "free", "Free for a fit"
     if is_free:
-        fix = partial(session.free.fix, node, parameter)
-        action = offer(menu, "fix", "Fix (no longer fitted)", fix, about=_ABOUT_FREE)
-    else:
-        free = partial(session.free.put, FreeNumber(node, parameter))
-        action = offer(menu, "free", "Free for a fit", free, about=_ABOUT_FREE)
+        act = partial(session.free.fix, node, parameter)
+        name, text = "fix", "Fix (no longer fitted)"
+    action = offer(menu, name, text, act, about=_ABOUT_FREE)
     action.setStatusTip(_ABOUT_FREE)
     menu.setToolTipsVisible(True)
-
-
-# What is offered about macros: whether one shows the parameter, and its name.
 
 
 def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) -> None:
@@ -115,12 +106,11 @@ def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) 
         return
     menu.addSeparator()
     name = exposed_as(network, node, parameter)
+    act, begin = partial(expose, network, node, parameter), "Show on"
     if name:
-        act = partial(hide, network, macro, name, value_of)
-        offer(menu, "hide", f"Hide from the panel of {macro}", partial(_do, session, act))
-    else:
-        act = partial(expose, network, node, parameter)
-        offer(menu, "expose", f"Show on the panel of {macro}", partial(_do, session, act))
+        act, begin = partial(hide, network, macro, name, value_of), "Hide from"
+    key = "hide" if name else "expose"
+    offer(menu, key, f"{begin} the panel of {macro}", partial(_do, session, act))
 
 
 def _do(session: Session, made: Callable[[], Operation]) -> None:
@@ -131,7 +121,6 @@ def _do(session: Session, made: Callable[[], Operation]) -> None:
 
 
 def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetAction:
-    """A line in the menu in which the parameter's name is typed; Enter takes it."""
     edit, action = line_in_menu(menu, "Name", "exposed_name")
     edit.setText(name)
     edit.setAccessibleName(f"name of the parameter {name} on this panel")
@@ -141,8 +130,7 @@ def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetActi
         new = edit.text().strip()
         menu.close()
         if new != name:
-            network = session.document.network
-            _do(session, partial(rename_exposed, network, macro, name, new))
+            _do(session, lambda: rename_exposed(session.document.network, macro, name, new))
 
     edit.returnPressed.connect(take)
     action.setObjectName("rename_exposed")

@@ -18,7 +18,6 @@ from app.editor.declared_text import (
     tip,
     typed_number,
 )
-from app.editor.gestures import EscapeInDrag
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
 from app.editor.theme import CHANGED
@@ -30,7 +29,6 @@ from core.names import thaw
 from core.network.linked_values import expression
 
 WHEEL_REST_MS = 400
-_HOW_TO_DRAG = "Drag the name sideways to change the value: Shift finer, Ctrl coarser"
 _UNLINK = "Type a value to unlink it, or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
@@ -57,19 +55,13 @@ class NumberField(TypedField):
         self.slider.moved.connect(lambda at: self._offer_moved(self.scale.value_at(at)))
         self.slider.stepped.connect(self._step)
         self.slider.finished.connect(self._end)
-        self.slider.sliderPressed.connect(self._hold)
+        self.slider.given_up.connect(self._give_up_drag)
         self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
         self.linked_value.setAccessibleName(f"value of {self.title}")
         self.linked_value.setWordWrap(False)
         beside = (self.unit, self.linked_value)
         filled(self.row, self.label, (self.slider, 1), (edit, 1), *beside)
-        self.label.setToolTip(tip(f"{self.title}: {about(self.parameter)}\n{_HOW_TO_DRAG}"))
-        self.label.pressed.connect(self._hold)
-        self.label.dragged.connect(self._drag)
-        self.label.released.connect(self._end)
-        self._escape = EscapeInDrag(self, self._give_up_drag)
         self._gesture: object | None = None
-        self._part = 0.0
         self._show_link()
 
     def show_value(self, value: Any) -> None:
@@ -105,7 +97,6 @@ class NumberField(TypedField):
 
     def _show_link(self) -> None:
         link = self.link
-        self.label.set_drags(link is None)
         self.slider.setVisible(link is None)
         self.unit.setVisible(link is None)
         self.linked_value.setVisible(link is not None)
@@ -170,22 +161,6 @@ class NumberField(TypedField):
         elif not self.edit.marked:
             self._offer_moved(self.scale.stepped(self.value, steps))
 
-    def _drag(self, steps: float) -> None:
-        """By the label; of whole numbers, parts of a step are gathered."""
-        if self.scale.whole:
-            self._part += steps
-            steps = int(self._part)
-            self._part -= steps
-            if not steps:
-                return
-        if self.edit.unsettled:
-            self.edit.give_up()
-        self._offer_moved(self.scale.stepped(self.value, steps))
-
-    def _hold(self) -> None:
-        self._part = 0.0
-        self._escape.begin()
-
     def _offer_moved(self, number: float) -> None:
         """A step beyond what is allowed ends at the last number that is."""
         param = self.parameter.param
@@ -201,15 +176,11 @@ class NumberField(TypedField):
         self.offer(number, self._gesture)
 
     def _give_up_drag(self) -> None:
-        """Esc during a drag: the value is as before, and the mouse moves nothing until it is up."""
-        self.slider.let_go()
-        self.label.let_go()
         if self._gesture is not None:
             self.node.put_back(self.parameter.name, self._gesture)
         self._end()
 
     def _end(self) -> None:
-        self._escape.end()
         if self._gesture is not None:
             self._gesture = None
             self.node.session.end_gesture()
@@ -239,6 +210,7 @@ class Slider(QSlider):
     # steps: by keys or the wheel: small steps from the value, whatever the position shows of it
     stepped = Signal(int)
     finished = Signal()  # the mouse or the key is up, or the wheel rests
+    given_up = Signal()  # Esc during a drag
 
     def __init__(self, positions: int, parent: QWidget | None = None) -> None:
         super().__init__(Qt.Orientation.Horizontal, parent)
@@ -248,7 +220,6 @@ class Slider(QSlider):
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.setMinimumWidth(self.fontMetrics().height() * 3)
         self.valueChanged.connect(self.moved)
-        self._let_go = False
         self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
         self._rest.timeout.connect(self.finished)
 
@@ -269,22 +240,23 @@ class Slider(QSlider):
             self.finished.emit()
 
     def event(self, event: QEvent) -> bool:
-        """A dialog ends a drag: the release of the button behind it does not arrive."""
-        if event.type() == QEvent.Type.WindowBlocked and self.isSliderDown():
-            self.setSliderDown(False)
-            self.finished.emit()
+        """End a drag by Esc, and by a dialog: the release of the button behind it never arrives."""
+        if self.isSliderDown():
+            override = event.type() == QEvent.Type.ShortcutOverride
+            if override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
+                self.setSliderDown(False)
+                self.given_up.emit()
+                event.accept()
+            elif event.type() == QEvent.Type.WindowBlocked:
+                self.setSliderDown(False)
+                self.finished.emit()
         return bool(super().event(event))
 
-    def let_go(self) -> None:
-        self._let_go = self.isSliderDown()
-        self.setSliderDown(False)
-
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if not self._let_go:
+        if self.isSliderDown():  # else it was given up
             super().mouseMoveEvent(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        self._let_go = False
         super().mouseReleaseEvent(event)
         self.finished.emit()
 

@@ -16,9 +16,7 @@ from core.network.macro import unfolded
 
 
 class Requests(QObject):
-    view = Signal(
-        str, str, int
-    )  # node, port, viewer: show that output in the viewer of that number
+    view = Signal(str, str, int)  # node, port, viewer: show that output in that viewer
     trade_off = Signal(str, str)  # node, parameter: show figures of merit as it moves
     generate = Signal()  # compute everything
     handbook = Signal(str)  # node: the page of its module is to be opened

@@ -1,11 +1,13 @@
 """Nodes of one module that are selected together: a change of a value is for all, one undo step."""
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 
 from core.editing.operations import Add, Placed
 from core.network.network import Node
-from panel_hands import panel_area, type_in
+from panel_hands import LEFT, drag, handle_of, panel_area, type_in
 
 SIGMAS = {"one": 0.1, "two": 0.2, "three": 0.3}
 
@@ -38,17 +40,20 @@ def test_what_is_typed_is_for_all_of_them_and_one_step(area, session):
 
 def test_a_drag_is_one_step_and_esc_gives_each_its_own_value_back(area, session):
     session.select(["one", "two", "three"])
+    QApplication.processEvents()
     steps = session.document.history.position
-    shown = field(area, "three")
-    for _ in range(3):
-        shown._drag(2)
+    slider = field(area, "three").slider
+    start = handle_of(slider)
+    QTest.mousePress(slider, LEFT, pos=start)
+    QTest.mouseMove(slider, start + QPoint(20, 0))
     moved = sigmas(session)
     assert moved["one"] == moved["two"] == moved["three"] != 0.3
-    shown._give_up_drag()
+    QTest.keyClick(slider, Qt.Key.Key_Escape)
     assert sigmas(session) == SIGMAS
-    shown._drag(2)
-    shown._drag(2)
-    shown._end()
+    QTest.mouseMove(slider, start + QPoint(30, 0))
+    QTest.mouseRelease(slider, LEFT, pos=start + QPoint(30, 0))
+    assert sigmas(session) == SIGMAS
+    drag(slider, 0.4)
     assert session.document.history.position == steps + 1
     session.undo()
     assert sigmas(session) == SIGMAS
