@@ -6,14 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 
 from PySide6.QtCore import QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QLabel, QWidget
 
 from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.content import Content, Hit, hit, wires_crossed
 from app.editor.canvas.wires import LiveWire
 from app.editor.session import Level, Session
-from app.editor.widgets import show_or_hide
 from core.editing.layout import Point
 from core.editing.operations import Rewire
 
@@ -115,35 +112,6 @@ class Cut(Gesture):
         self.surface.live.setVisible(False)
 
 
-# What every gesture on the canvas works with.
-
-
-class Hint(QLabel):
-    """A text beside the pointer while something is dragged."""
-
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
-        self._ground = parent
-        self.setObjectName("canvas.hint")
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setAutoFillBackground(True)
-        self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
-        self.setMargin(4)
-        self.setFrameShape(QLabel.Shape.Box)
-        self.hide()
-
-    def show_at(self, text: str, pos: QPoint) -> None:
-        show_or_hide(self, text)
-        self.adjustSize()
-        place = self.rect().translated(pos + QPoint(16, 20))
-        room = self._ground.rect()
-        place.moveRight(min(place.right(), room.right()))
-        if place.bottom() > room.bottom():
-            place.moveBottom(pos.y() - 10)
-        self.move(place.topLeft())
-        self.raise_()
-
-
 class Surface(QObject):
     activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
     view_wanted = Signal(str)  # (name): a node was clicked with Ctrl and Shift
@@ -158,7 +126,6 @@ class Surface(QObject):
     ) -> None:
         super().__init__(parent)
         self.session, self.view, self.content = session, view, content
-        self.hint = Hint(view.viewport())
         self.live = LiveWire()
         view.scene().addItem(self.live)
         self.pointer: QPoint | None = None

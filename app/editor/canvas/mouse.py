@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QToolTip
 
 from app.editor.canvas.adding import insertion_at, with_way_made
 from app.editor.canvas.content import (
@@ -169,9 +170,10 @@ class DragWire(Gesture):
         style = surface.content.style
         colour = style.error if refused else style.port(self._fixed.types)
         surface.live.show_wire(*ends, colour)
-        surface.hint.show_at(refused or "", pos)
+        viewport = surface.view.viewport()
+        QToolTip.showText(viewport.mapToGlobal(pos), refused or "", viewport)
         shape = Qt.CursorShape.ForbiddenCursor if refused else Qt.CursorShape.CrossCursor
-        surface.view.viewport().setCursor(shape)
+        viewport.setCursor(shape)
 
     def drop(self, pos: QPoint, point: QPointF) -> None:
         session = self.surface.session
@@ -188,7 +190,7 @@ class DragWire(Gesture):
     def leave(self) -> None:
         surface = self.surface
         surface.live.setVisible(False)
-        surface.hint.hide()
+        QToolTip.hideText()
         surface.view.viewport().unsetCursor()
         if self._carried is not None:
             self._carried.setVisible(True)
