@@ -132,24 +132,20 @@ class PanelArea(WheelScrollArea):
         old, new = renamed or ("", "")
         selection = tuple(followed_name(name, renamed) for name in selection)
         selection = tuple(name for name in selection if name in after.nodes)
-        successor = self.panels.get(old)
-        typing = successor is not None and successor.head.name.hasFocus()
-        folded = successor is not None and successor.folded
+        former = self.panels.get(old)
+        typing = former is not None and former.head.name.hasFocus()
         for name, panel in tuple(self.panels.items()):
             node = after.nodes.get(name)
-            if node is None or node.module != panel.module or self._shows_other(name, panel):
+            other = node is None or node.module != panel.module
+            if other or (node.macro and self._session.declared(name) != panel.declared):
                 self._drop(name)
             else:
                 panel.follow(before, after)
         self._arrange(selection)
-        if new in self.panels:
-            self.panels[new].folded = folded
+        if former is not None and new in self.panels:
+            self.panels[new].folded = former.folded
             if typing:
                 self.panels[new].head.name.setFocus(Qt.FocusReason.OtherFocusReason)
-
-    def _shows_other(self, name: str, panel: NodePanel) -> bool:
-        macro = self._session.network.nodes[name].macro
-        return macro is not None and self._session.declared(name) != panel.declared
 
     def _selected(self, names: tuple[str, ...]) -> None:
         for name in self._unwanted(names):

@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer, Signal
@@ -25,6 +24,7 @@ from app.editor.widgets import filled, plain_label, takes_wheel
 from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
+from core.modules.preview import round_step
 from core.names import thaw
 from core.network.linked_values import expression
 
@@ -284,27 +284,25 @@ LOGARITHMIC_FROM = 1000.0
 LARGEST_WHOLE_RANGE = 1e6
 
 # Usual ranges, by unit, where the declaration leaves the range open.
-_USUAL: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {
-        "µm": (0.4, 20.0),
-        "mm": (1.0, 500.0),
-        "cm": (1.0, 100.0),
-        "m": (10.0, 10000.0),
-        "km": (0.1, 10.0),
-        "s": (1e-6, 1.0),
-        "Hz": (1.0, 1e6),
-        "K": (200.0, 400.0),
-        "%": (0.0, 100.0),
-        "mrad": (0.0, 5.0),
-        "mrad/s": (0.0, 1e5),
-        "m/s": (0.0, 300.0),
-        "cyc/mrad": (1e-4, 10.0),
-        "cm √Hz/W": (1e8, 1e14),
-        "m^(-2/3)": (1e-18, 1e-12),
-        "1/km": (0.0, 1.0),
-        "W/m²/sr": (0.0, 100.0),
-    }
-)
+_USUAL: Mapping[str, tuple[float, float]] = {
+    "µm": (0.4, 20.0),
+    "mm": (1.0, 500.0),
+    "cm": (1.0, 100.0),
+    "m": (10.0, 10000.0),
+    "km": (0.1, 10.0),
+    "s": (1e-6, 1.0),
+    "Hz": (1.0, 1e6),
+    "K": (200.0, 400.0),
+    "%": (0.0, 100.0),
+    "mrad": (0.0, 5.0),
+    "mrad/s": (0.0, 1e5),
+    "m/s": (0.0, 300.0),
+    "cyc/mrad": (1e-4, 10.0),
+    "cm √Hz/W": (1e8, 1e14),
+    "m^(-2/3)": (1e-18, 1e-12),
+    "1/km": (0.0, 1.0),
+    "W/m²/sr": (0.0, 100.0),
+}
 _PLAIN = (0.0, 100.0)
 
 
@@ -375,7 +373,7 @@ class Scale:
 
     def _step(self, value: float, *, down: bool) -> float:
         if not self.logarithmic:
-            step = _nice((self.high - self.low) / 100)
+            step = round_step((self.high - self.low) / 100)
         elif value < self.low:
             step = self.low
         else:
@@ -417,9 +415,3 @@ def _range(parameter: Parameter, whole: bool) -> tuple[float, float]:
 
 def _decimals(step: float) -> int:
     return max(0, math.ceil(-math.log10(step)))
-
-
-def _nice(step: float) -> float:
-    """1, 2 or 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(step))
-    return next((n * power for n in (1, 2, 5) if n * power >= step * 0.999), 10 * power)
