@@ -1,8 +1,6 @@
 """The view of the canvas: panning, zooming and the grid; mouse and keys go to a handler."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import (
@@ -45,11 +43,6 @@ from app.editor.canvas.nodegraphqt import NodeViewer
 from app.editor.gestures import accept_copy
 from app.editor.widgets import labelled
 
-if TYPE_CHECKING:
-    from app.editor.canvas.adding import Dropping
-    from app.editor.canvas.canvas import Keys, Menus
-    from app.editor.canvas.mouse import Mouse
-
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
 _SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150 pixels wide
 _GRID = 24.0
@@ -70,10 +63,11 @@ class GraphView(NodeViewer):
     """Shows a part of the scene; mouse and keys go to others, nothing of its base acts itself."""
 
     looked_elsewhere = Signal()  # it shows another part of the scene, or at another zoom
-    mouse: Mouse
-    keys: Keys
-    menus: Menus
-    dropping: Dropping
+    # `Mouse`, `Keys`, `Menus` and `Dropping`, which know this view: the canvas gives them.
+    mouse: Any
+    keys: Any
+    menus: Any
+    dropping: Any
 
     def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
         self.style_of_canvas = style
