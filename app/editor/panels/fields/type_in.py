@@ -117,8 +117,9 @@ class TypeIn(QLineEdit):
                 painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def _unmark(self, _text: str = "") -> None:
-        self.marked = False
-        self.update()
+        if self.marked:
+            self.marked = False
+            self.update()
 
 
 def discard_typing(widget: QWidget) -> None:
