@@ -2,10 +2,8 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, QTimer
+from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QApplication
-
 
 _ACTIONS = (Qt.DropAction.CopyAction, Qt.DropAction.LinkAction)
 

@@ -31,8 +31,6 @@ PARTS = {
     "blocks": "Frames beyond memory",
     "scanning": "Line by line, or the whole image at once",
     "cameras": "A camera and its frames",
-    "study_loops": "Studies beside the same loops",
-    "measured_pictures": "Measuring and fitting pictures",
 }
 
 

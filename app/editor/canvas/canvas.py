@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.canvas.adding import Adding, Dropping
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
-from app.editor.canvas.canvas_view import GraphView
+from app.editor.canvas.canvas_view import GraphView, Minimap
 from app.editor.canvas.content import Content, Hit, Marks, node_at
 from app.editor.canvas.gestures import Surface
 from app.editor.canvas.mouse import Dots, Mouse, backdrop_at, moved_together
@@ -45,6 +45,7 @@ class Canvas(QWidget):
         self.surface = surface = Surface(session, self.view, self.content, self)
         self.empty_hint = EmptyHint(session, self.view)
         self.marks = Marks(self.content)
+        self.minimap = Minimap(self.view, self.content)
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
         self.adding = Adding(surface, self.popup)
@@ -129,6 +130,7 @@ class Canvas(QWidget):
         if self.thumbnails is not None:
             self.thumbnails.set_style(style)
         self.view.set_style(style)
+        self.minimap.update()
         self.popup.setPalette(raised_palette(theme))
 
     def _connect(self) -> None:
@@ -150,6 +152,7 @@ class Canvas(QWidget):
     def _changed(self, *_: object) -> None:
         self._let_go()
         self.content.follow(self._session.network)
+        self.minimap.follow()
 
     def _let_go(self) -> None:
         """What is under way was about a network that is no more."""
@@ -161,6 +164,7 @@ class Canvas(QWidget):
         if names:
             self.marks.choose(None, None)
         self.content.mark_selected(names)
+        self.minimap.follow()
 
     def _edit_title(self, index: int) -> None:
         self.title_editor.edit(self.content.backdrops[index])

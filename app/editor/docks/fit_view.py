@@ -42,7 +42,7 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, toggle_button, tool_button
+from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
 from app.fit.fit_result import FittedParameter, hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError, UsageError
@@ -111,7 +111,7 @@ class FitView(WorkerView):
     def _given(self) -> object:
         """What a fit is made of: with another one, what is shown is old."""
         free = {(one.place, one.low, one.high) for one in self._session.free.all}
-        return self._session.document.network, self.pictures, free, self.known.isChecked()
+        return self._session.document.network, self.pictures, free
 
     def begin(self) -> None:
         self._finish_typing()
@@ -119,12 +119,12 @@ class FitView(WorkerView):
         if pictures is None:
             self._say("choose a picture first", failed=True)
             return
-        session, known, network = self._session, self.known.isChecked(), self._session.plain
+        session, network = self._session, self._session.plain
         folder, free = session.folder, session.free.all
 
         def job(stop: threading.Event, report: Report) -> FitResult:
             # Imported where it is used: the window opens without it.
-            from app.fit.picture_fit import fit_known_scene, fit_pictures
+            from app.fit.picture_fit import fit_pictures
             from core.chain.engine import Engine
             from core.network.validation import check_network
 
@@ -134,8 +134,6 @@ class FitView(WorkerView):
             report("picture")
             given["pictures"] = read(pictures)
             plan, work = engine.plan(network, folder=folder), engine.work(Policy(), cancel=stop)
-            if known:
-                return fit_known_scene(engine, plan, work, **given)
             next_time = 0.0
 
             def watch(patches: tuple[Patch, ...], edges: EdgesAt) -> None:
@@ -196,21 +194,13 @@ class FitView(WorkerView):
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
         self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
-        self.known = toggle_button(
-            "fit.known",
-            "Known Scene",
-            "Tick this if the network's source is the scene of the picture: the picture is "
-            "then fitted as a whole. Otherwise ideal edges replace the source where the "
-            "picture has edges",
-            self,
-        )
         about = "Fix the selected parameter again (Del)"
         self.remove = tool_button("fit.remove", "Remove", about, self)
         about = "Choose which of the picture's edges is plotted"
         self.which = labelled(QComboBox(self), "fit.edges", "Edge to plot", about)
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         bar = QWidget(self)
-        buttons = (self.file, self.known, self.fit, self.stop, self.taking, self.remove)
+        buttons = (self.file, self.fit, self.stop, self.taking, self.remove)
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("fit.notices", "Warnings and notes of the fit", self)
@@ -223,7 +213,6 @@ class FitView(WorkerView):
     def _connect(self) -> None:
         self.file.clicked.connect(self._choose_file)
         self.fit.clicked.connect(self.begin)
-        self.known.toggled.connect(self.show_state)
         self.stop.clicked.connect(self.cancel)
         self.taking.clicked.connect(self.take)
         self.remove.clicked.connect(self.table.remove_marked)
@@ -284,7 +273,7 @@ class FitView(WorkerView):
         self.outcome = outcome
         self.table.show_fitted(() if outcome is None else outcome.parameters)
         self.notices.show_notices(() if outcome is None else _said(outcome))
-        if outcome is None or outcome.fit.edges is None:
+        if outcome is None:
             self._show_edges(())
         else:
             self._show_edges(drawn_edges(outcome.fit.patches, outcome.fit.edges))
@@ -370,9 +359,8 @@ def read(pictures: Pictures) -> FittedPictures:
 
 def _said(result: FitResult) -> list[tuple[Severity, str]]:
     noise = [result.noise] if isinstance(result.noise, str) and result.noise else []
-    whole = ["the picture was fitted as a whole"] if result.fit.edges is None else []
     warnings: list[tuple[Severity, str]] = [("warning", sentence(one)) for one in result.warnings]
-    notes = (*whole, *result.notes, *noise)
+    notes = (*result.notes, *noise)
     return [*warnings, *(("information", sentence(one)) for one in notes)]
 
 

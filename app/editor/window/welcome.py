@@ -76,7 +76,10 @@ class WelcomePage(QScrollArea):
         card = QCommandLinkButton(network.name.replace("&", "&&"), line)
         labelled(card, f"welcome.{file.stem}", network.name, f"<p>{network.description}</p>")
         card.setAccessibleDescription(network.description)
-        card.setIcon(QIcon(str(file.parent / "pictures" / f"thumbnail_{file.stem}.png")))
+        pictures = file.parent / "pictures"
+        curves = pictures / f"card_{file.stem}.png"
+        picture = curves if curves.exists() else pictures / f"thumbnail_{file.stem}.png"
+        card.setIcon(QIcon(str(picture)))
         card.setIconSize(_PICTURE * self.fontMetrics().height())
         width = max(_CARD * self.fontMetrics().averageCharWidth(), card.sizeHint().width())
         card.setFixedSize(width, card.heightForWidth(width))

@@ -3,11 +3,13 @@
 from functools import partial
 from typing import Any, NamedTuple
 
-from PySide6.QtCore import QPoint, QSize, Qt, QTimer
+from PySide6.QtCore import QEvent, QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFontMetrics,
     QGuiApplication,
+    QKeyEvent,
+    QMouseEvent,
     QPainter,
     QPaintEvent,
     QWheelEvent,
@@ -317,10 +319,23 @@ class TypedField(Field):
         self.edit.mark()
 
 
-class NameLabel(QLabel):
-    """A name in a column of a given width; its middle is left out where that is too narrow."""
+PIXELS_A_STEP = 4
+START_PIXELS = 3
+FINER, COARSER = 0.1, 10.0
 
+
+class NameLabel(QLabel):
+    """A name whose middle is left out where it is too wide; a number's is dragged sideways."""
+
+    # steps: so many more, parts of one included: to the right is up
+    dragged = Signal(float)
+    finished = Signal()  # the button is up
+    given_up = Signal()  # Esc during a drag
+
+    drags = False
     column = 0
+    _last: float | None = None
+    _moving = False
 
     def sizeHint(self) -> QSize:
         return QSize(self.column, super().sizeHint().height())
@@ -328,13 +343,48 @@ class NameLabel(QLabel):
     def minimumSizeHint(self) -> QSize:
         return QSize(0, super().minimumSizeHint().height())
 
+    def set_drags(self, on: bool) -> None:
+        self.drags = on
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus if on else Qt.FocusPolicy.NoFocus)
+        self.setCursor(Qt.CursorShape.SizeHorCursor if on else Qt.CursorShape.ArrowCursor)
+
     def paintEvent(self, _event: QPaintEvent) -> None:
         room = self.contentsRect()
         middle = Qt.TextElideMode.ElideMiddle
-        text = self.fontMetrics().elidedText(self.text(), middle, room.width())
         with QPainter(self) as painter:
+            text = painter.fontMetrics().elidedText(self.text(), middle, room.width())
             painter.setPen(self.palette().color(self.foregroundRole()))
             painter.drawText(room, int(self.alignment()), text)
+
+    def event(self, event: QEvent) -> bool:
+        """End a drag by Esc, and by a dialog: the release of the button behind it never arrives."""
+        if self._last is not None:
+            override = event.type() == QEvent.Type.ShortcutOverride
+            if override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
+                self._last = None
+                self.given_up.emit()
+                event.accept()
+            elif event.type() == QEvent.Type.WindowBlocked:
+                self._last = None
+                self.finished.emit()
+        return bool(super().event(event))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton and self.drags:
+            self._last, self._moving = event.position().x(), False
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        way = 0.0 if self._last is None else event.position().x() - self._last
+        if way and (self._moving or abs(way) >= START_PIXELS):
+            self._moving, self._last = True, event.position().x()
+            finer = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+            coarser = event.modifiers() & Qt.KeyboardModifier.ControlModifier
+            self.dragged.emit(way / PIXELS_A_STEP * (FINER if finer else COARSER if coarser else 1))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        if self._last is not None and event.button() == Qt.MouseButton.LeftButton:
+            self._last = None
+            self.finished.emit()
 
 
 MOST_BUTTONS = 4

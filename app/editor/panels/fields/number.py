@@ -29,6 +29,7 @@ from core.names import thaw
 from core.network.linked_values import expression
 
 WHEEL_REST_MS = 400
+_HOW_TO_DRAG = "Drag the name sideways to change the value: Shift finer, Ctrl coarser"
 _UNLINK = "Type a value to unlink it, or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
@@ -61,6 +62,11 @@ class NumberField(TypedField):
         self.linked_value.setWordWrap(False)
         beside = (self.unit, self.linked_value)
         filled(self.row, self.label, (self.slider, 1), (edit, 1), *beside)
+        self.label.setToolTip(tip(f"{self.title}: {about(self.parameter)}\n{_HOW_TO_DRAG}"))
+        self.label.dragged.connect(self._drag)
+        self.label.finished.connect(self._end)
+        self.label.given_up.connect(self._give_up_drag)
+        self._part = 0.0
         self._gesture: object | None = None
         self._show_link()
 
@@ -97,6 +103,7 @@ class NumberField(TypedField):
 
     def _show_link(self) -> None:
         link = self.link
+        self.label.set_drags(link is None)
         self.slider.setVisible(link is None)
         self.unit.setVisible(link is None)
         self.linked_value.setVisible(link is not None)
@@ -159,6 +166,15 @@ class NumberField(TypedField):
         if self.link is not None:
             self._show_problem(f"{self.title} follows {self.link.text}: {_UNLINK}")
         elif not self.edit.marked:
+            self._offer_moved(self.scale.stepped(self.value, steps))
+
+    def _drag(self, steps: float) -> None:
+        """By the name; of whole numbers, parts of a step are gathered."""
+        if self.scale.whole:
+            self._part += steps
+            steps = int(self._part)
+            self._part -= steps
+        if steps:
             self._offer_moved(self.scale.stepped(self.value, steps))
 
     def _offer_moved(self, number: float) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.declared_text import FreeNumber
-from app.editor.docks.background_work import picture_of
 from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge
 
@@ -144,31 +142,3 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()
         assert button.accessibleName()
-
-
-def test_a_known_scene_is_fitted_as_a_whole(fitting, files, qtbot):
-    """The picture that a viewer shows is of the network's own scene, with the values it has."""
-    window, view = fitting, fitting.fitting
-    viewer = window.viewers.images[1]
-    qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
-    shown = picture_of(1, viewer)
-    noise = np.random.default_rng(4).normal(0.0, 0.02 * np.ptp(shown.samples), shown.samples.shape)
-    view.choose_pictures(replace(shown, samples=shown.samples + noise))
-    window.session.free.put(FreeNumber("blur", "sigma_x_mrad"))
-    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
-    view.begin()
-    qtbot.waitUntil(lambda: view.outcome is not None)
-    (fitted,) = view.outcome.parameters
-    assert fitted.value == pytest.approx(0.05, abs=3.0 * fitted.sigma)
-    assert view.chart.edge is None
-    assert not view.grab().isNull()
-    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
-    assert view.status.title.text() == "Fitted before a change: fit again"
-    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
-    view.choose_pictures((files / "edge.npy", files / "edge_too.npy"))
-    view.begin()
-    qtbot.waitUntil(lambda: "fitted to one picture" in view.status.title.text())
-    np.save(files / "small.npy", np.ones((40, 40)))
-    view.choose_pictures((files / "small.npy",))
-    view.begin()
-    qtbot.waitUntil(lambda: view.status.title.text().startswith("the picture has 40 × 40"))
