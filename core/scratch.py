@@ -4,8 +4,6 @@ All of a file is reserved before it is mapped: a full disk is an error here, and
 ends the process while samples are written.
 """
 
-from __future__ import annotations
-
 import errno
 import mmap
 import os
@@ -55,7 +53,7 @@ class ScratchDisk:
         mapped = self._mapped(_size(shape, dtype))
         return np.frombuffer(mapped, dtype, count=int(np.prod(shape))).reshape(shape)
 
-    def strips(self, shape: tuple[int, int], dtype: DTypeLike) -> StripArray:
+    def strips(self, shape: tuple[int, int], dtype: DTypeLike) -> "StripArray":
         """An array of which blocks of columns lie together, as few as threads hold at once."""
         column = shape[0] * np.dtype(dtype).itemsize
         width = max(1, min(shape[1], self.memory_bytes // _SHARE_STRIP // max(1, column)))

@@ -1,7 +1,5 @@
 """The result of a run; pictures and figures not yet computed are computed on access."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -168,7 +166,7 @@ class Result:
         return Picture(name, image, samples, self._work, self._region(image))
 
     @property
-    def images(self) -> Images:
+    def images(self) -> "Images":
         """Samples of every picture, by ``NODE.PORT``; each is computed when you access it."""
         return Images(self)
 
