@@ -209,8 +209,6 @@ class Snapshots(QObject):
                 self._followed.add(number)
                 viewer.posted.connect(self.follow)
             viewer.compare_kept(self._side(viewer))
-            if self.chosen is None:
-                viewer.forget_kept()
         data = None
         for query in self._curves():  # one, or none where the selected node has no curves
             data = self.results.get(query)

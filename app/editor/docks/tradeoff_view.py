@@ -42,8 +42,17 @@ from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button
 from app.run.responses import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_drawing import csv_text
-from app.tradeoff.tradeoff_figures import SENSORS, Figure, Point, figures_of, makes_pixels
-from app.tradeoff.tradeoff_results import Curve, Results, parameter_of, points_at
+from app.tradeoff.tradeoff_results import (
+    SENSORS,
+    Curve,
+    Figure,
+    Point,
+    Results,
+    figures_of,
+    makes_pixels,
+    parameter_of,
+    points_at,
+)
 from app.tradeoff.values import Variation
 from core.chain.engine import Plan
 from core.errors import ImagechainError, UsageError

@@ -209,7 +209,7 @@ class MainWindow(QMainWindow):
                 other.hide()
         self.runs.queue.close()
         self.measuring.worker.close()
-        self.fitting.close_worker()
+        self.fitting.worker.close()
         self.help.handbook.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
@@ -248,7 +248,6 @@ class MainWindow(QMainWindow):
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, workbench, self.finish_typing)
-        self.status.add(self.runs.status)
         self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
         self.measuring = measuring = MeasureView(self.session, self.viewers.images)
         self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
@@ -261,7 +260,7 @@ class MainWindow(QMainWindow):
             self.layout_in_use.follow(dock)
         # Docks that an action shows and hides, and what in them gets the keyboard.
         self.tools: dict[str, tuple[QDockWidget, QWidget]] = {
-            "trade_off": (self.viewers.tradeoff_dock, self.viewers.tradeoff.bar.parameter),
+            "trade_off": (self.viewers.tradeoff_dock, self.viewers.tradeoff.parameter),
             "history": (self.history_dock, self.history),
             "fit": (self.fit_dock, self.fitting.table),
             "runs": (self.runs.dock, self.runs.view),
