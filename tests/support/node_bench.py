@@ -1,6 +1,9 @@
 """A network of nodes, linked in their order if not otherwise, planned and evaluated."""
 
+import pytest
+
 from core.chain.engine import Engine
+from core.errors import ImagechainError
 from core.evaluation.policy import Policy
 from core.modules.declaration import NodeContext
 from linked_network import in_order, linked_network
@@ -9,12 +12,12 @@ from linked_network import in_order, linked_network
 class NodeBench:
     """What nodes of a library give and write in a folder."""
 
-    def __init__(self, library, folder, nodes, links=None, *, precision="double"):
+    def __init__(self, library, folder, nodes, links=None, *, precision="double", **policy):
         links = in_order(nodes, library) if links is None else links
         self.engine = Engine(library)
         self.folder = folder
         self.plan = self.engine.plan(linked_network(nodes, links), folder=folder)
-        self.work = self.engine.work(Policy(precision=precision))
+        self.work = self.engine.work(Policy(precision, **policy))
 
     def error(self, node):
         return self.plan.nodes[node].error
@@ -27,6 +30,17 @@ class NodeBench:
 
     def readouts(self, node):
         return self.engine.readouts(self.plan, node, self.work)
+
+    def refusal(self, port, node):
+        """The line in which a node refuses what is needed for a port."""
+        errors = self.plan.errors()
+        if not errors:
+            with pytest.raises(ImagechainError) as caught:
+                self.value(port)
+            errors = [caught.value]
+        assert (errors[0].node, errors[0].exit_code) == (node, 2)
+        assert "\n" not in str(errors[0])
+        return str(errors[0])
 
     def warnings(self):
         return self.engine.warnings(self.plan, self.work)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -37,14 +36,9 @@ def chain(folder, stages, rows, columns):
         **{f"s{number}": stage for number, stage in enumerate(stages)},
         "back": ("back_transform", {}),
     }
-    bench = NodeBench(standard_library(), folder, nodes)
+    bench = NodeBench(standard_library(), folder, nodes, tolerance=0.0)
     assert bench.plan.errors() == []
-    work = bench.engine.work(Policy(precision="double", tolerance=0.0))
-
-    def get(port):
-        return bench.engine.value(bench.plan, port, work)
-
-    return np.fft.fft2(get("back.image")), get
+    return np.fft.fft2(bench.value("back.image")), bench.value
 
 
 @pytest.mark.parametrize(("rows", "columns"), [(12, 16), (12, 15), (13, 16), (2, 2), (1, 8)])

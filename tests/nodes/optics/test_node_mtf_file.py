@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from core.evaluation.policy import Policy
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -36,24 +35,20 @@ def plan_of(folder, key, params, *, init=SENSOR):
         "it": (key, params),
         "back": ("back_transform", {}),
     }
-    bench = NodeBench(standard_library(), folder, nodes)
-    return bench.engine, bench.plan
+    return NodeBench(standard_library(), folder, nodes, tolerance=0.0)
 
 
 def picture(folder, key, params, port="back.image", **how):
-    engine, plan = plan_of(folder, key, params, **how)
-    assert plan.errors() == []
-    return engine.value(plan, port, engine.work(Policy(precision="double", tolerance=0.0)))
+    bench = plan_of(folder, key, params, **how)
+    assert bench.plan.errors() == []
+    return bench.value(port)
 
 
 def refusal(folder, text, **params):
     path = folder / "lens.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    errors = plan_of(folder, "mtf_file", {"path": "lens.csv", **params})[1].errors()
-    assert len(errors) == 1
-    assert errors[0].node == "it"
-    assert "\n" not in str(errors[0])
-    return str(errors[0])
+    bench = plan_of(folder, "mtf_file", {"path": "lens.csv", **params})
+    return bench.refusal("back.image", "it")
 
 
 def table(folder, frequencies, unit="cyc/mrad", **columns):
@@ -167,16 +162,14 @@ def test_zemax_listing(tmp_path):
         " 20.000000   0.000000   0.300000\r\n"
     )
     (tmp_path / "mtf.txt").write_bytes(text.encode("utf-16"))
-    engine, plan = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt", "field": 1})
-    x, y = (dict(law.parameters) for law in plan.nodes["it"].outputs["mtf"].factors[0].laws)
+    bench = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt", "field": 1})
+    x, y = (dict(law.parameters) for law in bench.port("it.mtf").factors[0].laws)
     assert x["frequencies"] == y["frequencies"] == (0.0, 10.0, 20.0)
     assert (x["values"], y["values"]) == ((1.0, 0.7, 0.3), (1.0, 0.5, 0.0))
-    found = engine.readouts(plan, "it", engine.work(Policy()))
-    assert found["end_x"] == pytest.approx(20.0 * FOCAL_LENGTH_MM / 1000)
-    _, plan = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt"})
-    law = plan.nodes["it"].outputs["mtf"].factors[0].x
+    assert bench.readouts("it")["end_x"] == pytest.approx(20.0 * FOCAL_LENGTH_MM / 1000)
+    law = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt"}).port("it.mtf").factors[0].x
     assert dict(law.parameters)["values"] == (1.0, 0.8)  # not the limit's 0.9
-    error = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt", "field": 2})[1].errors()[0]
+    error = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt", "field": 2}).plan.errors()[0]
     assert "no field 2 in this listing; allowed: 0 to 1" in str(error)
 
 
@@ -235,13 +228,13 @@ def test_what_does_not_fit_the_file(tmp_path, params, words):
 
 def test_normalised_by_its_value_at_zero(tmp_path):
     (tmp_path / "lens.csv").write_text("frequency (cyc/mrad);mtf_x\n0;0.8\n10;0.4\n20;0\n")
-    _, plan = plan_of(tmp_path, "mtf_file", {"path": "lens.csv", "normalise": "at_zero"})
-    law = plan.nodes["it"].outputs["mtf"].factors[0].x
+    bench = plan_of(tmp_path, "mtf_file", {"path": "lens.csv", "normalise": "at_zero"})
+    law = bench.port("it.mtf").factors[0].x
     assert dict(law.parameters)["values"] == (1.0, 0.5, 0.0)
 
 
 def cautions(folder, params, **how):
-    plan = plan_of(folder, "mtf_file", params, **how)[1]
+    plan = plan_of(folder, "mtf_file", params, **how).plan
     assert plan.errors() == []
     return {caution.check: caution.text for caution in plan.nodes["it"].warnings}
 

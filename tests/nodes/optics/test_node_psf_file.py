@@ -8,10 +8,9 @@ from scipy.ndimage import convolve
 from scipy.special import j1
 
 from command_line import run_here
-from core.chain.engine import Engine
-from core.evaluation.policy import Policy
 from core.network.file import format_network
-from linked_network import in_order, linked_network
+from linked_network import in_order
+from node_bench import NodeBench
 from nodes.library import standard_library
 
 FOCAL_LENGTH_MM = 100.0
@@ -26,43 +25,28 @@ COMET = np.zeros((7, 9))
 COMET[3, 4], COMET[3, 5:], COMET[4:, 4], COMET[1, 1] = 10.0, (5, 4, 3, 1), (3, 1, 0.5), 0.7
 
 
-def network(
-    params, *, scene=("test_scene", SCENE), focal_length_mm=FOCAL_LENGTH_MM, phase="it.phase"
-):
+def planned(folder, params, *, focal_length_mm=FOCAL_LENGTH_MM, phase="it.phase"):
     nodes = {
-        "scene": scene,
+        "scene": ("test_scene", SCENE),
         "init": ("init_trans", {"edges": "periodic", "focal_length_mm": focal_length_mm}),
         "it": ("psf_file", params),
         "back": ("back_transform", {}),
     }
-    links = in_order(nodes, standard_library())
+    library = standard_library()
+    links = in_order(nodes, library)
     if phase != "it.phase":
         links = [link for link in links if "it.phase" not in link] + [(phase, "back.phase")]
-    return linked_network(nodes, links)
-
-
-def planned(folder, params, **how):
-    engine = Engine(standard_library())
-    return engine, engine.plan(network(params, **how), folder=folder)
+    return NodeBench(library, folder, nodes, links, tolerance=0.0)
 
 
 def value(folder, params, port="back.image", **how):
-    engine, plan = planned(folder, params, **how)
-    assert plan.errors() == []
-    return engine.value(plan, port, engine.work(Policy(precision="double", tolerance=0.0)))
+    bench = planned(folder, params, **how)
+    assert bench.plan.errors() == []
+    return bench.value(port)
 
 
 def refusal(folder, params, **how):
-    engine, plan = planned(folder, params, **how)
-    errors = plan.errors()
-    if not errors:
-        with pytest.raises(Exception, match="it: ") as caught:
-            engine.value(plan, "back.image", engine.work(Policy()))
-        errors = [caught.value]
-    assert errors[0].node == "it"
-    assert errors[0].exit_code == 2
-    assert "\n" not in str(errors[0])
-    return str(errors[0])
+    return planned(folder, params, **how).refusal("back.image", "it")
 
 
 PITCH = {"sample_pitch": INTERVAL_MRAD, "pitch_unit": "mrad"}
@@ -71,7 +55,8 @@ PITCH = {"sample_pitch": INTERVAL_MRAD, "pitch_unit": "mrad"}
 def test_a_run_lays_it_over_a_point_as_it_is_seen(tmp_path):
     """`imagechain run` of a point; the tail to the right is to the right, the one below below."""
     np.save(tmp_path / "comet.npy", COMET)
-    text = format_network(network({"path": "comet.npy", **PITCH}), library=standard_library())
+    made = planned(tmp_path, {"path": "comet.npy", **PITCH}).plan.network
+    text = format_network(made, library=standard_library())
     (tmp_path / "net.json").write_text(text, encoding="utf-8")
     done = run_here(
         "run", "net.json", "--precision=double", "--tolerance=0", "--output-dir=out",
@@ -97,8 +82,7 @@ def test_the_centroid_is_kept_or_removed(tmp_path):
     params = {"path": "psf.npy", **PITCH}
     kept, removed = (value(tmp_path, {**params, "centroid": c}) for c in ("kept", "removed"))
     np.testing.assert_allclose(kept, np.roll(removed, (-2, 3), axis=(0, 1)), rtol=1e-9)
-    engine, plan = planned(tmp_path, params)
-    found = engine.readouts(plan, "it", engine.work(Policy(precision="double")))
+    found = planned(tmp_path, params).readouts("it")
     assert found["centre_x_mrad"] == pytest.approx(3 * INTERVAL_MRAD)
     assert found["centre_y_mrad"] == pytest.approx(-2 * INTERVAL_MRAD)
     assert found["sum_of_samples"] == pytest.approx(24.0)
@@ -190,10 +174,9 @@ def test_of_several_bands_one_is_chosen(tmp_path):
 
 
 def cautions(folder, params, **how):
-    engine, plan = planned(folder, params, **how)
-    assert plan.errors() == []
-    found = engine.warnings(plan, engine.work(Policy(precision="double")))
-    return {caution.check: caution.text for caution in found if caution.node == "it"}
+    bench = planned(folder, params, **how)
+    assert bench.plan.errors() == []
+    return {one.check: one.text for one in bench.warnings() if one.node == "it"}
 
 
 def test_warns_of_energy_at_the_border_of_coarse_samples_and_of_no_file(tmp_path):

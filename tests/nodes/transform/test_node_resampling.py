@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
 from core.physics.sampling.interpolation import block_mean_mtf
 from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
@@ -29,8 +28,7 @@ def through(folder, array, key, params, precision="double", threads=1):
         "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
         "out": (key, params),
     }
-    bench = NodeBench(ENGINE_LIBRARY, folder, nodes, precision=precision)
-    bench.work = bench.engine.work(Policy(precision=precision, threads=threads))
+    bench = NodeBench(ENGINE_LIBRARY, folder, nodes, precision=precision, threads=threads)
     source, image = bench.port("in.image"), bench.port("out.image")
     return source, image, bench.value("out.image"), bench.readouts("out")
 
