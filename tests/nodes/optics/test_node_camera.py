@@ -9,7 +9,6 @@ import pytest
 
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
 from core.physics.sampling.orbit import orbit_view
@@ -37,8 +36,7 @@ def planned(tmp_path):
             "back": ("back_transform", {}),
             "pixels": ("sample_pixels", {}),
         }
-        bench = NodeBench(standard_library(), tmp_path, nodes)
-        return bench.engine, bench.plan
+        return NodeBench(standard_library(), tmp_path, nodes, precision="single")
 
     return plan
 
@@ -49,7 +47,8 @@ def texts(plan):
 
 def test_entered_once(planned):
     """Nothing is given on Init & Trans: the whole chain goes by the camera."""
-    engine, plan = planned(MWIR)
+    bench = planned(MWIR)
+    plan = bench.plan
     assert plan.errors() == []
     assert texts(plan) == []
     context = plan.output("init.context")
@@ -61,8 +60,7 @@ def test_entered_once(planned):
     assert context.grid.interval_x_mrad == pytest.approx(0.075, rel=1e-15)
     assert plan.output("pixels.image").shape == (512, 640)
     assert plan.output("pixels.image").interval_y_mrad == pytest.approx(0.15, rel=1e-15)
-    work = engine.work(Policy())
-    found = engine.readouts(plan, "camera", work)
+    found = bench.readouts("camera")
     expected = {
         "pixel_x_mrad": 0.15, "fov_x_deg": math.degrees(2 * math.atan(0.048)),
         "fov_y_deg": math.degrees(2 * math.atan(0.0384)),
@@ -71,7 +69,7 @@ def test_entered_once(planned):
     }  # fmt: skip
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=1e-14), name
-    assert engine.readouts(plan, "init", work)["ifov_x_mrad"] == pytest.approx(0.1425, rel=1e-14)
+    assert bench.readouts("init")["ifov_x_mrad"] == pytest.approx(0.1425, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +82,7 @@ def test_entered_once(planned):
     ],
 )
 def test_two_of_three_give_the_third(planned, given, expected):
-    _, plan = planned({"pixels_x": 640, "pixels_y": 512, "pitch_um": 15, **given})
+    plan = planned({"pixels_x": 640, "pixels_y": 512, "pitch_um": 15, **given}).plan
     sheet = plan.output("camera.image").camera
     assert (sheet.focal_length_mm, sheet.f_number, sheet.aperture_mm) == pytest.approx(expected)
 
@@ -101,7 +99,7 @@ def test_two_of_three_give_the_third(planned, given, expected):
     ],
 )
 def test_what_init_gives_otherwise_is_warned_of(planned, init, words):
-    _, plan = planned(MWIR, init)
+    plan = planned(MWIR, init).plan
     (name, value) = next(iter(init.items()))
     assert getattr(plan.output("init.context"), name) == (0.95 if name == "fill_x" else value)
     (text,) = [t for t in texts(plan) if t.startswith("init:")]
@@ -114,9 +112,9 @@ def test_what_init_gives_otherwise_is_warned_of(planned, init, words):
 
 def test_a_second_transform_takes_the_camera_and_not_the_first(planned):
     """An Init & Trans alone leaves the next one as it was: old networks keep their results."""
-    _, plan = planned({}, {"detector_x_um": 9, "detector_y_um": 9, "focal_length_mm": 60,
-                           "fov_x_deg": 5, "fov_y_deg": 4, "fill_x": 0.5})  # fmt: skip
-    image = plan.output("back.image")
+    bench = planned({}, {"detector_x_um": 9, "detector_y_um": 9, "focal_length_mm": 60,
+                         "fov_x_deg": 5, "fov_y_deg": 4, "fill_x": 0.5})  # fmt: skip
+    image = bench.port("back.image")
     assert image.camera.pitch_x_um is None
     assert image.camera.fill_x is None
     assert image.pixel_mrad == (0.15, 0.15)
@@ -133,7 +131,7 @@ def test_a_short_exposure_takes_the_cameras_aperture(planned):
     """Fried's form of D = 25 mm, as where it is typed; without either it is refused."""
     values = []
     for camera, typed in ((MWIR, {}), (MWIR, {"aperture_mm": 25}), ({}, {})):
-        _, plan = planned(camera, {} if camera else {"fov_x_deg": 5, "fov_y_deg": 4})
+        plan = planned(camera, {} if camera else {"fov_x_deg": 5, "fov_y_deg": 4}).plan
         context = plan.output("init.context")
         air = {"turbulence": "short_exposure", "fried_r0_m": 0.05, "wavelength_um": 4.2, **typed}
         module = AtmosphereMTF.build(air)
@@ -150,13 +148,13 @@ def test_an_orbit_is_entered_once(planned):
     """694 km, 30° beside the track: range, elevation and speed of test_orbit's traced rays."""
     satellite = {"pixels_x": 640, "pixels_y": 512, "pitch_um": 13, "focal_length_mm": 12900,
                  "altitude_km": 694, "look_angle_deg": 30}  # fmt: skip
-    engine, plan = planned(satellite)
-    assert texts(plan) == []
+    bench = planned(satellite)
+    assert texts(bench.plan) == []
     view = orbit_view(altitude_km=694.0, look_angle_deg=30.0)
-    context = plan.output("init.context")
+    context = bench.port("init.context")
     seen = (context.range_m, context.velocity_m_per_s, context.elevation_deg)
     assert seen == (view.range_m, view.velocity_m_per_s, view.elevation_deg)
-    found = engine.readouts(plan, "camera", engine.work(Policy()))
+    found = bench.readouts("camera")
     gsd = 0.013 / 12900 * view.range_m
     assert (found["gsd_x_m"], found["gsd_ground_y_m"]) == pytest.approx((gsd, gsd))
     sine = math.sin(math.radians(view.elevation_deg))
@@ -167,7 +165,7 @@ def test_an_orbit_is_entered_once(planned):
 @pytest.mark.parametrize(("scale", "words"), [(1.0, "1 sample per"), (1.5, "1.5 samples per")])
 def test_few_samples_are_counted(planned, scale, words):
     fov = {f"fov_{a}_deg": math.degrees(0.15e-3 / scale * n) for a, n in (("x", 1280), ("y", 1024))}
-    _, plan = planned(MWIR, read=fov)
+    plan = planned(MWIR, read=fov).plan
     assert any(f"the picture has {words} pixel, each" in text for text in texts(plan))
 
 
@@ -186,6 +184,6 @@ def test_few_samples_are_counted(planned, scale, words):
     ],
 )
 def test_two_truths_of_an_orbit_are_warned_of(planned, camera, init, words):
-    _, plan = planned({**MWIR, "range_m": None, **camera}, init)
+    plan = planned({**MWIR, "range_m": None, **camera}, init).plan
     (text,) = texts(plan)
     assert words in text

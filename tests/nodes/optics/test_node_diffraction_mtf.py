@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.evaluation.policy import Policy
 from core.physics.radiometry.planck import band_radiance
 from node_bench import NodeBench
 from nodes.library import standard_library
@@ -30,16 +29,14 @@ def planned(tmp_path):
             **({"alone": ("jitter_mtf", {"apply": "filter_only"})} if chained else {}),
             "optics": ("diffraction_mtf", dict(params)),
         }
-        bench = NodeBench(standard_library(), tmp_path, nodes)
-        return bench.engine, bench.plan
+        return NodeBench(standard_library(), tmp_path, nodes)
 
     return plan
 
 
-def otf(engine, plan, xi):
-    (factor,) = plan.output("optics.mtf").factors
-    work = engine.work(Policy(precision="double"))
-    return factor.plane(work, np.atleast_1d(np.asarray(xi, float)), np.zeros(1))[0]
+def otf(bench, xi):
+    (factor,) = bench.port("optics.mtf").factors
+    return factor.plane(bench.work, np.atleast_1d(np.asarray(xi, float)), np.zeros(1))[0]
 
 
 @pytest.mark.parametrize("case", reference_cases("polychromatic_mtf", file=CAMERA))
@@ -51,13 +48,12 @@ def test_reference(planned, case, light):
     mean = float(band_radiance(temperature_K=given["source_K"], **band))
     params = {"source_K": given["source_K"]} if light == "typed" else {}
     init = {"focal_length_mm": 2 * given["aperture_mm"], "f_number": 2}
-    engine, plan = planned(params, mean=mean, scene=band, init=init)
-    assert plan.errors() == []
-    assert plan.warnings() == []
-    (found,) = otf(engine, plan, given["xi_cyc_per_mrad"])
+    bench = planned(params, mean=mean, scene=band, init=init)
+    assert bench.plan.errors() == []
+    assert bench.plan.warnings() == []
+    (found,) = otf(bench, given["xi_cyc_per_mrad"])
     assert found == pytest.approx(float(case["expected"]["mtf"]), rel=1e-9)
-    work = engine.work(Policy(precision="double"))
-    readouts = engine.readouts(plan, "optics", work)
+    readouts = bench.readouts("optics")
     assert readouts["weighting_K"] == pytest.approx(given["source_K"], rel=1e-12)
     assert readouts["aperture_mm"] == pytest.approx(given["aperture_mm"])
     assert readouts["estimated_error"] <= 1e-13
@@ -65,7 +61,7 @@ def test_reference(planned, case, light):
 
 def test_one_wavelength_is_the_clear_exit_pupil(planned, tmp_path):
     """The same aperture as a pupil array of 100 mm: the closed form of 1996."""
-    engine, plan = planned({"wavelengths": 1, "obscuration_ratio": 0.4})
+    bench = planned({"wavelengths": 1, "obscuration_ratio": 0.4})
     xi = np.linspace(0, 26, 40)
     nodes = {
         "scene": ("read_image", {"path": "in.npy", **FOV, **BAND}),
@@ -74,22 +70,22 @@ def test_one_wavelength_is_the_clear_exit_pupil(planned, tmp_path):
                                  "radius": 25, "obscuration_radius": 10}),
         "optics": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8}),
     }  # fmt: skip
-    other = NodeBench(standard_library(), tmp_path, nodes).plan
-    assert np.abs(otf(engine, plan, xi) - otf(engine, other, xi)).max() <= 1e-14
+    other = NodeBench(standard_library(), tmp_path, nodes)
+    assert np.abs(otf(bench, xi) - otf(other, xi)).max() <= 1e-14
 
 
 def test_the_cameras_aperture_and_obscuration(planned):
     camera = {"focal_length_mm": 400, "aperture_mm": 80, "obscuration_ratio": 0.25}
     xi = np.linspace(0, 30, 31)
-    engine, plan = planned(init={}, camera=camera)
-    assert plan.warnings() == []
-    found = otf(engine, plan, xi)
-    engine, typed = planned({"aperture_mm": 80, "obscuration_ratio": 0.25}, init={})
-    assert np.array_equal(found, otf(engine, typed, xi))
+    bench = planned(init={}, camera=camera)
+    assert bench.plan.warnings() == []
+    found = otf(bench, xi)
+    typed = planned({"aperture_mm": 80, "obscuration_ratio": 0.25}, init={})
+    assert np.array_equal(found, otf(typed, xi))
     # An F-number on Init & Trans counts before the camera's aperture, with a warning there.
-    engine, other = planned(init={"f_number": 4}, camera=camera)
-    assert engine.readouts(other, "optics", engine.work(Policy()))["aperture_mm"] == 100
-    assert "f_number = 4 here, 5 on Camera" in " ".join(map(str, other.warnings()))
+    other = planned(init={"f_number": 4}, camera=camera)
+    assert other.readouts("optics")["aperture_mm"] == 100
+    assert "f_number = 4 here, 5 on Camera" in " ".join(map(str, other.plan.warnings()))
 
 
 @pytest.mark.parametrize(
@@ -102,9 +98,9 @@ def test_the_cameras_aperture_and_obscuration(planned):
     ],
 )
 def test_by_whose_light(planned, how, expected):
-    engine, plan = planned(**how)
-    assert plan.errors() == []
-    found = engine.readouts(plan, "optics", engine.work(Policy(precision="double")))
+    bench = planned(**how)
+    assert bench.plan.errors() == []
+    found = bench.readouts("optics")
     assert found["weighting_K"] == (None if expected is None else pytest.approx(expected, rel=1e-9))
 
 
@@ -118,24 +114,23 @@ def test_by_whose_light(planned, how, expected):
     ],
 )
 def test_refusals(planned, how, words):
-    _, plan = planned(**how)
-    (error,) = plan.errors()
+    (error,) = planned(**how).plan.errors()
     assert error.node == "optics"
     for word in words:
         assert word in str(error)
 
 
 def test_a_dark_picture_has_no_colour(planned):
-    engine, plan = planned(mean=0.0)
+    bench = planned(mean=0.0)
     with pytest.raises(DataError, match="source_K"):
-        otf(engine, plan, 3.0)
+        otf(bench, 3.0)
 
 
 def test_defocus_turns_contrast_over(planned):
     """W20 of a wave: real, and negative over part of the band, by the form of Hopkins."""
-    engine, plan = planned({"defocus_waves": 1.0, "wavelengths": 1})
+    bench = planned({"defocus_waves": 1.0, "wavelengths": 1})
     ratio = np.linspace(0, 1, 51)
-    found = otf(engine, plan, ratio * 25.0)
+    found = otf(bench, ratio * 25.0)
     # (4/π)∫ sin²t·cos(8πv(cos t − v)) dt from 0 to acos v, by Gauss and Legendre.
     end = np.arccos(ratio)[:, np.newaxis]
     nodes, weights = np.polynomial.legendre.leggauss(60)
