@@ -6,7 +6,7 @@ import os
 import socket
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.command import options
 from app.run import option_values as values
@@ -90,26 +90,18 @@ def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
 
 def _answers(display: str) -> bool:
     host, _, number = display.rpartition(":")
-    number = number.partition(".")[0]
-    if not number.isdigit():
-        return False
     try:
-        if host in ("", "unix"):
-            # Some servers listen on the abstract name alone.
-            return any(
-                _connects(socket.AF_UNIX, prefix + str(_X_SOCKETS / f"X{number}"))
-                for prefix in ("", "\0")
-            )
-        return _connects(socket.AF_INET, (host, 6000 + int(number)))
+        screen = int(number.partition(".")[0])
+        if host not in ("", "unix"):
+            return _connects(socket.AF_INET, (host, 6000 + screen))
+        path = str(_X_SOCKETS / f"X{screen}")
+        # Some servers listen on the abstract name alone.
+        return any(_connects(socket.AF_UNIX, prefix + path) for prefix in ("", "\0"))
     except (OSError, OverflowError, ValueError):
         return False
 
 
-def _connects(family: socket.AddressFamily, address: object) -> bool:
+def _connects(family: socket.AddressFamily, address: Any) -> bool:
     with socket.socket(family, socket.SOCK_STREAM) as trial:
         trial.settimeout(3)
-        try:
-            trial.connect(address)  # type: ignore[arg-type]
-        except OSError:
-            return False
-    return True
+        return trial.connect_ex(address) == 0
