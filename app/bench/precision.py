@@ -191,8 +191,8 @@ def pupil_sampling(settings: Settings) -> list[Table]:
     text = (
         "Exact is the default: a sampled pupil never reaches the small error of the closed "
         "form, however long it takes. Pupils from files and with a wavefront error have no "
-        "closed form and are sampled, by default on 512². Of the interpolations, bilinear is "
-        "the default: it weights the four neighbouring lags the same way in every direction. "
+        "closed form and are sampled, by default on 512². Bilinear is the default "
+        "interpolation: it weights the four neighbouring lags the same way in every direction. "
         "Linear over three has a smaller error with coarse samples, because its facets follow "
         "the cusp at zero lag. `none` is only for viewing: it filters nothing."
     )
