@@ -41,7 +41,7 @@ _COMPRESSED = (
     "noise is no longer the camera's"
 )
 _LEAST_BLOCKS = 24
-_COARSE_STEPS = 0.6  # deviations of the noise in steps, below which rounding does not add 1/12
+_COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding does not add 1/12
 _HIDDEN_SHARE = 0.4  # of the blocks of noise that differs from place to place
 _STILL, _STILL_SHARE = 1e-11, 0.05  # of the power: what single precision leaves; of the blocks
 _SMALLEST, _LARGEST = 1e-12, 1e15  # numbers whose squares single precision holds
@@ -172,8 +172,9 @@ def _measured(
     """Figures of the flat blocks."""
     level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
     rounding = 0.0 if step is None else step**2 / 12.0
+    line = flat.line if step is None else flat.line.rounded(level=level, step=step)
     if flat.even:
-        at_mean, error = flat.line.bounded(offset).at(mean)
+        at_mean, error = line.bounded(offset).at(mean)
     else:
         at_mean, error = flat.mean()
     refusal = _refusal(blocks, flat)
@@ -196,7 +197,7 @@ def _measured(
         return _nothing(refusal, mean, step)
     remarks = []
     if flat.even:
-        figures = gain_and_read_noise(line=flat.line, level=level, rounding=rounding, offset=offset)
+        figures = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
     else:
         reason = "the noise varies over the picture by more than the signal level explains"
         remarks.append(
