@@ -6,7 +6,7 @@ import pytest
 from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
 from core.physics.detector.charge_gain import low_gain_share
-from core.physics.detector.microlens import microlens_response
+from core.physics.optics.microlens import microlens_response
 from linked_network import linked_network
 from node_bench import NodeBench
 from nodes.library import standard_library
