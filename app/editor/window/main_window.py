@@ -199,6 +199,7 @@ class MainWindow(QMainWindow):
         self._ended = True
         self.full_screen.leave()
         self.focus_ring.end()
+        self.layout_in_use.make_room(empty=False)
         if self._remembered:
             docks = self.workbench.saveState(DOCKS_VERSION)
             layout = self.layout_in_use.state()
@@ -385,13 +386,20 @@ class MainWindow(QMainWindow):
     def _opened(self) -> None:
         self.viewers.forget_pictures()
         self.status.forget(closed=True)
+        self._make_room(empty=not self.session.network.nodes)
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 
     def _changed(self, *_: object) -> None:
         self.status.forget()
+        if self.session.network.nodes:
+            self._make_room(empty=False)
         if self.pages.at_first:
             self.show_canvas()
+
+    def _make_room(self, *, empty: bool) -> None:
+        self.layout_in_use.make_room(empty=empty)
+        self.figures.setHidden(empty)
 
     def _follow_state(self) -> None:
         document = self.session.document

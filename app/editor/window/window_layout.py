@@ -40,6 +40,7 @@ class WindowLayout(QObject):
         self.shares: dict[str, tuple[float, float]] = {}  # by the docks' object names
         self._window = window
         self._pressed: Sizes | None = None
+        self._away: list[QDockWidget] = []  # what an empty network has no use for
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._keep)
         self._tidy = QTimer(self, singleShot=True, interval=0)
@@ -47,6 +48,7 @@ class WindowLayout(QObject):
         window.installEventFilter(self)
 
     def choose(self, name: LayoutName) -> None:
+        self._away = []
         self.name, self.shares = name, {}
         place(self._window, name)
         self._size()
@@ -57,6 +59,7 @@ class WindowLayout(QObject):
 
     def restore(self, docks: QByteArray, state: str) -> None:
         """Use what `saveState` and `state` gave; nothing of what is damaged."""
+        self._away = []
         self._window.restoreState(docks, DOCKS_VERSION)
         with suppress(ValueError, TypeError, LookupError, AttributeError):
             stored = json.loads(state)
@@ -66,6 +69,26 @@ class WindowLayout(QObject):
         self._size()
         self._soon.stop()
         self._tidy.start()
+
+    @property
+    def lacks_docks(self) -> bool:
+        return bool(self._away)
+
+    def make_room(self, *, empty: bool) -> None:
+        """Give an empty network a large canvas; the docks of pictures come with its first node."""
+        docks, shown = Docks(self._window), []
+        if empty:
+            beside = (*docks.viewers, *docks.tools, *docks.beside)
+            shown = [dock for dock in beside if not (dock.isHidden() or dock.isFloating())]
+        away, self._away = self._away, self._away + shown if empty else []
+        for dock in shown if empty else away:
+            dock.setVisible(not empty)
+        if away and not empty:
+            for dock in (docks.curves, docks.viewers[0]):
+                dock.raise_()
+            self._size()
+            QTimer.singleShot(0, self, self._size)  # once Qt has laid them out
+            self._soon.stop()
 
     def follow(self, dock: Any) -> None:
         """See the dock put somewhere else: the shares are those once all are laid out."""
@@ -288,7 +311,9 @@ class LayoutMenu(Menu):
                 action = menu.addAction(name.replace("&", "&&"))
                 action.triggered.connect(partial(without_argument, act))
         self.addSeparator()
-        self.addAction("&Save Current as…").triggered.connect(self._ask)
+        saving = self.addAction("&Save Current as…")
+        saving.setEnabled(not self._layout.lacks_docks)
+        saving.triggered.connect(self._ask)
         deleting.setEnabled(not deleting.isEmpty())
         self.addMenu(deleting)
 

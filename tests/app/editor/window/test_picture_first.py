@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QFontInfo, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QInputDialog, QMenu
+from PySide6.QtWidgets import QApplication, QInputDialog, QMenu, QMessageBox, QPushButton
 
 from app.editor.canvas.node_item import OVERVIEW
 from window_hands import show_small
@@ -149,6 +149,29 @@ def test_a_layout_is_saved_chosen_in_another_window_and_deleted(opened, make_win
     (delete,) = entries(again)["&Delete"].menu().actions()
     delete.trigger()
     assert list(entries(again)) == ["&Save Current as…", "&Delete"]
+
+
+def test_an_empty_network_has_a_large_canvas_until_it_has_a_node(make_window, idle):
+    window = make_window()
+    window.files.new()
+    idle(window)
+    shown = window.canvas.width() * window.canvas.height()
+    assert shown >= 0.5 * window.width() * window.height()
+    assert window.library_view.isVisible()
+    assert not canvas(window).isVisible()
+    assert not entries(window)["&Save Current as…"].isEnabled()  # its docks are put away
+    window.canvas.add_module("test_scene")
+    idle(window)
+    assert share(window) >= SHARE
+    window.files.new(None)  # the scene was not saved: it asks
+    window.findChild(QMessageBox).findChild(QPushButton, "discard").click()
+    idle(window)
+    assert not canvas(window).isVisible()
+    window.close()
+    again = make_window()
+    again.files.open_now("first_steps")
+    idle(again)
+    assert share(again) >= SHARE  # and no word of the empty canvas
 
 
 # --- over the whole screen ---------------------------------------------------------------------
