@@ -1,1 +1,1 @@
-"""The command line and its reports; no other layer imports this one."""
+"""The command line and its reports; `imagechain`, the package, is above it."""

@@ -1,1 +1,1 @@
-"""Modules of the detector: its aperture and charge transfer."""
+"""Modules of the detector: from photons to digital numbers."""

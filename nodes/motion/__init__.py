@@ -1,1 +1,1 @@
-"""Modules of motion within an exposure."""
+"""Modules of motion, within an exposure and from frame to frame."""

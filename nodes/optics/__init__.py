@@ -1,1 +1,1 @@
-"""Modules of the optics: pupils, blur, photon noise."""
+"""Modules of the optics: camera, pupils, blur, light over the field."""
