@@ -39,6 +39,37 @@ MARK = "handbook.json"
 DRAWN = "drawn.js"
 """A file that a handbook's folder has once its figures are drawn."""
 _LATER = "The figures are being drawn and will appear on this page."
+SYNONYMS: Mapping[str, str] = MappingProxyType(
+    {
+        "add-on": "plug-in",
+        "animation": "--frames",
+        "batch": "studies",
+        "calibrate": "fit",
+        "goal": "solve",
+        "gpu": "speed",
+        "hpc": "cluster",
+        "hyperspectral": "spectral",
+        "license": "licence",
+        "monte": "studies",
+        "movie": "--frames",
+        "multispectral": "spectral",
+        "nv-ipm": "figures of merit",
+        "nvipm": "figures of merit",
+        "nvtherm": "figures of merit",
+        "optimise": "solve",
+        "optimize": "solve",
+        "parametric": "studies",
+        "plugin": "plug-in",
+        "sfr": "iso 12233",
+        "slurm": "cluster",
+        "sweep": "studies",
+        "video": "--frames",
+        "w/cm2": "w/m²/sr",
+        "w/cm²": "w/m²/sr",
+        "w/m2": "w/m²/sr",
+    }
+)
+"""Words a reader may search for, and those under which the handbook has the subject."""
 
 
 def module_address(key: str) -> str:
@@ -85,6 +116,8 @@ def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
         ),
     )
     best = ranked[0]
+    if wanted in SYNONYMS and wanted not in titles[best].casefold():
+        return find_page(SYNONYMS[wanted], library)
     has = wanted in titles[best].casefold() or wanted in texts[best].casefold()
     return (best if wanted and has else None), list(names)
 
@@ -136,7 +169,8 @@ def handbook_files(
             ),
         )
         found.append([address, entry.title, _plain(entry.summary), _plain(shown.words)])
-    yield "words.js", f"const WORDS = {json.dumps(found, ensure_ascii=False)};\n"
+    words, synonyms = (json.dumps(table, ensure_ascii=False) for table in (found, dict(SYNONYMS)))
+    yield "words.js", f"const WORDS = {words};\nconst SYNONYMS = {synonyms};\n"
     for name in ("handbook.css", "search.js"):
         yield name, (TEMPLATES / name).read_text(encoding="utf-8")
     if drawn:

@@ -1,6 +1,6 @@
 "use strict";
-// Finds pages by words of their titles and texts; WORDS comes from words.js, so that it works
-// without a server. The contents fold on a narrow screen only.
+// Finds pages by words of their titles and texts, or by their synonyms; WORDS and SYNONYMS come
+// from words.js, so that it works without a server. The contents fold on a narrow screen only.
 const root = document.body.dataset.root;
 const contents = document.getElementById("contents");
 const field = document.getElementById("search");
@@ -19,7 +19,10 @@ const pages = WORDS.map(([address, title, lead, text]) => (
 function found(query) {
   const typed = plain(query).split(/\s+/).filter(Boolean);
   if (!typed.length) return [];
-  return having(typed).sort((a, b) => b[0] - a[0]).slice(0, 14);
+  const others = typed.map(word => SYNONYMS[word] || word);
+  const ranked = [...having(others), ...having(typed)].sort((a, b) => b[0] - a[0]);
+  const seen = new Set();
+  return ranked.filter(([, page]) => !seen.has(page) && seen.add(page)).slice(0, 14);
 }
 
 function having(words) {
