@@ -73,7 +73,7 @@ def no_regular_file(mode: int) -> str:
     if stat.S_ISREG(mode):
         return ""
     if stat.S_ISDIR(mode):
-        return "it is a folder; give the name of a file, such as one in that folder"
+        return "it is a folder; give a file name, for example one in that folder"
     kind = _KINDS.get(stat.S_IFMT(mode), "special file")
     return f"it is a {kind}, not a regular file; allowed: a new name, or a regular file to replace"
 

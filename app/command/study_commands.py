@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from core.evaluation.policy import Policy
 
 _MOST_JOBS = 1024
-_OF_PLUG_IN = re.compile(r"\ba fault of the (module \S+ in the )?plug-in ")
+_OF_PLUG_IN = re.compile(r"\ba fault in the (module \S+ of the )?plug-in ")
 
 
 @options.command()

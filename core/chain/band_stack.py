@@ -327,5 +327,7 @@ def _shares(_: Work, means: Array, *, weights: Row) -> Array:
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
-        raise DataError("the picture's bands contain no light, so they cannot be weighted by it")
+        raise DataError(
+            "the picture contains no light, so its bands cannot be weighted by their light"
+        )
     return np.asarray(light / total)

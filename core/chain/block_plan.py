@@ -84,10 +84,10 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
     error = DataError(
-        f"{_what(recipe)} needs the whole picture of {shape[0]} × {shape[1]} samples and "
-        f"cannot run in blocks, and {amount_text(disk.memory_bytes)} of memory are too few for "
-        "it: give more memory, or leave the node out",
-        hint="give more with --memory",
+        f"{_what(recipe)} needs the whole picture of {shape[0]} × {shape[1]} samples, "
+        f"which does not fit in {amount_text(disk.memory_bytes)} of memory, and cannot run in "
+        "blocks: give more memory, or leave the node out",
+        hint="raise the limit with --memory",
     )
     return error if recipe.node is None else error.at(recipe.node)
 
@@ -95,7 +95,7 @@ def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
 def _what(recipe: Recipe) -> str:
     if isinstance(recipe, Delivered):
         if not recipe.one_source:
-            return "the magnitude of one picture with the phase of another"
+            return "combining the magnitude of one picture with the phase of another"
         if recipe.sampled is not None and not recipe.sampled.folds:
             return "sampling with a pixel pitch that is not a whole number of samples"
         return "filtering every band at its own wavelength"

@@ -170,7 +170,7 @@ class _Account:
         size = f"{grid.columns} × {grid.rows}"
         if recipe.mirrored:
             text = (
-                f"edges mirrored by cosine and sine transforms of {size} samples: "
+                f"edges mirrored with cosine and sine transforms of {size} samples: "
                 f"no frame of {2 * grid.columns} × {2 * grid.rows} was needed"
             )
             yield Skip(maker, "mirrored_edges", text, share=0.25)
@@ -178,8 +178,8 @@ class _Account:
         if factors > 1:
             small = f"{grid.columns // recipe.factor_x} × {grid.rows // recipe.factor_y}"
             text = (
-                f"pixels averaged in the spectrum: one inverse transform of {small} samples "
-                f"instead of {size}"
+                f"pixels averaged in the frequency domain: one inverse transform of {small} "
+                f"samples instead of {size}"
             )
             yield Skip(name, "folded", text, share=1 / factors)
         rank = recipe.rank(self.work)

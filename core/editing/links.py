@@ -17,7 +17,7 @@ def refusal(network: Network, library: Library, link: Link) -> str | None:
     way = way_between(network, link.target, link.source)
     if way is None:
         return None
-    return f"this would be a cycle: {way_round(way)}"
+    return f"this link would make a cycle: {way_round(way)}"
 
 
 def misfit(network: Network, library: Library, link: Link) -> str | None:

@@ -56,11 +56,13 @@ def expose(network: Network, node: str, parameter: str) -> Operation:
     """Show a parameter of an inner node, ``camera/init``, on the panel of the macro around it."""
     *macros, inner = path_of(network, node)
     if not macros:
-        raise NetworkError(f"{shown(node)} is not inside a macro that could show its parameters")
+        raise NetworkError(
+            f"{shown(node)} is not inside a macro, so no macro can show its parameters"
+        )
     shown_already = exposed_as(network, node, parameter)
     if shown_already:
         raise NetworkError(
-            f"{shown(macros[-1])} shows {shown(node)}.{parameter} already, as {shown_already}"
+            f"{shown(macros[-1])} already shows {shown(node)}.{parameter} as {shown_already}"
         )
     body = body_of(network, macros)
     entries = parameters_of(body)
@@ -130,8 +132,8 @@ def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -
     if any((one.node, one.parameter) == (macro, old) for _, _, one in references(network)):
         if not readable(new):
             raise NetworkError(
-                f"{shown(macro)}.{old} is followed by an expression: its name must be "
-                f"one word of letters, digits and _, not {shown(new)}"
+                f"an expression uses {shown(macro)}.{old}: its name must be one word of "
+                f"letters, digits and _, not {shown(new)}"
             )
         changed = changed.with_nodes(
             {name: with_references(other, moved) for name, other in changed.nodes.items()}

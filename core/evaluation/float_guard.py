@@ -61,8 +61,8 @@ def plug_in_error(error: Exception, node: str | None, module: str = "") -> PlugI
     if not frames:
         return None
     key = module or _module_of(frames[0][0])
-    what = f"module {key} in the " if key else ""
-    message = f"a fault of the {what}plug-in {_package(frames[-1][0])}: {with_place(error)}"
+    what = f"module {key} of the " if key else ""
+    message = f"a fault in the {what}plug-in {_package(frames[-1][0])}: {with_place(error)}"
     return PlugInError(message, error, node=node)
 
 

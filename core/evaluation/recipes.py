@@ -340,7 +340,7 @@ def _plain_object(part: Any) -> tuple[Any, ...]:
     if callable(part) and "<" not in getattr(part, "__qualname__", "<"):
         name = f"{part.__module__}.{part.__qualname__}"
         return ("function", name, getattr(part, "version", 1))
-    raise TypeError(f"cannot make a content key of {type(part).__name__}")
+    raise TypeError(f"cannot make a content key from {type(part).__name__}")
 
 
 _PLAIN = frozenset({str, int, float, bool, type(None)})

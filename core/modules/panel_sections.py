@@ -61,7 +61,10 @@ def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[
     wrong += [name for name, places in placed.items() if places > 1]
     if wrong:
         allowed = f"each of {', '.join(parameters)} once"
-        raise TypeError(f"the sections of the panel name {', '.join(wrong)}; allowed: {allowed}")
+        raise TypeError(
+            "unknown or repeated parameters in the panel's sections: "
+            f"{', '.join(wrong)}; allowed: {allowed}"
+        )
     left = tuple(name for name in parameters if name not in placed)
     return (*sections, Section("", left)) if left else sections
 
@@ -124,13 +127,11 @@ def checked(
     except Cancelled:
         raise
     except ImagechainError as error:
-        result = Caution(
-            f"its check {check} was not possible: {error.message}", "correct that first"
-        )
+        result = Caution(f"its check {check} could not run: {error.message}", "correct that first")
     except Exception as error:  # a fault of the method alone: network and other checks are sound
         fault = plug_in_error(error, node)
         what = fault.message if fault else with_place(error)
-        remedy = "not an error in the network; the condition was not checked"
+        remedy = "not in the network; the condition was not checked"
         whose = "an error in its package" if fault else "an error in this program"
         result = Caution(f"its check {check} failed ({what})", f"{whose}, {remedy}")
     if isinstance(result, Recipe):

@@ -344,12 +344,12 @@ def _negative(_: Context, number: Number) -> Number:
 
 def _in_unit(unit: str, angle: bool, context: Context, number: Number) -> Number:
     if number[1]:
-        raise ExpressionError(f"a number has two units, the second {unit}")
+        raise ExpressionError(f"a number has two units; the second is {unit}")
     target = "rad" if angle else context[0]
     value = converted(number[0], unit, target)
     if value is None:
         units = ", ".join(fitting(target))
-        what = f"this is in {target}: write {units}" if target else "this has no unit"
+        what = f"this value is in {target}: write {units}" if target else "this value has no unit"
         raise ExpressionError(f"{unit} is a unit of {kind_of(unit)}, but {what}")
     return _checked(value, f"{_short(number[0])} {unit}"), True
 

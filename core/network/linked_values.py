@@ -45,7 +45,7 @@ class LinkError(ParameterError):
         self.why = why
 
 
-_ONLY = "only a number can follow other parameters"
+_ONLY = "only a numeric parameter can follow others"
 
 
 @dataclass(frozen=True)

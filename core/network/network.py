@@ -59,7 +59,7 @@ class Node(_Frozen):
         _check_extra(self.extra, NODE_FIELDS)
         if (self.macro is not None) != (self.module == MACRO):
             raise NetworkError(
-                f"{self.id}: a node of the module {MACRO} needs a macro, and no other may have one"
+                f"{self.id}: a node of the module {MACRO} needs a macro; no other node may have one"
             )
         _set(self, params=freeze(self.params), extra=freeze(self.extra))
 

@@ -158,7 +158,8 @@ class _Survey:
             target = self._port(link, link.target, link.input, "input")
             if source and target and not set(source.types) & set(target.types):
                 gives, takes = " or ".join(source.types), " or ".join(target.types)
-                self._add(f"the link {link} does not fit: {gives} into {takes}", link.target)
+                what = f"the output gives {gives}, but the input takes {takes}"
+                self._add(f"the link {link} does not fit: {what}", link.target)
             into.setdefault((link.target, link.input), []).append(link)
         for (name, port), links in into.items():
             if len(links) > 1:

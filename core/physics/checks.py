@@ -84,7 +84,7 @@ def rising(parameter: str, values: ArrayLike, *, unit: str = "") -> Values:
     falling = np.flatnonzero(np.diff(numbers) <= 0.0)
     if len(falling):
         first = int(falling[0])
-        allowed = f"above the one before, {numbers[first]:g}"
+        allowed = f"above the previous value, {numbers[first]:g}"
         raise ParameterError(
             f"{parameter}[{first + 1}]", float(numbers[first + 1]), allowed, unit=unit
         )

@@ -97,7 +97,9 @@ def brent_root(function: Callable[[float], float], *, low: float, high: float) -
     if at_before == 0.0:
         return before
     if at_best != 0.0 and (at_before > 0.0) == (at_best > 0.0):
-        allowed = f"a zero between them; the values there are {at_before:g} and {at_best:g}"
+        allowed = (
+            f"there must be a zero between them; the values there are {at_before:g} and {at_best:g}"
+        )
         raise ParameterError("low, high", (low, high), allowed)
     other, at_other = before, at_before  # the zero lies between `best` and `other`
     step = last_step = best - before

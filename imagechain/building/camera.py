@@ -34,8 +34,9 @@ Array = NDArray[Any]
 class Camera:
     """A chain as a function: ``camera(frame)`` gives exactly what a run on that scene gives.
 
-    `Chain.camera` makes it. Only its outputs are computed. What all frames share is computed once;
-    everything else is discarded after each frame. It can be sent to other processes.
+    Create one with `Chain.camera`. Only the requested outputs are computed. What all frames share
+    is computed once; everything else is discarded after each frame. A camera can be sent to other
+    processes.
     """
 
     def __init__(

@@ -47,7 +47,7 @@ class Chain:
     name : str
         Title, for reports and files.
     seed : int
-        Seed of the noise; the same seed gives noise that is identical to the bit.
+        Seed of the noise; the same seed gives bit-identical noise.
     description : str
         Description of the chain, for reports and files.
     """
@@ -209,7 +209,7 @@ class Chain:
         after: str | ChainNode | None = None,
         wired: bool = True,
     ) -> ChainNode:
-        """Add a module, wired to the chain with context, magnitude and phase; returns its node.
+        """Add a module and wire its context, magnitude and phase; returns its node.
 
         Parameters
         ----------
@@ -221,7 +221,7 @@ class Chain:
             The node to continue from; the new node goes between it and the one that follows. By
             default the last added node whose output is still free.
         wired : bool
-            Whether to make wires at all.
+            Whether to wire the module.
         """
         if not isinstance(part, Part):
             raise UsageError(
@@ -255,7 +255,7 @@ class Chain:
 
     @plain_errors
     def rename(self, old: str, new: str) -> Chain:
-        """Rename a node, wherever it is mentioned."""
+        """Rename a node, also in wires and expressions; returns the chain itself."""
         self._state = self._state.done(Rename(old, new))
         return self
 
@@ -283,14 +283,14 @@ class Chain:
     ) -> Chain:
         """Replace the scene with your own picture; returns the chain itself.
 
-        ``chain.scene = picture`` does the same without options. What you leave out is taken from
-        the file or from the old scene; `chain.scene` says how.
+        ``chain.scene = picture`` does the same without options. Anything you leave out is taken
+        from the file or from the old scene; `chain.scene` says from which.
 
         Parameters
         ----------
         picture : path or array
-            A file with a picture or cube, or an array (rows, columns) or (rows, columns, 3), in
-            colour.
+            A file with a picture or cube, or an array: (rows, columns), or (rows, columns, 3)
+            in colour.
         node : str, optional
             The node of the scene, if the chain has several.
         fov_deg : (float, float), optional
@@ -345,7 +345,7 @@ class Chain:
         scratch: str | PathLike[str] | None = None,
         threads: int = 0,
     ) -> Result:
-        """Compute the chain; what has not changed since an earlier run is reused.
+        """Compute the chain; values that have not changed since an earlier run are reused.
 
         Parameters
         ----------
@@ -353,8 +353,8 @@ class Chain:
             Precision of pictures and spectra.
         tolerance : float, optional
             Error budget: stages that together change the picture by less than this share of its
-            range are left out. By default it is below rounding; 0 leaves out only what has no
-            effect.
+            range are left out. The default is below rounding error; 0 leaves out only
+            stages without any effect.
         seed : int, optional
             Seed of the noise, instead of the chain's own.
         frames : int, optional
@@ -369,10 +369,10 @@ class Chain:
             Larger pictures are computed in blocks, with bit-identical results, and kept on disk as
             memory-mapped arrays.
         scratch : path, optional
-            Folder for these arrays, by default the current one. Their files are removed with the
+            Folder for these arrays, by default the current one. Their files are deleted with the
             last array.
         threads : int
-            Number of threads; 0 uses as many as there are. Results do not depend on it.
+            Number of threads; 0 uses all cores. The number does not affect the results.
         """
         policy, named = Policy(precision, tolerance, threads), {n for n, _ in self._state.given}
         what = (frames, outputs, region, memory, scratch)
@@ -381,7 +381,7 @@ class Chain:
         chain = self
 
         def smaller(error: ImagechainError) -> Plan:
-            """Without the analysis that cannot use your own scene; else the error."""
+            """The plan without the analyses that cannot use your own scene; else the error."""
             nonlocal chain
             library = self._engine.library
             while True:

@@ -89,7 +89,7 @@ class ChainState:
             return given
 
     def with_values(self, values: Mapping[str, Any]) -> ChainState:
-        """With parameters set, by ``NODE.PARAMETER``; ABSENT resets one to its default."""
+        """Return the state with parameters set, by ``NODE.PARAMETER``; ABSENT resets one."""
         state = self
         for place, value in values.items():
             node, _, name = place.rpartition(".")
@@ -112,7 +112,7 @@ class ChainState:
         return replace(state, samples=samples, given=given)
 
     def done(self, operation: Operation) -> ChainState:
-        """With an operation on the network carried out; arrays follow their nodes."""
+        """Return the state after an operation on the network; arrays follow their nodes."""
         moved = operation.moved(self.network)
         network = operation.apply(self.network)
         samples = {moved.get(node, node): held for node, held in self.samples.items()}
@@ -182,7 +182,7 @@ class ChainState:
         )
 
     def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
-        """With a picture instead of the scene; errors as for `with_own_scene`."""
+        """Return the state with a picture as its scene; errors as for `with_own_scene`."""
         stored = (
             None if isinstance(own.picture, np.ndarray) else fspath(self._own_path(own.picture))
         )
@@ -200,7 +200,7 @@ class ChainState:
         )
 
     def saved(self, target: Path) -> ChainState:
-        """Written to a network file, with its arrays beside it."""
+        """Write a network file, with the arrays beside it; returns the new state."""
         library = standard_library()
         network = self.network
         try:
@@ -239,9 +239,9 @@ class ChainState:
         return current_folder() / path
 
     def plan(self, engine: Engine, seed: int | None = None, previous: Plan | None = None) -> Plan:
-        """The network planned, its macros expanded; errors of nodes stay with the nodes.
+        """Plan the network with its macros expanded; errors of nodes stay with the nodes.
 
-        What has not changed since a `previous` plan is reused.
+        Everything unchanged since a `previous` plan is reused.
         """
         if not self.network.nodes:
             raise NetworkError("the chain has no nodes: add some")

@@ -53,7 +53,7 @@ def study(
     tolerance: float | None = None,
     threads: int = 0,
 ) -> StudyTable:
-    """Evaluate a chain at many points: one row for each, with the reason if it failed.
+    """Evaluate a chain at many points; a failed point's row gives the reason.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def study(
         Values by ``NODE.PARAM``: a sequence or an array, or a string as in the command
         (``"0:1:5"``, ``"1e10:1e12:7:log"``, ``"a,b"``; ``"0:1"`` for a Latin hypercube).
     over : mapping
-        Files by ``NODE.PARAM``, as patterns: ``{"scene.path": "scenes/*.img"}``.
+        File patterns by ``NODE.PARAM``: ``{"scene.path": "scenes/*.img"}``.
     sample : "grid", "latin" or a .csv file
         All combinations of the values, a Latin hypercube of `points`, or the rows of a file.
     points : int, optional

@@ -27,11 +27,12 @@ class FittedChain:
     """Parameters of a chain, fitted to pictures.
 
     `parameters` gives the `value` and the standard error `sigma` of each; both are None if the
-    pictures do not determine it. `combinations` gives what is known about parameters that cannot
-    be separated: value and standard error of each combination. `warnings` say what to check before
-    you trust the values, `notes` what was fitted and assumed. `correlation` is that of the errors,
-    in the order of `parameters`, NaN if not determined. `chi2_per_degree` is 1 if the residuals are
-    only noise. `chain` is the chain with the fitted values, to run and to save.
+    pictures do not determine it. `combinations` gives the value and standard error of each
+    combination of parameters that cannot be separated. `warnings` say what to check before you
+    trust the values, `notes` what was fitted and assumed. `correlation` is the correlation matrix
+    of the errors, in the order of `parameters`, NaN if not determined. `chi2_per_degree` is the
+    reduced χ²: 1 if the residuals are only noise. `chain` is the chain with the fitted values, to
+    run and to save.
     """
 
     def __init__(self, result: FitResult, chain: Chain, pictures: tuple[str, ...]) -> None:
@@ -100,8 +101,8 @@ def fit(
         Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns); linear,
         as the sensor gives them. Each sample corresponds to one of the chain's final picture.
     free : str, sequence of str, or mapping
-        Parameters to fit: ``NODE.PARAM`` in its own range; or a mapping of these to ranges (low,
-        high), None for its own range.
+        Parameters to fit: ``NODE.PARAM``, within its allowed range; or a mapping of these to
+        ranges (low, high), or to None for the allowed range.
     band : int, optional
         Band or colour to use, if the files have several.
     precision, tolerance, threads

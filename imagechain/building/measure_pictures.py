@@ -39,8 +39,9 @@ class MeasuredPictures:
     `x` and `y` are the pooled horizontal and vertical MTFs, with `frequency` (cycles/sample),
     `mtf`, `sigma` (its standard error), `mtf50` and `mtf50_sigma`. They are None if there is no
     MTF; `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with
-    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise`, of flat areas,
-    has `sigma`, `sigma_error`, `gain_e_per_dn` and `read_noise_dn`; None if there are none.
+    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise`, measured in
+    flat areas, has `sigma`, `sigma_error`, `gain_e_per_dn` and `read_noise_dn`; it is None if
+    the noise could not be measured.
     """
 
     def __init__(self, measured: PictureMeasurement) -> None:

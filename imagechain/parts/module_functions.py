@@ -20,7 +20,7 @@ _WIDTH = 96
 
 
 def module_function(key: str) -> Callable[..., Part]:
-    """The function that makes a module; an `AttributeError` if there is no such module."""
+    """The function that makes a module; raises `AttributeError` if there is no such module."""
     library = standard_library()
     if key not in library:
         raise AttributeError(f"there is no module {key!r}{close(key, library)}")
@@ -56,7 +56,7 @@ def module_function(key: str) -> Callable[..., Part]:
 
 @plain_errors
 def part(module: str, **values: Any) -> Part:
-    """Make a module by its key, also one from a plug-in, with values; see ``ic.modules``."""
+    """Create a module from its key and parameter values. Modules from plug-ins work too."""
     library = standard_library()
     if module not in library:
         raise NetworkError(f"there is no module {shown(module)}{close(module, library)}")
@@ -103,7 +103,7 @@ _TYPES: dict[str, tuple[Any, str]] = {
 
 
 def annotation(parameter: Parameter) -> tuple[Any, str]:
-    """The type of an argument, and the same as text."""
+    """The type of an argument, and its text."""
     if parameter.kind == "choice":
         choices = ", ".join(map(repr, parameter.choices))
         kind, text = Literal[parameter.choices], f"Literal[{choices}]"
@@ -119,7 +119,7 @@ def presets() -> dict[str, str]:
 
 @plain_errors
 def preset(name: str, **values: Any) -> Part:
-    """Make a lens, a detector, a camera or light, to add to a chain as one node.
+    """Create a lens, detector, camera or light source, to add to a chain as one node.
 
     Parameters
     ----------

@@ -32,8 +32,9 @@ class Expression:
 class Part:
     """A module with values for some of its parameters, to add to a chain.
 
-    The others have their defaults. The `samples` of a scene come from an array. Its node is called
-    `name` unless you give another, or after its module; `inside` has the modules of a macro.
+    Other parameters have their defaults. `samples` holds a scene from an array. `name` is the
+    default name of the node; if it is empty, the module's key is used. `inside` has the modules of
+    a macro.
     """
 
     module: str

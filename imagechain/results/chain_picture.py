@@ -144,12 +144,12 @@ class Picture:
         return f"{self.unit}/µm" if density else self.unit
 
     def to_png(self, most_px: int | None = None) -> bytes:
-        """Return the first frame as an 8-bit grey PNG, scaled between its own limits.
+        """Return the first frame as an 8-bit grey PNG, scaled to its 0.1 % and 99.9 % quantiles.
 
         Parameters
         ----------
         most_px : int, optional
-            A picture with more rows or columns is reduced by averaging neighbours.
+            Largest number of rows or columns; larger pictures are reduced by averaging pixels.
         """
         samples = self.samples[0] if self.samples.ndim == 3 else self.samples
         samples = samples if most_px is None else _reduced(samples, most_px)

@@ -45,7 +45,7 @@ _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 
 
 class RunOptions:
-    """Options of a run, as for `Chain.run`, and what decides where the chain may write."""
+    """Options of a run, as for `Chain.run`, and where the chain may write."""
 
     def __init__(
         self,
@@ -230,7 +230,7 @@ class Result:
     @property
     @plain_errors
     def warnings(self) -> tuple[Caution, ...]:
-        """Warnings of the modules, also about the samples."""
+        """Warnings from the modules, including those about samples."""
         return self._evaluation.cautions
 
     @property
@@ -262,9 +262,9 @@ class Result:
         Parameters
         ----------
         allow : iterable of path
-            Further folders where a network from a file may write, over any file. Otherwise it may
-            write only in its own folder, and overwrite only files that it has written itself. Files
-            that were named in Python are always written.
+            Further folders where a network from a file may write and overwrite any file. Otherwise
+            it may write only in its own folder, and overwrite only files that it has written
+            itself. Files that were named in Python are always written.
         """
         evaluation, plan, origin = self._evaluation, self._plan, self._options
         targets = sink_targets(plan, plan.folder)

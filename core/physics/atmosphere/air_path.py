@@ -204,8 +204,8 @@ def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None
     first, last = points[0][0], points[-1][0]
     if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
         raise DataError(
-            f"the table covers {first:g} to {last:g} µm, not the whole band: give one that covers "
-            f"{cut_on_um:g} to {cut_off_um:g} µm, or a narrower band"
+            f"the table covers {first:g} to {last:g} µm, not the whole band: give a table that "
+            f"covers {cut_on_um:g} to {cut_off_um:g} µm, or a narrower band"
         )
 
 

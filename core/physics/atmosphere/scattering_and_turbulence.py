@@ -269,7 +269,7 @@ def fried_r0_slant_m(
     rise = non_negative("sensor_height_m", sensor_height_m, unit="m") - low
     length = positive("path_m", path_m, unit="m")
     if length < abs(rise) * (1.0 - 1e-12):
-        allowed = f"at least the difference of the heights, {abs(rise):g} m"
+        allowed = f"at least the height difference, {abs(rise):g} m"
         raise ParameterError("path_m", path_m, allowed, unit="m")
     share, weights = _path_rule(low, rise)
     cn2 = hufnagel_valley_cn2(

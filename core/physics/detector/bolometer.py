@@ -57,7 +57,7 @@ def lag_weights(*, kept: float, most: int) -> tuple[float, ...]:
     the last one takes all that is older, so that they add to 1.
     """
     if not 0.0 <= kept < 1.0:
-        raise ParameterError("share of a change that remains", kept, "from 0 to below 1")
+        raise ParameterError("fraction of a change that remains", kept, "from 0 to below 1")
     count = 1
     while kept**count > SETTLED and count < most:
         count += 1

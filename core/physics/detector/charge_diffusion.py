@@ -86,7 +86,7 @@ def _checked(
     bulk = math.inf
     if side == "back":
         if thickness_um is None or not depletion < thickness_um < math.inf:
-            lit = "for a detector lit from the back"
+            lit = "for a back-illuminated detector"
             allowed = f"give a thickness above depletion_um = {depletion:g} {lit}"
             raise ParameterError("thickness_um", thickness_um, allowed, unit="µm")
         bulk = thickness_um - depletion

@@ -99,8 +99,8 @@ class FilteredBody:
                 break
         if not np.allclose(np.log(self.radiance(1.0 / inverse)), target, rtol=0.0, atol=1e-9):
             raise DataError(
-                f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K has a radiance of "
-                f"{float(wanted.ravel()[0]):.6g} W/m²/sr weighted by the response"
+                f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K has a response-weighted "
+                f"radiance of {float(wanted.ravel()[0]):.6g} W/m²/sr"
             )
         return np.asarray(1.0 / inverse)
 

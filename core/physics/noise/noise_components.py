@@ -113,7 +113,7 @@ def components_of_moments(
     (v + vh)/rows, frame mean = t + v/rows + h/columns + vh/(rows·columns).
     """
     if rows < 2 or columns < 2:
-        raise DataError(f"components of noise need 2 × 2 samples or more, not {columns} × {rows}")
+        raise DataError(f"noise components need at least 2 × 2 samples, not {columns} × {rows}")
     kept_columns, kept_rows = 1.0 - 1.0 / columns, 1.0 - 1.0 / rows
     across = (moments.sample - moments.row_mean) / kept_columns
     across_of_means = (moments.column_mean - moments.frame_mean) / kept_columns
@@ -161,9 +161,7 @@ class NoiseCube:
 
     def __init__(self, rows: int, columns: int) -> None:
         if rows < 2 or columns < 2:
-            raise DataError(
-                f"components of noise need 2 × 2 samples or more, not {columns} × {rows}"
-            )
+            raise DataError(f"noise components need at least 2 × 2 samples, not {columns} × {rows}")
         self.rows, self.columns = rows, columns
         self._offset: float | None = None
         self._squares = 0.0
@@ -191,7 +189,7 @@ class NoiseCube:
         """The components of the frames so far, two or more."""
         frames, rows, columns = len(self._row_means), self.rows, self.columns
         if frames < 2:
-            raise DataError(f"components of noise need 2 frames or more, not {frames}")
+            raise DataError(f"noise components need at least 2 frames, not {frames}")
         tv, th = np.array(self._row_means), np.array(self._column_means)
         vh = self._sum / frames
         v, h, t = vh.mean(axis=1), vh.mean(axis=0), tv.mean(axis=1)

@@ -73,7 +73,9 @@ class PupilShape:
         if self.shape == "spider" and self.vanes > 1:
             widest = 2.0 * self.radius * math.sin(math.pi / self.vanes)
             if self.vane_width >= widest:
-                allowed = f"below {widest:g} samples for {self.vanes} vanes (an opening remains)"
+                allowed = (
+                    f"below {widest:g} samples for {self.vanes} vanes (an opening must remain)"
+                )
                 raise ParameterError("vane_width", self.vane_width, allowed, unit="samples")
 
     @property

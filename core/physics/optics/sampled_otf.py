@@ -67,9 +67,7 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complexe
 def _checked(pupil: ArrayLike) -> Complexes:
     samples: Complexes = np.asarray(pupil, dtype=np.complex128)
     if samples.ndim != 2 or samples.size == 0:
-        raise DataError(
-            f"a pupil must be an array of rows and columns, not of shape {samples.shape}"
-        )
+        raise DataError(f"a pupil must be an array (rows, columns), not of shape {samples.shape}")
     if not np.all(np.isfinite(samples)):
         raise DataError("the pupil holds a sample that is not finite")
     peak = np.max(np.abs(samples))

@@ -102,7 +102,7 @@ def _table(frequencies: Column, values: Column) -> tuple[Array, Array, Array]:
     steps = np.diff(knots)
     if len(knots) != len(heights) or len(knots) < 2 or knots[0] != 0.0 or not np.all(steps > 0.0):
         raise DataError(
-            "a table of MTF needs two or more frequencies that rise from 0, and a value for each"
+            "an MTF table needs two or more frequencies that rise from 0, each with a value"
         )
     return knots, heights, monotone_slopes(steps, np.diff(heights) / steps)
 

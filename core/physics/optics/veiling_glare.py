@@ -69,7 +69,9 @@ def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
     total = math.pi * b * length**2 * (math.expm1(rest * log) / rest if rest else log)
     if total > 1.0:
         raise ParameterError(
-            "b_per_sr", b, f"a surface would scatter {total:.3g} times the light on it; lower it"
+            "b_per_sr",
+            b,
+            f"a surface would scatter {total:.3g} times the light on it; lower this value",
         )
     return total
 

@@ -80,8 +80,8 @@ def grey_temperature(
     share = _emissivity(emissivity)
     if not np.all(share > 0.0):
         raise DataError(
-            "a surface with an emissivity of 0 emits nothing that would show its "
-            "temperature: give an emissivity above 0"
+            "a surface with an emissivity of 0 emits nothing, so its temperature cannot be "
+            "determined: give an emissivity above 0"
         )
     emitted = np.asarray(radiance, np.float64)
     if surroundings_K is not None:
@@ -103,8 +103,8 @@ def _emissivity(values: ArrayLike) -> FloatArray:
     if np.any(wrong):
         first = float(share[wrong].flat[0])
         raise DataError(
-            f"emissivity: {np.count_nonzero(wrong)} of {share.size} samples, the first {first:g}, "
-            "are not from 0 to 1"
+            f"emissivity: {np.count_nonzero(wrong)} of {share.size} samples are not from 0 to 1 "
+            f"(the first is {first:g})"
         )
     return share
 

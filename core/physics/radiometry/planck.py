@@ -159,7 +159,7 @@ def _brightness(
         first = float(values[faulty].flat[0])
         raise DataError(
             f"radiance: {np.count_nonzero(faulty)} of {values.size} samples have no brightness"
-            f" temperature, the first is {first!r} W/m²/sr: must be 0 to {brightest:.3g}"
+            f" temperature (the first is {first!r} W/m²/sr); allowed: 0 to {brightest:.3g}"
         )
     temperature = np.zeros(values.size)
     lit = np.flatnonzero(values)

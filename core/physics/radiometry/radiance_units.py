@@ -160,7 +160,7 @@ def _powers(tokens: list[str | int], *, chained: bool) -> _Powers:
     """Names with their exponents; `chained`: a stroke divides by all up to the next one."""
     powers, place = _product(tokens, 0, chained)
     if place != len(tokens):
-        raise ValueError("one bracket is too many")
+        raise ValueError("there is one bracket too many")
     return powers
 
 

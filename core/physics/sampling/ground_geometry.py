@@ -199,8 +199,8 @@ def check_horizon(*, camera: Camera) -> None:
         raise ParameterError(
             "roll_deg",
             camera.roll_deg,
-            f"with a field of {2 * half_deg:.4g}° within ±{90 - half_deg:.4g}, so that every "
-            "line of sight meets the ground",
+            f"within ±{90 - half_deg:.4g} for a field of view of {2 * half_deg:.4g}°, so that "
+            "every line of sight meets the ground",
             unit="deg",
         )
 

@@ -107,4 +107,4 @@ def test_a_fault_of_a_plug_in_is_exit_code_1(imagechain_process, write, small, t
     for words in (("run", network), ("check", network), study):
         done = imagechain_process(*words, env=environment)
         assert (done.returncode, done.stderr.count("\n")) == (1, 1), done.stderr
-        assert "a fault of the module faulty_glass.filter in the plug-in" in done.stderr
+        assert "a fault in the module faulty_glass.filter of the plug-in" in done.stderr

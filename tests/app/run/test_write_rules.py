@@ -238,7 +238,7 @@ def make_pipe(path):
     os.mkfifo(path)
 
 
-FOLDER = "it is a folder; give the name of a file, such as one in that folder"
+FOLDER = "it is a folder; give a file name, for example one in that folder"
 PIPE = (
     "it is a named pipe (FIFO), not a regular file; "
     "allowed: a new name, or a regular file to replace"

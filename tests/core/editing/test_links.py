@@ -23,9 +23,9 @@ from core.network.network import Link, Network, Node
         ("picture.curve", "scene.image", "scene has no input image: it has none"),
         ("charge.magnitude", "charge.magnitude", "charge cannot feed itself"),
         ("charge.magnitude", "aberration.magnitude",
-         "this would be a cycle: aberration → detector → charge → aberration"),
+         "this link would make a cycle: aberration → detector → charge → aberration"),
         ("frame_grabber.image", "photons.image",
-         "this would be a cycle: photons → init → electronics → frame_grabber → photons"),
+         "this link would make a cycle: photons → init → electronics → frame_grabber → photons"),
     ],
 )  # fmt: skip
 def test_reasons(kodak, library, start, end, reason):
@@ -39,4 +39,4 @@ def test_unknown_modules_take_and_give_anything(library):
     assert refusal(network, library, Link("back", "image", "old", "thing")) is None
     looped = Network(nodes=nodes, links=(Link("back", "image", "old", "thing"),))
     reason = refusal(looped, library, Link("old", "any", "back", "phase"))
-    assert reason == "this would be a cycle: back → old → back"
+    assert reason == "this link would make a cycle: back → old → back"

@@ -180,7 +180,7 @@ def test_a_value_set_inside_takes_the_place_of_that_outside(camera):
 
 
 def test_exposing_twice_or_renaming_to_a_name_that_is_taken_is_refused(camera):
-    with pytest.raises(NetworkError, match=r"shows camera/init\.f_number already, as f_number"):
+    with pytest.raises(NetworkError, match=r"already shows camera/init\.f_number as f_number"):
         expose(camera.network, "camera/init", "f_number")
     camera.do(expose(camera.network, "camera/init", "focal_length_mm"))
     with pytest.raises(NetworkError, match="camera already has a parameter f_number"):

@@ -156,7 +156,7 @@ def failing(first="looking", level=3.0, **params):
     ("how", "line"),
     [
         ("index", "its check broken failed (IndexError: tuple index out of range)"),
-        ("parameter", "its check broken was not possible: width = 3 is not allowed: 2"),
+        ("parameter", "its check broken could not run: width = 3 is not allowed: 2"),
     ],
 )
 def test_a_check_that_fails_is_a_warning_of_its_node_and_keeps_nothing_from_running(

@@ -92,7 +92,8 @@ FAULTS = [
     ),
     (
         _both(_set("links", 0, ["init.phase", "look.other"]), _more(("scene.image", "init.image"))),
-        "look: the link init.phase → look.other does not fit: phase into image",
+        "look: the link init.phase → look.other does not fit: the output gives phase, but the "
+        "input takes image",
     ),
     (
         _more(("scene.image", "look.picture")),

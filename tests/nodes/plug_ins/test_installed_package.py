@@ -289,13 +289,13 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     for line, (where, words) in zip(told, FAULTS.items(), strict=False):
         number = next(n for n, code in enumerate(lines, 1) if marked[where] in code)
         assert line.startswith(
-            "imagechain: glass: a fault of the module faulty_optics.filter in the plug-in "
+            "imagechain: glass: a fault in the module faulty_optics.filter of the plug-in "
             f"faulty_optics: {words}"
         )
         assert line.endswith(f"faulty_optics.py, line {number})")
     number = next(n for n, code in enumerate(lines, 1) if "undefined" in code)
     front = (
-        "imagechain: front lens: a fault of the module faulty_optics.lens in the plug-in "
+        "imagechain: front lens: a fault in the module faulty_optics.lens of the plug-in "
         "faulty_optics: NameError: name 'undefined' is not defined"
     )
     assert told[4].startswith(front)
@@ -303,10 +303,10 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     assert told[5] == "Traceback (most recent call last):"
     assert told.count(told[4]) == 2  # with --debug, too
     assert "    return np.ones_like(rho) * undefined" in told
-    assert "its check looks failed (a fault of the module faulty_optics.filter" in done.stdout
+    assert "its check looks failed (a fault in the module faulty_optics.filter" in done.stdout
     assert "an error in its package" in done.stdout
     printed = done.stdout.splitlines()
     assert [line for line in printed if line in ("1", "2", "0")] == ["1", "1", "1", "1", "1", "0"]
     assert "1 0" in printed
     assert printed[-3:-1] == ["KeyError('step') glass", 'return image + {}["step"]']
-    assert printed[-1].startswith("a fault of the module faulty_optics.filter in the plug-in")
+    assert printed[-1].startswith("a fault in the module faulty_optics.filter of the plug-in")

@@ -84,7 +84,7 @@ def why_clipped(
         least = _FADED * float(other.std()) * np.exp(_SURE / np.sqrt(count)) if fades else 0.0
         if noise > max(_NOISE_SHOWS * contrast, 2.0 * _quantum(near), least, askew):
             return (
-                f"clipped: beside it the samples are constant at {limit:.6g}, the limit of the "
+                f"clipped: the samples beside it are constant at {limit:.6g}, the limit of the "
                 f"picture's values, but the step has noise of {noise / contrast:.2g} of the "
                 "contrast"
             )

@@ -92,7 +92,7 @@ def measure_edge(
     if fit.gap > _LARGEST_GAP:
         raise DataError(
             f"the edge at x = {edge.x:.1f}, y = {edge.y:.1f} cannot be supersampled: at "
-            f"{edge.angle_deg:.1f}°, its samples' distances from it have gaps of {fit.gap:.2g} "
+            f"{edge.angle_deg:.1f}°, the supersampled profile has gaps of {fit.gap:.2g} "
             f"samples; allowed: at most {_LARGEST_GAP:g}"
         )
     check()

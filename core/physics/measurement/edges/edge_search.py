@@ -202,10 +202,10 @@ def _enough(used: int, examined: int) -> str:
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
-        return f"weaker than others, none of which can be used: {examined} were examined"
+        return f"weaker than others, none of which can be used ({examined} were examined)"
     return (
-        f"not examined: weaker than {examined} others, of which {used} can be used, or too "
-        "close to them"
+        f"not examined: weaker than {examined} others ({used} of them can be used), or too close "
+        "to them"
     )
 
 
@@ -255,8 +255,8 @@ def _settled(
     if clip_levels is None and between < _LEAST_STEP:
         return replace(
             edge,
-            why_not="clipped: nearly all of its samples have one of two values, so little of its "
-            "blur is left",
+            why_not="clipped: nearly all of its samples have one of two values, so its blur is "
+            "mostly lost",
         )
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
         return replace(
@@ -270,8 +270,8 @@ def _settled(
     if fit.gap > _LARGEST_GAP:
         return replace(
             edge,
-            why_not=f"not slanted enough: at {edge.angle_deg:.1f}°, its samples' distances from it "
-            f"have gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}",
+            why_not=f"not slanted enough: at {edge.angle_deg:.1f}°, its supersampled profile has "
+            f"gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}",
         )
     return replace(edge, used=True)
 
@@ -380,7 +380,7 @@ def _within_surroundings(
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "its brightness or contrast varies along its length: by "
+                    "its brightness or contrast varies along its length, by "
                     f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
                     "the contrast"
                 )

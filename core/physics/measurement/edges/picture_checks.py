@@ -54,9 +54,9 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
     if not abs(mosaic) > max(_MOSAIC, _SURE * mosaic_error):
         return ""
     return (
-        "interpolated: the samples of one colour of a checkerboard have "
-        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others, as "
-        "demosaicing of a colour filter mosaic causes"
+        "interpolated: on a checkerboard of samples, one colour has "
+        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the other, which is a sign "
+        "of demosaicing"
     )
 
 

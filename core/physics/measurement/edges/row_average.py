@@ -92,8 +92,8 @@ def row_average(
     right = right if clip_right is None else clip_right
     if not 0 <= left < right < columns:
         raise DataError(
-            f"nothing is left between the clipped ends: first sample {left}, last sample {right} "
-            f"of a region of {columns}"
+            f"no samples are left between the clipped ends: first sample {left}, last "
+            f"sample {right} of a region {columns} samples wide"
         )
     clipped = with_level_ends(profile=profile, left=left, right=right)
     mtf = profile_mtf(profile=clipped, target=target)
@@ -133,7 +133,7 @@ def profile_mtf(*, profile: Vector, target: Target) -> Vector:
     modulus = np.abs(scipy.fft.rfft(spread))
     largest = float(modulus.max())
     if not largest > 0.0:
-        raise DataError(f"no {target} found: the mean of the rows is level")
+        raise DataError(f"no {target} found: the mean of the rows is constant")
     return np.asarray(modulus / largest, np.float64)
 
 

@@ -182,8 +182,8 @@ def photon_transfer(
     line = _Line.through(fitted, foot)
     if not line.slope > 0.0:
         raise DataError(
-            "the temporal variance does not rise with the mean: these are not flat fields "
-            "whose shot noise can be measured"
+            "the temporal variance does not rise with the mean, so the shot noise of "
+            "these flat fields cannot be measured"
         )
     gain = 1.0 / line.slope
     read, error = _read_noise(dark, line, gain, known=zero is not None)
@@ -226,8 +226,8 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
     for field in [*levels, *([dark] if dark is not None else [])]:
         if not all(map(math.isfinite, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))):
             raise DataError(
-                "the samples of a level are too large to compute their variance; a camera "
-                "gives some millions at most"
+                "the samples of a level are too large to compute their variance; cameras give "
+                "a few million at most"
             )
     brightest = max(level.mean_dn for level in levels)
     if dark is not None and dark.mean_dn >= brightest:

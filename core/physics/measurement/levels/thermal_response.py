@@ -102,7 +102,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     many = len(set(kelvin.tolist()))
     if many < 2:
         raise DataError(
-            "SiTF is the change with temperature: give frames of two or more temperatures"
+            "SiTF is the change in signal with temperature: give frames at two or more temperatures"
         )
     means = np.array([one.field.mean_dn for one in ordered])
     variance = np.array([_variance_of_mean(one.noise) for one in ordered])
@@ -116,7 +116,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     falls = np.diff(means)[later] * rise[0] <= 0.0
     if not abs(rise[0]) > _LEAST_RISE * of_rise[0] or falls.any() or (slope * rise[0] <= 0.0).any():
         raise DataError(
-            "the mean does not rise or fall steadily with temperature by more than its noise: "
+            "with temperature, the mean neither rises nor falls steadily by more than its noise: "
             + ", ".join(f"{mean:.6g} at {at:.6g} K" for mean, at in zip(means, kelvin, strict=True))
         )
     allowed = np.full(len(slope), _BAND * span**2)

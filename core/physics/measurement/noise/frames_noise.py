@@ -161,7 +161,10 @@ def _settled(
     """Line through the blocks that have no more than noise, these, and why there is none."""
     inside = clear_of_ends(level=level, variance=power, low=low, high=high)
     if np.count_nonzero(inside) < _LEAST_BLOCKS:
-        return None, inside, f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} are not clipped"
+        reason = (
+            f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} samples are free of clipping"
+        )
+        return None, inside, reason
     limit = 2.0 * float(special.gammaincinv(freedom / 2.0, _KEPT)) / freedom
     chosen = inside & (power <= 2.0 * _by_level(level, power, inside))
     for _ in range(_ROUNDS):

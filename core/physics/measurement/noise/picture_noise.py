@@ -182,7 +182,7 @@ def _measured(
         known = "no value"
         if at_mean > 0.0:
             spread = 0.5 * _CONFIDENCE * error / at_mean
-            known = f"{math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at a confidence of 95 %"
+            known = f"{math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
         refusal = (
             f"the flat areas, {len(level)} blocks of level {level.min():.4g} to {level.max():.4g}, "
             f"do not determine the noise at the picture's mean level, {mean:.4g}: {known}; "
@@ -199,10 +199,10 @@ def _measured(
     if flat.even:
         figures = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
     else:
-        reason = "the noise varies over the picture by more than the signal level explains"
+        reason = "the noise varies across the picture by more than the signal level explains"
         remarks.append(
             reason
-            + ": sigma is the root of its mean variance (the camera filters noise, or there is "
+            + ": sigma is the root of the mean variance (the camera filters noise, or there is "
             "fine texture)"
         )
         figures = {"gain_reason": reason, "read_noise_reason": reason}
@@ -215,8 +215,8 @@ def _measured(
     for name, part in (("rows", rows), ("columns", columns)):
         if part is not None and part.significant and part.sigma > sigma:
             remarks.append(
-                f"whole {name} differ by {part.sigma:.3g}, more than the noise of a sample: "
-                "this may be a pattern of the scene"
+                f"whole {name} differ by {part.sigma:.3g}, more than the noise of one sample: "
+                "this may be a pattern in the scene"
             )
     return PictureNoise(
         mean_level=mean,
@@ -239,27 +239,28 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
         return (
             "the noise of the flattest areas falls towards high frequencies (low, middle and "
             f"high frequencies have power {1 + structure.coarse:.2f} : "
-            f"{1 + structure.middle:.2f} : 1): it was blurred after it arose, or there is "
-            "texture everywhere"
+            f"{1 + structure.middle:.2f} : 1): the picture was blurred after the noise was "
+            "added, or there is texture everywhere"
         )
     if structure.middle < -_WHITE - 3.0 * structure.middle_error:
         return (
             "the noise of the flattest areas rises towards high frequencies (middle and high "
-            f"frequencies have power {1 + structure.middle:.2f} : 1): it was sharpened, or a "
-            "fine pattern covers the picture"
+            f"frequencies have power {1 + structure.middle:.2f} : 1): the picture was sharpened, "
+            "or a fine pattern covers it"
         )
     if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):
         return (
             "the noise of the flattest areas rises towards high frequencies (low frequencies "
-            f"have {1 + structure.coarse:.2f} of their power): it was sharpened after it arose"
+            f"have {1 + structure.coarse:.2f} of their power): the picture was "
+            "sharpened after the noise was added"
         )
     if abs(flat.lean) > _WHITE + 3.0 * flat.lean_error:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
         return (
-            f"the noise of the flattest areas falls along the {first} more than along the "
+            f"the noise of the flattest areas falls more along the {first} than along the "
             f"{then} (their middle frequencies differ by {abs(flat.lean):.2f} of the high "
-            f"frequencies' power): it was blurred along the {first} after it arose, or there "
-            "is texture everywhere"
+            f"frequencies' power): the picture was blurred along the {first} after the noise "
+            "was added, or there is texture everywhere"
         )
     share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)
     if not flat.even and (share < _LEAST_UNEVEN or structure.coarse > _COARSE_UNEVEN):

@@ -89,7 +89,7 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
     if _CONFIDENCE * error > _GAIN_WITHIN * gain:
         reason = (
             f"the gain cannot be determined from these levels: {gain:.4g} ± {error:.2g} {between}, "
-            f"uncertain by {_CONFIDENCE * error / gain:.1%} at a confidence of 99 %; allowed: at "
+            f"uncertain by {_CONFIDENCE * error / gain:.1%} at 99 % confidence; allowed: at "
             f"most {_GAIN_WITHIN:.0%}"
         )
         return None, None, reason
@@ -112,7 +112,7 @@ def _read_noise(
     if variance <= 0.0 or _CONFIDENCE * error > 2.0 * _READ_WITHIN * variance:
         reason = (
             f"the variance at level {offset:.4g}, used as the level without light, is "
-            f"{variance:.3g} ± {error:.2g} after rounding is subtracted: dark areas are "
+            f"{variance:.3g} ± {error:.2g} after subtracting rounding noise: dark areas are "
             "missing, or the level is wrong"
         )
         return None, None, reason

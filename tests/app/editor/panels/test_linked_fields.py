@@ -75,7 +75,7 @@ def test_arithmetic_and_units_are_taken(text, value, sigma, session):
 @pytest.mark.parametrize(
     ("text", "part"),
     [
-        ("3 K", "K is a unit of temperature, but this is in mrad"),
+        ("3 K", "K is a unit of temperature, but this value is in mrad"),
         ("1/0", "1 / 0 divides by zero"),
         ("-1", "a number of at least 0"),
         ("1,000", "either 1000 or 1.000"),
