@@ -1,7 +1,7 @@
 """Load our packages `core`, `nodes`, `app` and `networks`, even if others have these names.
 
-They are imported by these plain names, and Python searches the folder of the user's script first.
-So they are loaded from the folder of this package, before anything else of ours. Import only the
+They are imported by these plain names, but Python searches the folder of the user's script first,
+so they are loaded from the folder of this package before anything else. Import only the
 standard library here.
 """
 
@@ -20,7 +20,7 @@ def load_own_packages(root: Path) -> None:
     """Load the four packages from `root`, the folder that holds this one.
 
     Warns if a folder or file with one of these names would have come first, and is now hidden. The
-    command does not warn, as it imports nothing of the user's; nor does a child process.
+    command does not warn, because it imports nothing of the user's; nor does a child process.
     """
     others = [name for name in NAMES if not _is_own(sys.modules.get(name), root)]
     taken = [name for name in others if name in sys.modules]

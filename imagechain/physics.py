@@ -1,7 +1,7 @@
 """Single formulas of the engine, for use in other programs: ``ic.physics.giqe_oblique(…)``.
 
-Pure functions: keyword arguments in the units of their names, numbers and arrays in, numbers and
-arrays out. Each names its source. A value out of range raises `imagechain.ParameterError`.
+Pure functions of numbers or arrays. The unit of a keyword argument is in its name, and each
+docstring gives the source. A value out of range raises `imagechain.ParameterError`.
 """
 
 from typing import Any

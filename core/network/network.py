@@ -315,7 +315,7 @@ def marked_twice(marked: tuple[str, ...]) -> NetworkError:
 def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:
     for name in extra:
         if name in taken:
-            raise NetworkError(f"the extra field {name} has a special meaning")
+            raise NetworkError(f"the field {name} is reserved and cannot be an extra field")
 
 
 def _set(target: object, **values: Any) -> None:

@@ -47,7 +47,7 @@ def _version(document: dict[str, Any]) -> int:
         raise NetworkError(f"version = {version} is not allowed: a whole number, 1 or more")
     if version > VERSION:
         raise NetworkError(
-            f"version {version} is from a newer Imagechain: this one reads up to {VERSION}"
+            f"version {version} is from a newer Imagechain: this one reads versions up to {VERSION}"
         )
     return int(version)
 
@@ -232,7 +232,7 @@ def _number(text: str) -> float:
 
 
 def _constant(text: str) -> float:
-    raise NetworkError(f"{text} is not a number in JSON")
+    raise NetworkError(f"{text} is not a valid JSON number")
 
 
 # Bringing older network documents up to date.

@@ -475,7 +475,7 @@ class Chain:
         return Part(node.module, params, samples, name, node.macro)
 
     def planned(self, seed: int | None = None) -> tuple[Engine, Plan]:
-        """The engine, and the chain's plan without errors."""
+        """The engine and the chain's plan; raises an error if the plan has any."""
         plan = self._planned = self._state.plan(self._engine, seed, self._planned)
         errors = plan.errors()
         if errors:

@@ -277,7 +277,7 @@ class ChainState:
 
 
 def planned_scene(node: Node, samples: HeldSamples) -> PlannedNode:
-    """A node that reads a picture, planned on an array in its place."""
+    """A node that reads a picture, planned with an array instead of its file."""
     module = ReadImage.build(node.params)
     assert isinstance(module, ReadImage)
     output = module.of_samples(samples, node.id)

@@ -99,7 +99,7 @@ def fit(
         A chain, a file, or the name of a shipped network; it does not change.
     to : path or array, or a sequence of them
         Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns); linear,
-        as the sensor gives them. Each sample corresponds to one of the chain's final picture.
+        as the sensor gives them. Each sample corresponds to one in the chain's final picture.
     free : str, sequence of str, or mapping
         Parameters to fit: ``NODE.PARAM``, within its allowed range; or a mapping of these to
         ranges (low, high), or to None for the allowed range.

@@ -95,5 +95,5 @@ def block(*parts: str) -> str:
 
 
 def users_matplotlib() -> None:
-    """Import it with the user's settings, if it is not imported yet."""
+    """Import matplotlib with the user's settings, if it is not imported yet."""
     import matplotlib  # noqa: F401

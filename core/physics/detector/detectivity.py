@@ -258,7 +258,7 @@ class ResponseCurve:
     def __post_init__(self) -> None:
         if self.shape == "file":
             if len(self.points) < 2:
-                raise ParameterError("path", len(self.points), "two or more points of a response")
+                raise ParameterError("path", len(self.points), "a response with two or more points")
             return
         positive("centre_um", self.centre_um, unit="µm")
         positive("width_um", self.width_um, unit="µm")

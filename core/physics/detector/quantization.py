@@ -113,7 +113,9 @@ def _range(low: float, high: float, dtype: np.dtype[Any]) -> tuple[float, float]
         raise ParameterError("range_high", high, f"at least range_low = {first:g}")
     largest = float(np.finfo(dtype).max)
     if max(-first, last) > largest or not math.isfinite(last - first):
-        raise ParameterError("range_low, range_high", (low, high), f"a range {dtype} can hold")
+        raise ParameterError(
+            "range_low, range_high", (low, high), f"a range that {dtype} can represent"
+        )
     return first, last
 
 

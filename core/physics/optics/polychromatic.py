@@ -100,7 +100,7 @@ class Spectrum:
         """Refuse a band or a temperature that is none, and responses that let nothing through."""
         positive("cut_on_um", self.cut_on_um, unit="µm")
         if not (math.isfinite(self.cut_off_um) and self.cut_off_um >= self.cut_on_um):
-            allowed = f"a finite number from cut_on_um = {self.cut_on_um:g}"
+            allowed = f"a finite number, at least cut_on_um = {self.cut_on_um:g}"
             raise ParameterError("cut_off_um", self.cut_off_um, allowed, unit="µm")
         if self.weighting != "uniform":
             positive("temperature_K", self.temperature_K, unit="K")

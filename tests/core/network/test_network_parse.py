@@ -32,7 +32,7 @@ HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
             "{}",
             "not an Imagechain network: its format must be 'imagechain-network', but it has none",
         ),
-        (HEAD + '"seed": NaN}', "NaN is not a number in JSON"),
+        (HEAD + '"seed": NaN}', "NaN is not a valid JSON number"),
         (HEAD + '"x": 1e999}', "the number 1e999 is too large"),
         (HEAD + f'"x": {"9" * 10**6}}}', "a number of 1000000 digits is too large"),
         (HEAD + '"x": {"a\\n": 1, "a\\n": 2}}', "the key 'a\\n' occurs twice in one object"),
@@ -50,7 +50,7 @@ def test_text_that_is_no_network(text, message, small_library):
     [
         (["version"], "1", "version must be a whole number, not a string"),
         (["version"], 0, "version = 0 is not allowed: a whole number, 1 or more"),
-        (["version"], 99, "version 99 is from a newer Imagechain: this one reads up to 2"),
+        (["version"], 99, "version 99 is from a newer Imagechain: this one reads versions up to 2"),
         (["description"], None, "description must be a string, not null"),
         (["seed"], 1.0, "seed must be a whole number, not a number"),
         (["seed"], -1, "seed = -1 is not allowed: a whole number from 0 to 9223372036854775807"),

@@ -81,8 +81,8 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
     between = f"between levels {level.min():.4g} and {level.max():.4g}"
     if line.slope <= _RISES * line.slope_error:
         reason = (
-            f"the variance does not rise clearly with the level: by {line.slope:.3g} ± "
-            f"{line.slope_error:.2g} per unit {between}"
+            f"the variance does not rise clearly with the level: its slope is "
+            f"{line.slope:.3g} ± {line.slope_error:.2g} {between}"
         )
         return None, None, reason
     gain, error = 1.0 / line.slope, line.slope_error / line.slope**2
