@@ -114,7 +114,7 @@ def test_texture_beside_the_edge_is_in_the_error():
 
 def test_rows_that_never_differ():
     with pytest.raises(
-        DataError, match=r"cannot be supersampled: at 0\.0°, its samples' distances"
+        DataError, match=r"cannot be supersampled: at 0\.0°, the supersampled profile"
     ):
         measure_edge(
             picture=edge_frame((1.0, 0.4), 0.0, 50.0, 90.0, 0.1, 1),

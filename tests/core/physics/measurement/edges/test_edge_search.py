@@ -62,7 +62,7 @@ def test_clipped_edge():
     assert refused(picture.clip(48.0, 56.0)).startswith("clipped: ")
     assert refused(np.minimum(picture, 55.5)).startswith("clipped: 100% of the samples on one side")
     both = noisy_edge(noise=0.1).clip(49.0, 55.0)  # no noise is left on either side
-    assert refused(both).startswith("clipped: beside it")
+    assert refused(both).startswith("clipped: the samples beside it")
     assert find_edges(picture=noisy_edge(noise=0.0))[0].used
     assert refused(picture, clip_levels=(0.0, 56.0)).startswith("clipped: ")
     assert find_edges(picture=picture, clip_levels=(40.0, 60.0))[0].used

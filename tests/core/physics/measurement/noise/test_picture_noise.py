@@ -175,7 +175,7 @@ def test_noise_that_differs_from_place_to_place():
     place = np.where(np.arange(320) < 160, 2.0, 5.0)
     noise = noise_of_picture(picture=300 + place * random.standard_normal((240, 320)))
     assert noise.sigma == pytest.approx(math.sqrt((4 + 25) / 2), rel=0.03)
-    assert "varies over the picture" in noise.remarks[0]
+    assert "varies across the picture" in noise.remarks[0]
     assert noise.gain_e_per_dn is None
 
 
