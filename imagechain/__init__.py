@@ -17,7 +17,8 @@ or build your own chain:
     chain.add(ic.modules.back_transform())
 
 `ic.modules` has every module, with the units and ranges of its parameters. `ic.measure` measures a
-camera's pictures, and `ic.fit` fits a chain's parameters to them. `ic.physics` has single formulas.
+camera's pictures, and `ic.fit` fits a chain's parameters to them. `ic.physics` has individual
+formulas.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Single formulas of the engine, for use in other programs: ``ic.physics.giqe_oblique(…)``.
+"""Individual formulas from the engine, for use in other programs: ``ic.physics.giqe_oblique(…)``.
 
 Pure functions of numbers or arrays. The unit of a keyword argument is in its name, and each
 docstring gives the source. A value out of range raises `imagechain.ParameterError`.
@@ -111,7 +111,7 @@ def diffraction_otf(
 
 
 def rule_07(*, cutoff_um: float, detector_K: float) -> float:
-    """Dark current of a good HgCdTe photodiode.
+    """Dark current density of a good HgCdTe photodiode.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
     from imagechain.plug_in import Context, Magnitude, MtfModule, MtfOutputs, NodeContext, Param
 
-The names here are stable; names in the layers below may move.
+The names here are stable; names in the layers below may change.
 """
 
 from core.chain.linear_change import Linear

@@ -352,8 +352,8 @@ class Chain:
         precision : "single" or "double"
             Precision of pictures and spectra.
         tolerance : float, optional
-            Error budget: stages that together change the picture by less than this share of its
-            range are left out. The default is below rounding error; 0 leaves out only
+            Error budget: stages that together change the picture by less than this fraction
+            of its range are left out. The default is below rounding error; 0 leaves out only
             stages without any effect.
         seed : int, optional
             Seed of the noise, instead of the chain's own.
@@ -413,7 +413,7 @@ class Chain:
         threads: int = 0,
         **scene: Any,
     ) -> Camera:
-        """Plan the chain once for many frames: ``camera(frame)`` returns the picture of each.
+        """Plan the chain once for many frames: ``camera(frame)`` returns a frame's picture.
 
         The pictures are bit-identical to those of `run` with that scene; there are no curves or
         read-outs.

@@ -64,7 +64,7 @@ class ChainNode:
         return part
 
     def set(self, **values: Any) -> None:
-        """Set parameters by name; if one value is refused, none is set."""
+        """Set parameters by name; if any value is refused, none is set."""
         self._chain.set({f"{self._name}.{name}": value for name, value in values.items()})
 
     def help(self) -> str:

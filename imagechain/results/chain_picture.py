@@ -87,9 +87,9 @@ class Picture:
 
     @plain_errors
     def to_xarray(self, *, bands: bool = False) -> DataArray:
-        """Return a `DataArray` over y and x, mrad from the middle; unit and band are attributes.
+        """Return a `DataArray` over y and x, mrad from the centre; unit and band are attributes.
 
-        Rows run downwards, so y grows downwards.
+        y increases downwards, as the rows do.
 
         Parameters
         ----------

@@ -168,7 +168,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
 
     @property
     def total(self) -> Mapping[str, StageCurve]:
-        """The product of all stages, electronics included where there are any."""
+        """The product of all stages, including electronics if there are any."""
         name = "total_with_electronics" if "total_with_electronics" in self._values else "total"
         return self[name]
 
@@ -198,7 +198,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
 
 
 def curves_of(evaluation: Evaluation, angle_deg: float | None = None) -> StageCurves:
-    """Curves along both axes, or along a line; raises the error of a stage that has none there."""
+    """Curves along both axes, or along a line; raises the error if a stage has none there."""
     chain = evaluation.chain
     if angle_deg is None:
         known = evaluation.responses
@@ -232,7 +232,7 @@ def _curve(frequency: Vector, response: Response) -> StageCurve:
 class StudyTable(_Named[list[Any]]):
     """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
 
-    The columns are the varied parameters, the figures, ``point``, ``key`` (of what was computed),
+    The columns are the varied parameters, the figures, ``point``, ``key`` (identifies the result),
     ``seconds``, ``error`` (empty if nothing is missing) and ``warnings``. `units` has each column's
     unit.
     """
@@ -248,12 +248,12 @@ class StudyTable(_Named[list[Any]]):
 
     @property
     def failed(self) -> dict[int, str]:
-        """Errors of the failed points, by number of the point."""
+        """Errors of the failed points, by point number."""
         return {row.place + 1: row.error for row in self._rows.failed}
 
     @property
     def warnings(self) -> dict[int, tuple[str, ...]]:
-        """Warnings of the nodes, by number of the point; only points with warnings."""
+        """Warnings from the nodes, by point number; only points with warnings."""
         return {row.place + 1: row.warnings for row in self._rows.rows if row.warnings}
 
     @plain_errors
