@@ -97,7 +97,7 @@ def test_what_frames_do_not_show():
     assert measured(scale=0.002).sigma_reason == "rounding hides the noise"
     one = SceneFrames(ROWS, COLUMNS)
     one.add(scene())
-    with pytest.raises(DataError, match="2 frames or more"):
+    with pytest.raises(DataError, match="at least 2 frames"):
         one.measured()
     with pytest.raises(DataError, match="not finite"):
         one.add(np.full((ROWS, COLUMNS), math.nan))
