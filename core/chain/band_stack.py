@@ -328,6 +328,6 @@ def _shares(_: Work, means: Array, *, weights: Row) -> Array:
     total = float(light.sum())
     if not total > 0.0:
         raise DataError(
-            "the picture contains no light, so its bands cannot be weighted by their light"
+            "the picture has no light in any band, so there is nothing to weight the bands by"
         )
     return np.asarray(light / total)

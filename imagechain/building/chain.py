@@ -381,7 +381,7 @@ class Chain:
         chain = self
 
         def smaller(error: ImagechainError) -> Plan:
-            """The plan without the analyses that cannot use your own scene; else the error."""
+            """Plan without the analyses that cannot use your own scene; else raise the error."""
             nonlocal chain
             library = self._engine.library
             while True:
@@ -413,7 +413,7 @@ class Chain:
         threads: int = 0,
         **scene: Any,
     ) -> Camera:
-        """Plan the chain once for many frames: ``camera(frame)`` returns a frame's picture.
+        """Plan the chain once for many frames: ``camera(frame)`` returns one picture.
 
         The pictures are bit-identical to those of `run` with that scene; there are no curves or
         read-outs.

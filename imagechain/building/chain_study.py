@@ -53,7 +53,7 @@ def study(
     tolerance: float | None = None,
     threads: int = 0,
 ) -> StudyTable:
-    """Evaluate a chain at many points; a failed point's row gives the reason.
+    """Evaluate a chain at many points: one row for each, with the reason if the point failed.
 
     Parameters
     ----------
