@@ -83,10 +83,10 @@ def _draw(example: Example, declared: Declaration, engine: Engine, plan: Plan, w
     for name, value in outputs.items():
         if isinstance(value, Pupil):
             samples = engine.value(plan, f"{IT}.{name}", work)
-            shown.append(picture(np.abs(samples), "the pupil: white lets light through"))
+            shown.append(picture(np.abs(samples), "the pupil: white transmits light"))
     if declared.key == "init_trans":
         spectrum = np.fft.fftshift(np.abs(engine.value(plan, f"{IT}.magnitude", work)))
-        shown.append(picture(np.log(spectrum + 1e-6), "the magnitude, its logarithm"))
+        shown.append(picture(np.log(spectrum + 1e-6), "logarithm of the magnitude"))
         return
     shown += _before_and_after(plan, engine, work)
 
@@ -112,7 +112,7 @@ def _before_and_after(plan: Plan, engine: Engine, work: Work) -> list[str]:
     limits = robust_limits(first)
     drawings = [
         picture(first, f"before ({given.unit})", limits),
-        picture(samples, f"behind it ({made.unit or 'no unit'})", limits if same else None),
+        picture(samples, f"after ({made.unit or 'no unit'})", limits if same else None),
     ]
     noise = plan.nodes[IT].outputs.get("noise")
     if isinstance(noise, Image):

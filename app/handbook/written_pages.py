@@ -372,7 +372,7 @@ def page_figure(words: str, engine: Engine) -> str:
         elif kind == "curve" and isinstance(plan.output(what), Curve):
             drawings.append(curves(engine.value(plan, what, work), text))
         else:
-            raise UsageError(f"a figure of the handbook has the line {kind} {what}")
+            raise UsageError(f"unknown line in a figure of the handbook: {kind} {what}")
     return f'<div class="figures">\n{"".join(drawings)}\n</div>\n'
 
 
