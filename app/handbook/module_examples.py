@@ -170,10 +170,10 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 )  # fmt: skip
 NO_EXAMPLE: Mapping[str, str] = MappingProxyType(
     {
-        "write_image": "This module writes a file and has no picture to show.",
-        "write_matrix": "This module writes a file and has no picture to show.",
-        "noise_file": "This module adds noise from your own file, which must have the size of "
-        "the picture.",
+        "write_image": "This module writes a file, so it has no picture to show.",
+        "write_matrix": "This module writes a file, so it has no picture to show.",
+        "noise_file": "This module adds noise from your own file, which must have the same size "
+        "as the picture.",
     }
 )
 
