@@ -36,10 +36,10 @@ NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", group="Atmosphere"):
     """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure.
-    Its r0 is entered, or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
-    exp(−τ(ρ/ρc)²), and beyond ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from
-    a number, or from the scattering coefficient along the path. Looking down or up, the coefficient
+    Turbulence is a Gaussian blur of given width, or Fried's long- or short-exposure MTF, with r0
+    entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
+    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateaus 0.99, 0.975, 0.955), a
+    number, or the scattering coefficient along the path. On a path down or up, this coefficient
     falls exponentially with height. Absorption attenuates all frequencies alike and does not blur:
     use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near
     the aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ. A spectral picture is
@@ -58,7 +58,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             r"H=\exp\left[-3.44\left(\frac{\lambda\rho}{r_0}\right)^{5/3}\left(1-\alpha\left("
             r"\frac{\lambda\rho}{D}\right)^{1/3}\right)\right]",
             where="λρ: in mm; r₀: Fried's diameter; D: aperture; α: 0 for a long exposure; "
-            "the bracket at the end is at least 0",
+            "the last bracket is never below 0",
             when="turbulence long_exposure, short_exposure",
         ),
         Formula(
@@ -331,7 +331,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def negligible(self, outputs: MtfOutputs) -> Step | str:
-        """Whether the largest change is below one step of 8 bits."""
+        """Whether the largest change is below one 8-bit step."""
         if not outputs.mtf.factors:
             return "yes"
         return Step.of(_negligible, Step.of(_largest_change, transfer=outputs.mtf))

@@ -47,26 +47,28 @@ _TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
     """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
-    `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
-    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 or
-    the JSON output of MODTRAN (FREQ, TOT TRANS and the path's radiances, by name; W/cm²/sr per cm⁻¹
-    become W/m²/sr/µm by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance
-    (W/m²/sr/µm). The path radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
+    `transmission`: a number, or a CSV of wavelength (µm) and transmission. `extinction_per_km`:
+    exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a
+    tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the path radiances; 10⁸/λ²
+    converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um, transmission,
+    path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L of a black
+    body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
-    mid-latitude summer, the sun at 40°. Between the tables −ln τ/R and L/(1 − τ) are interpolated
-    over height and ground range. With every second table left out, a band's transmission is off by
-    0.007 rms, at most 0.06. A camera above 24.5 km sees the air below that: at nadir, from 0.5 to
-    0.8 µm, 0.688 instead of 0.681. Install the extra `atmosphere` for it.
+    mid-latitude summer, the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are interpolated
+    over height and ground range. If every second table is left out, a band's transmission is off by
+    0.007 rms, at most 0.06. For a camera above 24.5 km, only the air below that height counts: at
+    nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. This model needs the
+    extra `atmosphere`.
 
     A picture with one band is multiplied by the band's mean transmission. The mean weights
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit after
-    this module use its transmission at each range, by Beer's law at every wavelength. Two of these
-    modules in a row represent two constituents of the same air. Put the module after Camera to use
-    Camera's range and orbit; before it, enter `range_m` here.
+    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit, if
+    placed after this module, uses its transmission at each range, by Beer's law at every
+    wavelength. Two of these modules in a row represent two constituents of the same air. Put the
+    module after Camera to use Camera's range and orbit; before it, enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
@@ -97,8 +99,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     transmission: Annotated[float, Param("transmission of the path", low=0, high=1)] = 1.0
     path: Annotated[
         Path | None,
-        Param("CSV of µm and transmission, used instead of the number; for modtran: a tape7, JSON "
-              "or CSV"),
+        Param("CSV of wavelength (µm) and transmission, used instead of the number; for modtran: "
+              "a tape7, JSON or CSV"),
     ] = None  # fmt: skip
     extinction_per_km: Annotated[
         float,
@@ -118,7 +120,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         ),
     ] = 0.0
     haze: Annotated[
-        Literal["rural_23_km", "rural_5_km"], Param("haze and visibility of MODTRAN's tables")
+        Literal["rural_23_km", "rural_5_km"], Param("haze type and visibility of MODTRAN's tables")
     ] = "rural_23_km"
     altitude_m: Annotated[
         float | None,
@@ -128,7 +130,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     range_m: Annotated[
         float | None,
         Param("length of the path; empty: from a Camera before this node, or from Init & Trans "
-              "through its context", low=0, high=1e9, slider=(10, 20000)),
+              "through context", low=0, high=1e9, slider=(10, 20000)),
     ] = None  # fmt: skip
     air_K: Annotated[
         float | None,
@@ -296,7 +298,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A black body is entered, but a picture with several bands needs none."""
+        """A black-body temperature is entered, but a picture with several bands needs none."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -330,7 +332,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     figures = TableFigures(
         ("transmission", "", "Mean transmission over the band, weighted by the light in it."),
         ("path_radiance", "W/m²/sr", "Radiance that the air adds in the band."),
-        ("optical_depth", "", "Optical depth: −ln of the band's transmission; left out if nothing "
+        ("optical_depth", "", "Optical depth: −ln of the band's transmission; empty if no light "
          "passes."),
     )  # fmt: skip
 
@@ -433,7 +435,7 @@ def path_table(
     rows = [
         TableRow("transmission", over.transmission, "", "mean over the band"),
         TableRow("path_radiance", over.path_radiance, "W/m²/sr", "added by the air, in the band"),
-        TableRow("optical_depth", depth, "", "−ln of the transmission; left out if nothing passes"),
+        TableRow("optical_depth", depth, "", "−ln of the transmission; empty if no light passes"),
         TableRow("range_m", air.range_m, "m", "range for which the transmission holds"),
         TableRow("weighted_by_K", weighted_by, "K", "black body that weights the transmission"),
     ]

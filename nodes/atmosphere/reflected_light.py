@@ -34,19 +34,19 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     """Convert a picture of reflectances to radiance under sun and sky.
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
-    band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is the standard solar spectrum (ASTM G173, continued beyond 4 µm by a black body), a black
-    body of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a CSV by wavelength.
-    The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with
-    `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
+    band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
+    is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
+    of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
+    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
+    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with `bands`
+    above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera.
 
-    `illuminance_lux` scales sun and sky until they light the ground with so many lux: 100 000 in
+    `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
-    starlight. The spectrum keeps its shape. Moonlight is close to sunlight, starlight is not:
-    airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4 µm. Give the
-    spectrum of the night sky in `path`.
+    starlight. The spectrum keeps its shape. Moonlight has nearly the spectrum of sunlight.
+    Starlight does not: airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4
+    µm. For starlight, give the spectrum of the night sky in `path`.
 
     Sources: Lambert 1760; Kasten and Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar
     Energy 76, 423); nominal solar radius of the IAU, 2015 (black body); CIE 018:2019, V(λ); RCA
@@ -57,7 +57,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         Formula(
             r"L=\frac{\rho}{\pi}\left(E_\odot\,e^{-\tau m}\,\sin h+\pi L_{sky}\right)",
             where="ρ: reflectance; E☉: the Sun's irradiance in the band above the air, W/m²; τ: "
-            "optical depth from the zenith; m: air mass; h: elevation of the Sun; L_sky: "
+            "zenith optical depth; m: air mass; h: elevation of the Sun; L_sky: "
             "radiance of the sky, W/m²/sr",
         ),
         Formula(
@@ -67,7 +67,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         Formula(
             r"L'=L\;\frac{E_v}{683\int V(\lambda)\,E(\lambda)\,d\lambda}",
             where="E_v: illuminance_lux; V: sensitivity of the light-adapted eye; E: irradiance "
-            "of the ground, W/m²/µm",
+            "on the ground, W/m²/µm",
             when="illuminance_lux is given",
         ),
     )
@@ -81,11 +81,12 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     solar_irradiance: Annotated[
         float | None,
         Param("solar irradiance above the air, normal to the sun, used instead of the spectrum; "
-              "empty: by sun", unit="W/m²/µm", low=0, high=1e12,
+              "empty: from `sun`", unit="W/m²/µm", low=0, high=1e12,
               slider=(0, 2500), zero_is_empty=False),
     ] = None  # fmt: skip
     path: Annotated[
-        Path | None, Param("CSV of µm and W/m²/µm, used instead of the number, or empty")
+        Path | None,
+        Param("CSV of wavelength (µm) and W/m²/µm, used instead of the number; or empty"),
     ] = None
     sun_elevation_deg: Annotated[
         float, Param("elevation of the sun above the horizon", low=0, high=90)
@@ -93,7 +94,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     optical_depth: Annotated[
         float,
         Param(
-            "optical depth of the air towards the sun, for a vertical path",
+            "zenith optical depth of the air, for sunlight",
             low=0,
             high=1e3,
             slider=(0, 2),
@@ -104,7 +105,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     ] = 0.0
     illuminance_lux: Annotated[
         float | None,
-        Param("illuminance of the ground to which sun and sky are scaled; empty: as they are",
+        Param("illuminance on the ground to which sun and sky are scaled; empty: no scaling",
               low=0, high=1e9, above=True, slider=(0.001, 100000),
               zero_is_empty=False),
     ] = None  # fmt: skip
@@ -193,15 +194,15 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     @warning
     def starlight(self, outputs: PictureTable) -> Caution | None:
-        """It is as dark as in starlight, but the spectrum is the Sun's."""
+        """The illuminance is as low as starlight, but the spectrum is the Sun's."""
         lux, band = self.illuminance_lux, outputs.image.band_um
         if lux is None or lux >= _MOONLIT_LUX or self.path is not None:
             return None
         if band is None or band[1] <= _AIRGLOW_UM:
             return None
         return Caution(
-            f"the light beyond {_AIRGLOW_UM:g} µm is too weak: {lux:g} lx is starlight, whose "
-            "airglow is stronger there than sunlight of that illuminance",
+            f"the light beyond {_AIRGLOW_UM:g} µm is too weak: {lux:g} lx is starlight, and "
+            "airglow is stronger there than sunlight scaled to this illuminance",
             "give the spectrum of the night sky in path",
         )
 
@@ -327,9 +328,9 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
     most = float(image.max()) * share
     if most <= 1.0 + _ABOVE_ONE:
         return None
-    looks = "; they look like percent" if share == 1.0 and float(np.mean(image)) > 1.0 else ""
+    looks = "; they look like percentages" if share == 1.0 and float(np.mean(image)) > 1.0 else ""
     return Caution(
-        f"reflectances go up to {most:.4g}, more than a matt surface reflects{looks}",
+        f"the largest reflectance is {most:.4g}, but a matt surface reflects at most 1{looks}",
         "set the unit of the samples on Read Image (% or 1), or a scale",
     )
 

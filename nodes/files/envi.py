@@ -121,7 +121,8 @@ def _wavelengths(
         if centres is not None and max(centres) > _LONGEST_ASSUMED_UM:
             raise FileError(
                 f"{layout.header}: wavelength reaches {max(centres):g}, and the header has no "
-                f"wavelength units; without them µm are assumed, up to {_LONGEST_ASSUMED_UM:g}; "
+                f"wavelength units; without them, only wavelengths up to "
+                f"{_LONGEST_ASSUMED_UM:g} are read as µm; "
                 "add a line such as wavelength units = Nanometers"
             )
         return centres, widths
@@ -259,7 +260,7 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
     if order.size < 2 or not np.all(spacing > 0):
         raise FileError(
             f"{info.path}: the header gives no fwhm; without it, bands can be integrated only "
-            "if there are two or more of different wavelength"
+            "if two or more differ in wavelength"
         )
     low, high = centres.copy(), centres.copy()  # a bad band has no width
     low[order] = centres[order] - np.concatenate([spacing[:1], spacing]) / 2

@@ -191,7 +191,7 @@ def _refuse_unsupported(fields: Fields, header: Path) -> None:
     if " ".join(str(kind).lower().split()) not in _PLAIN_TYPES:
         raise FileError(
             f"{header}: file type = {kind!s:.60}; allowed: ENVI Standard or ENVI "
-            "Classification, with plain samples; for a picture of another format, give the "
+            "Classification, with plain samples; for a picture in another format, give the "
             "picture's name instead of its header"
         )
     for key in ("major frame offsets", "minor frame offsets"):
@@ -306,7 +306,7 @@ def _check_size(layout: EnviLayout) -> None:
     verdict = f"{-difference} missing" if difference < 0 else f"{difference} too many"
     fits = _what_would_fit(layout, size_bytes)
     hint = f"; it would fit with {' or '.join(fits)}" if fits else ""
-    cause = "; the file is truncated or a term is wrong" if difference < 0 else ""
+    cause = "; the file is truncated or one of these values is wrong" if difference < 0 else ""
     raise FileError(
         f"{layout.data}: holds {size_bytes} bytes, but {layout.header.name} says header offset "
         f"{layout.offset_bytes} + lines {layout.rows} × samples {layout.columns} × bands "

@@ -189,7 +189,7 @@ def check_sums(header: FitsHeader) -> None:
     data = _ones_sum(header, header.length, size)
     if stated and (not re.fullmatch(r"\d{1,10}", stated) or int(stated) != data):
         raise FileError(
-            f"{header.path}: this FITS file is damaged: its samples sum up to {data}, "
+            f"{header.path}: this FITS file is damaged: its samples sum to {data}, "
             f"but DATASUM = {stated:.20}"
         )
     if whole and _folded(data + _ones_sum(header, 0, header.length)) not in (0, 0xFFFFFFFF):

@@ -295,8 +295,8 @@ def refuse_without_room(files: Sequence[tuple[Path, FrameFormat, FrameSeries]]) 
         size = kind.size_bytes(series)
         if size > free:
             raise FileError(
-                f"cannot write {path}: {series.size_text} take {_amount(size)}, and its disk has "
-                f"room for {_amount(free)}"
+                f"cannot write {path}: {series.size_text} take {_amount(size)}, but only "
+                f"{_amount(free)} of disk space is free"
             )
         left[device] = free - size
 

@@ -101,15 +101,15 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
         raise line_refused(
             file, number,
             "a header line: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial, "
-            "and phase, or phase_x and phase_y, if known",
+            "then, if known, phase, or phase_x and phase_y",
         )  # fmt: skip
     if not set(names) & set(MTF_COLUMNS):
-        raise line_refused(file, number, "names, at least one of them an MTF")
+        raise line_refused(file, number, "column names, at least one of them for an MTF")
     for alone, prefix in (("mtf", "mtf_"), ("phase", "phase_")):
         others = [name for name in names if name.startswith(prefix)]
         others += ["radial"] if alone == "mtf" and "radial" in names else []
         if alone in names and others:
-            wanted = f"names with either {alone} or {others[0]}, not both"
+            wanted = f"column names with either {alone} or {others[0]}, not both"
             raise line_refused(file, number, wanted)
     if units[0]:
         unit = unit_of(units[0])
@@ -119,7 +119,7 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     for place, name in enumerate(names[1:], 1):
         allowed = ("", "rad", "deg") if name in PHASE_COLUMNS else ("", "1")
         if units[place] not in allowed:
-            wanted = "a phase in rad or deg" if name in PHASE_COLUMNS else "an MTF without unit"
+            wanted = "a phase in rad or deg" if name in PHASE_COLUMNS else "an MTF without a unit"
             raise line_refused(file, number, wanted)
     return names, units
 

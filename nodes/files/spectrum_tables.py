@@ -169,7 +169,7 @@ def _json_table(text: str, file: Path) -> list[str]:
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         raise FileError(
             f"{file}: not the JSON output of one radiance run of MODTRAN 6: it has lists of equal "
-            "length below MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
+            "length under MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
         ) from error
 
 

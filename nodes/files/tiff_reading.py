@@ -105,7 +105,7 @@ def read_plain_tiff(
         if not layout.is_plain:
             return None
         if (layout.rows, layout.columns, layout.channels) != expected:
-            raise FileError(f"{path}: this TIFF file is damaged: it gives two sizes")
+            raise FileError(f"{path}: this TIFF file is damaged: it states two different sizes")
         return channel_of(content, layout, path, band, empty=empty)
 
 

@@ -163,7 +163,7 @@ def _absent(
         length = file.stat().st_size
         whole = int.from_bytes(first_bytes(file, 16)[12:], "little") if is_blosc else length
         if length != whole or not length:
-            raise FileError(f"{opened.folder}: damaged: its chunk {name} is cut short")
+            raise FileError(f"{opened.folder}: damaged: its chunk {name} is truncated")
 
 
 def write_store(

@@ -41,8 +41,8 @@ class ExamineImage(
 
     For radiance in a known band it also gives the apparent temperature, at which a black body has
     the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
-    histogram uses the displayed values. The centred spectrum of a picture is the logarithm of its
-    modulus.
+    histogram uses the displayed values. A picture's centred spectrum is shown as the logarithm of
+    its modulus.
     """
 
     formulas = (

@@ -139,7 +139,9 @@ def bands_of(
     places = sorted(lit, key=lambda place: _centre(info, place))
     if not places:
         ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
-        raise ParameterError("cut_on_um", low, f"an interval with bands of the file, {ends}")
+        raise ParameterError(
+            "cut_on_um", low, f"an interval that contains bands of the file, {ends}"
+        )
     centres = [_middle(info, place, (first[place], last[place]), (low, high)) for place in places]
     factors = [
         scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
@@ -236,8 +238,8 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
     # Not by a list of all places: a cube without data has more of these than samples.
     row, column = np.unravel_index(np.argmin(finite), finite.shape)
     raise DataError(
-        f"{file}: a band is not finite at row {top + row}, column {column}: set missing to "
-        "mean or zero to replace such samples and those without data"
+        f"{file}: a band has a sample that is not finite at row {top + row}, column {column}: set "
+        "missing to mean or zero to replace such samples and missing ones"
     )
 
 

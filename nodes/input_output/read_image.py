@@ -43,20 +43,21 @@ _WHOLE = 0.99  # of the wavelengths: less is warned of
 class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Input and output"):
     """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
-    Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
-    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um`, if you give both. For
-    every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
-    spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
+    Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives wavelengths
+    and you set both `cut_on_um` and `cut_off_um`, its bands are integrated between them. For any
+    other file, these two are the band of the samples. The radiance is in W/m²/sr, or in W/m²/sr/µm
+    for one spectral band. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
     `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
     unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
-    are left out. K, DN and similar units are kept. Without `bands` all, photons are not converted
-    to watts. An unknown radiance unit is an error.
+    are left out. K, DN and similar units are kept. Photons are converted to watts only with `bands`
+    all. An unknown radiance unit is an error.
 
-    A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
-    weights them. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
-    a cube whose header names wavelengths gives every band between `cut_on_um` and `cut_off_um`.
-    Each comes in W/m²/sr/µm; photons are converted by their energy at that wavelength. Optics and
-    atmosphere then act on each band separately, until a detector sums them. The cube stays on disk.
+    A colour picture gives one channel or, with `bands` luminance, all three, weighted by the eye's
+    sensitivity. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
+    a cube with wavelengths in its header gives every band between `cut_on_um` and `cut_off_um`.
+    Each is in W/m²/sr/µm; photons are converted with their energy at the band's wavelength. Optics
+    and atmosphere then act on each band separately, until a detector sums them. The cube stays on
+    disk.
 
     An empty field of view is taken from the header. FITS pictures have their first row at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
@@ -305,7 +306,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             "wavelengths are read as µm: the header gives no unit for them",
-            "add a line to the header: wavelength units = Micrometers, or the unit they are in",
+            "add a line to the header: wavelength units = Micrometers, or their actual unit",
         )
 
     @warning

@@ -165,14 +165,14 @@ def radiance_caution(
         looks = "; they look like temperatures in kelvin" if kelvin else ""
         return Caution(
             f"the samples' mean, {stats.mean:.4g} W/m²/sr, is more than the {limit:.3g} that a "
-            f"surface on Earth can give {where}{looks}",
+            f"surface on Earth can emit and reflect {where}{looks}",
             f"{_REMEDY}; ignore this for flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:
         least = coldest_for_radiance(radiance=stats.mean)
         return Caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
-            "like temperatures in kelvin but are read as W/m²/sr, more than a scene below "
+            "like temperatures in kelvin but are read as W/m²/sr, which no scene below "
             f"{least:.0f} K emits over all wavelengths",
             f"{_REMEDY}; if it is radiance, give cut_on_um and cut_off_um",
         )

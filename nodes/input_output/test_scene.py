@@ -34,19 +34,20 @@ SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Input and output"):
     """Draw a radiometric test scene.
 
-    Planck's law converts temperatures and emissivities to band radiance. Edges are sampled by area
-    and do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
+    Planck's law converts temperatures and emissivities to band radiance. Edges are area-sampled, so
+    they do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
     ground. The airfield is seen from above, with straight roads, for Camera Geometry.
 
-    With `bands` the scene has that many bands of equal width. Optics and atmosphere treat each at
-    its own wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves,
-    soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They emit at their
-    temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
-    2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
-    its single emissivity; the sum of all bands is then the picture without bands, except for
-    sunlight. `quantity` reflectance gives what the surfaces reflect instead of their radiance, for
-    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun. Targets
-    then have `target_reflectance` on `background_reflectance` at all wavelengths.
+    `bands` divides the scene's band into that many bands of equal width. Optics and atmosphere
+    treat each at its own wavelength, until a detector sums them. Surfaces then have the spectra of
+    grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They
+    emit at their temperature and reflect the sky. With `sun_elevation_deg` they also reflect
+    sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all bands. With
+    `emissivity` grey every surface keeps its single emissivity; the sum of all bands is then the
+    picture without bands, except for sunlight. `quantity` reflectance gives what the surfaces
+    reflect instead of their radiance, for Reflected Light; shade and sky get the reflectance that
+    would look as bright in sunlight. Targets then have `target_reflectance`, and their background
+    `background_reflectance`, at all wavelengths.
     """
 
     formulas = (
@@ -88,14 +89,14 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ] = "spectra"
     quantity: Annotated[
         Literal["radiance", "reflectance"],
-        Param("what the samples are: radiance, or reflectance to be lit"),
+        Param("quantity of the samples: radiance, or reflectance for Reflected Light"),
     ] = "radiance"
     background_reflectance: Annotated[
         float,
-        Param("reflectance of a target's background, with quantity reflectance", low=0, high=1),
+        Param("reflectance of a target's background, for quantity reflectance", low=0, high=1),
     ] = 0.07
     target_reflectance: Annotated[
-        float, Param("reflectance of a target, with quantity reflectance", low=0, high=1)
+        float, Param("reflectance of a target, for quantity reflectance", low=0, high=1)
     ] = 0.15
     sun_elevation_deg: Annotated[
         float,
@@ -104,7 +105,9 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     temperature_K: Annotated[
         float, Param("background temperature", low=0, above=True, slider=(200, 400))
     ] = 303.15
-    delta_K: Annotated[float, Param("how much warmer the target is", slider=(-50, 50))] = 10.0
+    delta_K: Annotated[
+        float, Param("target temperature minus background temperature", slider=(-50, 50))
+    ] = 10.0
     angle_deg: Annotated[
         float, Param("direction of the edge's normal or of the wave", slider=(-90, 90))
     ] = 5.0

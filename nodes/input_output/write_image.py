@@ -47,23 +47,24 @@ _FLOATS: dict[str, np.dtype[Any]] = {"float": np.dtype(np.float32), "double": np
 class WriteImage(
     Module, key="write_image", title="Write Image", group="Input and output", sink=True
 ):
-    """Write the picture to a file, only when a run asks for outputs.
+    """Write the picture to a file, only in runs that save outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
     to the full range of the type. If both are empty, a picture in digital numbers (DN) is not
-    stretched: 12 bits stay 0 to 4095 in the file. `automatic` uses the precision of the computation
-    if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
+    stretched: 12-bit samples stay 0 to 4095 in the file. `automatic` uses the precision of the
+    computation if the format allows it, and 16-bit integers for PNG and for digital numbers up to
+    65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm. They are written one after the other, so the whole cube is never in memory. Every
-    other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
+    in W/m²/sr/µm. Bands are written one at a time, so the whole cube is never in memory. Every
+    other format stores the sum of the bands. A Zarr store (`.zarr`) is written chunk by chunk.
     """
 
     formulas = (
         Formula(
             r"n=\mathrm{round}\left(\frac{L-L_{low}}{L_{high}-L_{low}}\;(2^b-1)\right)",
             where="n: the number in the file, from 0 to 2^b − 1; b: bits of the type; L_low, "
-            "L_high: range_low and range_high; values beyond are clipped",
+            "L_high: range_low and range_high; values outside are clipped",
             when="integer types, except digital numbers, which are stored unchanged",
         ),
     )

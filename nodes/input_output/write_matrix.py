@@ -29,10 +29,10 @@ class WriteMatrix(
 ):
     """Write values as plain text, one row per line, readable by MathCad's READPRN.
 
-    A .csv file separates them by commas and names the columns of curves; .txt and .prn files use
-    blanks. Bars have their names in the first column of a .csv file, and their number from 0 in
-    other files. A transfer function is written in FFT order, zero frequency first. Files are
-    written only when a run asks for outputs.
+    A .csv file separates values with commas and names the columns of curves; .txt and .prn files
+    use spaces. For bars, the first column holds their names in a .csv file, and their numbers from
+    0 in other files. A transfer function is written in FFT order, zero frequency first. Files are
+    written only in runs that save outputs.
     """
 
     without_formula = "It writes numbers unchanged."

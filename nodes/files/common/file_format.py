@@ -22,7 +22,7 @@ class Format:
 CSV = Format("csv", (".csv",), "numbers separated by commas")
 ENVI_FRAMES = Format("bsq", (".bsq", ".img"), "ENVI BSQ")
 ZARR = Format("zarr", (".zarr",), "Zarr")
-BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by blanks")
+BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by spaces")
 PNG = Format("png", (".png",), "PNG")  # for who writes none: its writer takes numpy to load
 JSON = Format("json", (".json",), "JSON")
 HTML = Format("html", (".html",), "page")

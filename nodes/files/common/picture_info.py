@@ -138,8 +138,8 @@ def refuse_oversized_text(path: Path) -> None:
     most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
     if length > most:
         raise FileError(
-            f"{path}: a text file of {_gb(length)}; allowed: {_gb(most)}; store so many samples "
-            "as .npy"
+            f"{path}: a text file of {_gb(length)}; allowed: {_gb(most)}; store this many "
+            "samples as .npy"
         )
 
 

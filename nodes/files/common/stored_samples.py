@@ -59,7 +59,11 @@ def as_stored(
             )
         return stored
     if low is not None or high is not None:
-        raise ParameterError("low, high", (low, high), f"none with dtype {dtype}: uint8 or uint16")
+        raise ParameterError(
+            "low, high",
+            (low, high),
+            f"leave them empty with dtype {dtype}; only uint8 and uint16 use them",
+        )
     return _as_floats(samples, kind)
 
 
