@@ -121,7 +121,7 @@ def _wavelengths(
         if centres is not None and max(centres) > _LONGEST_ASSUMED_UM:
             raise FileError(
                 f"{layout.header}: wavelength reaches {max(centres):g}, and the header has no "
-                f"wavelength units; without them, only wavelengths up to "
+                "wavelength units; without them, only wavelengths up to "
                 f"{_LONGEST_ASSUMED_UM:g} are read as µm; "
                 "add a line such as wavelength units = Nanometers"
             )

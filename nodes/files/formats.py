@@ -81,7 +81,7 @@ PICTURES: tuple[PictureFormat, ...] = (
         "text", suffixes(*MATRICES), "plain text", arrays.read_matrix_info,
         arrays.read_matrix_band,
     ),
-    PictureFormat("other", (), "others, recognized by content", *_OIIO, recognizes=lambda _: True),
+    PictureFormat("other", (), "others by content", *_OIIO, recognizes=lambda _: True),
 )  # fmt: skip
 # Those that can be written, pictures before plain samples.
 WRITTEN = tuple(

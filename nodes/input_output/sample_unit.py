@@ -172,7 +172,7 @@ def radiance_caution(
         least = coldest_for_radiance(radiance=stats.mean)
         return Caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
-            "like temperatures in kelvin but are read as W/m²/sr, which no scene below "
+            "like temperatures in kelvin but are read as W/m²/sr, a radiance that no scene below "
             f"{least:.0f} K emits over all wavelengths",
             f"{_REMEDY}; if it is radiance, give cut_on_um and cut_off_um",
         )

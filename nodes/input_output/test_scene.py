@@ -106,7 +106,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         float, Param("background temperature", low=0, above=True, slider=(200, 400))
     ] = 303.15
     delta_K: Annotated[
-        float, Param("target temperature minus background temperature", slider=(-50, 50))
+        float, Param("target temperature minus the background's", slider=(-50, 50))
     ] = 10.0
     angle_deg: Annotated[
         float, Param("direction of the edge's normal or of the wave", slider=(-90, 90))

@@ -25,7 +25,7 @@ from nodes.shared.shared_warnings import Band, is_radiance
 Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[
     Path | None,
-    Param("CSV of µm and detector response, an additional weight of the light, or empty"),
+    Param("CSV of wavelength (µm) and detector response, which also weights the light; or empty"),
 ]
 _KELVIN = ("K", "kelvin")
 
@@ -60,14 +60,14 @@ def source_temperature(
         return SUNLIGHT_K
     image = magnitude.image
     if image is None:
-        allowed = "a temperature, because no picture is connected whose mean could give it"
+        allowed = "a temperature, because no picture is connected to derive it from"
         raise ParameterError("source_K", None, allowed)
     if image.unit.strip() in _KELVIN:
         return Step.of(mean_kelvin, image.recipe, node=node)
     if not is_radiance(image.unit):
         allowed = (
-            f"a temperature, because the picture, in {image.unit or 'no unit'!r:.40}, is not in "
-            "W/m²/sr, or weighting uniform"
+            f"a temperature, or weighting uniform, because the picture's unit is "
+            f"{image.unit or 'unknown'!r:.40}, not W/m²/sr"
         )
         raise ParameterError("source_K", None, allowed)
     # Of the picture's own band, whose radiance it holds.
@@ -128,8 +128,8 @@ def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> 
     if image.unit.strip() not in _KELVIN:
         return None
     return Caution(
-        "temperatures are blurred as if they were radiance: the picture is in kelvin, and its "
-        "mean weights the band",
+        "temperatures are blurred as if they were radiance: the picture is in kelvin, and the "
+        "band is weighted at its mean temperature",
         "put To Radiance before Init & Trans",
     )
 
@@ -139,5 +139,5 @@ def one_wavelength_caution(response: Path | None, one: bool) -> Caution | None:
     if response is None or not one:
         return None
     return Caution(
-        "the response is not used: one wavelength represents the band", "use more wavelengths"
+        "the response is not used: a single wavelength represents the band", "use more wavelengths"
     )

@@ -36,8 +36,8 @@ _ORBIT = (
 class Camera(Module, key="camera", title="Camera", group="Optics"):
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
-    for Init & Trans and all modules after it, aperture and obscuration for Diffraction MTF, the
+    The image passes unchanged and carries the data: pitch, focal length, F-number, fill factor and
+    range for Init & Trans and all modules after it; aperture and obscuration for Diffraction MTF;
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
     one from the pixels' angle on the axis. So does an image with the same field of view as the
@@ -45,18 +45,18 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
-    across the line of sight. The orbit is circular and the Earth a sphere. Its rotation is left
-    out: in a low orbit it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of
-    TDI MTF), in a high one by more. Above 2000 km a warning gives the share.
+    across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
+    neglected: in a low orbit it changes the speed by up to 7 % or the direction by up to 4°
+    (`yaw_deg` of TDI MTF), in a high orbit by more. Above 2000 km a warning states the error.
 
-    The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
-    share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
-    transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how light depends
-    on either: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from the axis and usual in
-    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and infrared
-    lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical
-    Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983,
-    Optical System Design, chapter 6 (sine condition, T-number);
+    The obscuration blocks light: electrons, NETD and SNR use the open share of the aperture, 1 −
+    ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
+    transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
+    depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
+    the axis and usual in infrared work, `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    such as a fast photographic or infrared lens. They differ by 25 % at F/1 and by 1.6 % at F/4.
+    Sources: Holst 2008, Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle,
+    f-number, GSD); Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number);
     Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
     """
 
@@ -120,7 +120,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Param("how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine "
               "condition, π/(4F²)"),
     ] = "disc"  # fmt: skip
-    range_m: Annotated[float | None, Param("distance of the scene", low=0, slider=(10, 10000))] = (
+    range_m: Annotated[float | None, Param("distance to the scene", low=0, slider=(10, 10000))] = (
         None
     )
     altitude_km: Annotated[
@@ -133,7 +133,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Param("angle of the line of sight off nadir", low=0, high=89, slider=(0, 50)),
     ] = 0.0
     look_direction: Annotated[
-        LookDirection, Param("direction of the look angle: beside the track, or ahead on it")
+        LookDirection, Param("direction of the look angle: across the track, or ahead along it")
     ] = "across"
 
     panel = (
@@ -196,7 +196,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def orbit(self) -> Caution | None:
-        """The range differs from the orbit's, the orbit is high, or a look angle has none."""
+        """The range differs from the orbit's, the orbit is high, or a look angle has no orbit."""
         orbit = self.sheet().orbit
         if orbit is not None:
             where = "by altitude and look angle"
@@ -219,7 +219,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         return apart(
             self,
             {"f_number": self.focal_length_mm / self.aperture_mm},
-            where=f"from {self.focal_length_mm:g} mm over {self.aperture_mm:g} mm",
+            where=f"from {self.focal_length_mm:g} mm divided by {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
             remedy="leave one of the three empty; otherwise diffraction uses the aperture and "
             "radiometry the F-number",
@@ -227,7 +227,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def light(self) -> Caution | None:
-        """The T-number means more light than a lens of that F-number passes."""
+        """The T-number implies more light than a lens with this F-number can pass."""
         sheet = self.sheet()
         if not (sheet.t_number and sheet.f_number):
             return None
@@ -241,8 +241,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             return None
         obscured = f" and obscuration_ratio = {sheet.obscuration_ratio:g}"
         return Caution(
-            f"t_number = {sheet.t_number:g} means more light than a lens without losses of "
-            f"f_number = {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} gives "
+            f"t_number = {sheet.t_number:g} implies more light than a lossless lens with "
+            f"f_number = {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} passes "
             f"({clear:.4g} sr, {most:.4g} sr): the T-number is used",
             "correct one of them; a T-number is larger than the F-number",
         )
@@ -255,7 +255,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             self.sheet().focal_length_mm,
             image.header.focal_length_mm,
             where="in the picture's file",
-            remedy="the value here is used; correct it, or use a picture of this camera",
+            remedy="the value here is used; correct it, or use a picture from this camera",
         )
 
     @warning
@@ -287,7 +287,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         if alike(pixel, sample):
             return None
         return Caution(
-            "the numbers of samples per pixel differ horizontally and vertically: the picture's "
+            "samples per pixel differ between horizontal and vertical: the picture's "
             f"samples are {sample:.4g} times as high as wide, the pixels {pixel:.4g} times",
             "correct pitch, pixels or the picture's field of view, unless this sampling is "
             "intended",
@@ -312,7 +312,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
                 number = f"{pitch / interval:.3g}"
                 samples = "1 sample" if number == "1" else f"{number} samples"
                 return Caution(
-                    f"aliasing is simulated in part only: the picture has {samples} per pixel, "
+                    f"aliasing is only partly simulated: the picture has {samples} per pixel, "
                     f"each {interval:.4g} mrad {name}",
                     "use a picture with two or more samples per pixel",
                 )
@@ -332,8 +332,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         ("cutoff", "cyc/mrad", "Diffraction cutoff at the middle wavelength of the band."),
         ("q", "", "λF/pitch: wavelength times F-number over pixel pitch; at 2, the optical cutoff "
          "equals Nyquist."),
-        ("gsd_x_m", "m", "Width of the area in the scene that a pixel sees."),
-        ("gsd_y_m", "m", "Height of the area in the scene that a pixel sees."),
+        ("gsd_x_m", "m", "Width of a pixel's footprint in the scene."),
+        ("gsd_y_m", "m", "Height of a pixel's footprint in the scene."),
         *_ORBIT,
         table=lambda outputs: outputs.camera.recipe,
     )  # fmt: skip
@@ -393,8 +393,8 @@ def _field_caution(
     if alike(picture, camera) or alike(degrees, flat):
         return None
     return Caution(
-        f"the picture's field of view, {degrees:.4g}°, is used, but {name} = {pixels} of "
-        f"{pitch_mrad:.4g} mrad give {flat:.4g}°",
+        f"the picture's field of view, {degrees:.4g}°, is used, but {name} = {pixels} at "
+        f"{pitch_mrad:.4g} mrad per pixel gives {flat:.4g}°",
         "correct pixels, pitch, focal length or the picture's field of view, unless the picture "
         "covers more or less than the camera's field",
     )
@@ -430,7 +430,7 @@ def camera_figures(
          "obscuration: inner diameter divided by the outer"),
         ("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
         ("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
-        ("range_m", sheet.range_m, "m", "distance of the scene"),
+        ("range_m", sheet.range_m, "m", "distance to the scene"),
         ("pixel_x_mrad", x, "mrad", "horizontal pixel angle"),
         ("pixel_y_mrad", y, "mrad", "vertical pixel angle"),
         ("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "horizontal field of view"),
@@ -441,8 +441,8 @@ def camera_figures(
         ("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "vertical"),
         ("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
         ("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
-        ("gsd_x_m", gsd[0], "m", "width seen by a pixel"),
-        ("gsd_y_m", gsd[1], "m", "height seen by a pixel"),
+        ("gsd_x_m", gsd[0], "m", "width of a pixel's footprint"),
+        ("gsd_y_m", gsd[1], "m", "height of a pixel's footprint"),
         *_orbit_rows(sheet.orbit, *gsd),
     )  # fmt: skip
 
@@ -453,7 +453,7 @@ def _rotation_caution(orbit: OrbitView) -> Caution | None:
     share = 100.0 * _EARTH_M_PER_S / orbit.ground_speed_m_per_s
     return Caution(
         f"the velocity is wrong by up to {share:.0f} %: at altitude_km = {orbit.altitude_km:g} the "
-        f"Earth's rotation, left out here, is {share:.0f} % of the ground speed",
+        f"Earth's rotation, neglected here, is {share:.0f} % of the ground speed",
         "enter the true velocity_m_per_s on Init & Trans",
     )
 

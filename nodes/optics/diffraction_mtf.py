@@ -49,28 +49,29 @@ class DiffractionMTF(
 ):
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
-    Aperture and obscuration come from Camera. Without one, the aperture is the focal length over
-    the F-number from Init & Trans. No pupil array is needed. Over a band, each wavelength's OTF is
-    weighted by the photons or the energy of a black body, or all alike as in 1996. The black body
-    has `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm,
-    and otherwise the temperature of the picture's mean radiance. `response`, and a Spectral
-    Response before this module, also weight the light as a detector behind the optics would.
-    `wavelengths` auto uses as many wavelengths as `tolerance` needs, placed between the kinks of
-    the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle. With
-    auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by the
-    picture's own light.
+    Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
+    divided by the F-number, from Init & Trans. No pupil array is needed. Over a band, each
+    wavelength's OTF is weighted by the photons or the energy of a black body, or all equally as in
+    Tantalo 1996. The black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for
+    a band that begins below 2.5 µm, and otherwise at the brightness temperature of the picture's
+    mean radiance. `response`, and a Spectral Response before this module, also weight the light,
+    like a detector behind the optics. `wavelengths` auto uses as many wavelengths as `tolerance`
+    requires, placed between the kinks of the OTF. A number sets how many wavelengths sample the
+    band; 1 uses the band's middle. With auto, a spectral picture is blurred band by band, and the
+    MTF shown is the mean weighted by the picture's own light.
 
-    `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
-    `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of
-    any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill 1956 (annulus, with
-    its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I, chapter 35.
+    `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
+    negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
+    for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill
+    1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I,
+    chapter 35.
     """
 
     formulas = (
         Formula(
             r"H(\rho)=\sum_j w_j\,H_0(\nu_j),\quad\nu_j=\frac{\lambda_j\,\rho}{D}",
-            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that represent "
-            "the band, and their weights by the light at each",
+            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that sample "
+            "the band, and their weights from the light at each",
         ),
         Formula(
             r"H_0(\nu)=\frac{2}{\pi}\left(\arccos\nu-\nu\sqrt{1-\nu^2}\right)",
@@ -114,7 +115,7 @@ class DiffractionMTF(
     wavelengths: Annotated[
         Number,
         Param(
-            "auto: as many wavelengths as the tolerance needs; a number sets how "
+            "auto: as many wavelengths as the tolerance requires; a number sets how "
             "many sample the band; 1 uses the band's middle"
         ),
     ] = "auto"
@@ -269,7 +270,7 @@ class DiffractionMTF(
 
     @readout("cyc/mrad")
     def cutoff(self, context: Context) -> float:
-        """Cutoff: diameter of the aperture over the band's middle."""
+        """Cutoff: diameter of the aperture divided by the band's middle wavelength."""
         return self.aperture_of(context).diameter_mm / (sum(self._band(context)) / 2)
 
     @readout("K", name="weighting_K")
@@ -281,7 +282,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Number of wavelengths used; for a cube, of bands; for a long response, of panels."""
+        """Number of wavelengths used; bands for a cube, integration panels for a long response."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count
@@ -293,7 +294,7 @@ class DiffractionMTF(
     def estimated_error(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> float | Step | None:
-        """Estimated error from the number of wavelengths; not known for a fixed number."""
+        """Estimated error due to the number of wavelengths; unknown for a fixed number."""
         if self.wavelengths != "auto" or self._bands(magnitude) is not None:
             return None
         return 0.0 if self._has_one_wavelength(context) else _needed(outputs, "error")

@@ -36,17 +36,17 @@ _K = {"low": -1e6, "high": 1e6, "slider": (-0.5, 0.5)}
 class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     """Distort the picture as a lens does, by Brown–Conrady or fisheye coefficients.
 
-    The incoming picture is that of a lens without distortion: distances from the axis are tangents
-    of angles. Coefficients, centre and signs are those of OpenCV, for lengths divided by the focal
-    length. `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds
-    its ray (to 1e-11) and interpolates the picture there with 8 × 8 samples: waves of up to 0.2
-    cycles per sample move by less than 1e-3 sample from their true place. Nothing is filtered: if
-    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion sees
-    beyond the frame: give the scene more samples at the same interval (its field is samples times
-    interval, and not the lens' 2·arctan), and set `width` and `height` to the camera's samples; the
-    warning has the numbers. Where the scene ends, its outermost samples continue. MTF and noise
-    continue as on the axis, where nothing is stretched. Sources: Brown 1966; Kannala and Brandt
-    2006; OpenCV, camera calibration.
+    The incoming picture must be free of distortion: distances from the axis are tangents of field
+    angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
+    `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds its ray
+    (to 1e-11) and interpolates the picture there with 8 × 8 samples: sinusoids of up to 0.2 cycles
+    per sample are displaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
+    well above 1, sample the scene more finely. A lens with barrel distortion sees beyond the frame:
+    give the scene more samples at the same interval (its field is samples times interval, not the
+    lens's 2·arctan), and set `width` and `height` to the camera's samples; the warning gives the
+    numbers. Beyond the scene, its outermost samples are repeated. MTF and noise apply to the axis,
+    where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera
+    calibration.
     """
 
     formulas = (
@@ -58,7 +58,7 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         ),
         Formula(
             r"r'=\theta\,(1+k_1\theta^2+k_2\theta^4+k_3\theta^6+k_4\theta^8)",
-            where="θ: angle from the axis; r': distance in the picture over the focal length",
+            where="θ: angle from the axis; r': distance in the picture divided by the focal length",
             when="fisheye",
         ),
     )
@@ -73,12 +73,17 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     p1: Annotated[float, Param("tangential coefficient, mostly along y", **_K)] = 0.0
     p2: Annotated[float, Param("tangential coefficient, mostly along x", **_K)] = 0.0
     centre_x_mrad: Annotated[
-        float, Param("optical axis to the right of the picture's middle", low=-1e4,
+        float, Param("offset of the optical axis to the right of the picture's middle", low=-1e4,
                      high=1e4, slider=(-20, 20)),
     ] = 0.0  # fmt: skip
     centre_y_mrad: Annotated[
         float,
-        Param("optical axis below the picture's middle", low=-1e4, high=1e4, slider=(-20, 20)),
+        Param(
+            "offset of the optical axis below the picture's middle",
+            low=-1e4,
+            high=1e4,
+            slider=(-20, 20),
+        ),
     ] = 0.0
     width: NewWidth = None
     height: NewHeight = None
@@ -149,7 +154,7 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
 
     @readout("%")
     def corner_percent(self, image: Image) -> float:
-        """Distortion at the corner: distance from the axis over that without distortion, − 1."""
+        """Distortion at the corner: distance from the axis over the undistorted distance, − 1."""
         return 100.0 * survey(self.rays(image)).corner
 
     @readout("%")

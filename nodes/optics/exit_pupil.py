@@ -40,22 +40,22 @@ class PupilOutput(NamedTuple):
 class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     """Make an exit pupil: 1 transparent, 0 opaque.
 
-    Lengths are in samples and centred; Exit Pupil MTF sets their scale. `clear` and `half_moon` (x
-    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height.
-    `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with vanes at 360°/n from
-    +x.
+    Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
+    `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
+    over the full height. `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with
+    vanes at 360°/n from +x.
 
     The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
     It is centred on the array if that makes its radius at most one sample larger. A `radius` that
     you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
-    A wavefront map (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike
+    A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus and Zernike
     terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
-    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a path
-    in µm is the same at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at
-    its own wavelength only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to
-    the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976;
-    Mahajan 1994 (the disc of the wavefront).
+    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a map in
+    µm is an optical path difference, the same at all wavelengths. A complex `.npy` in `path`
+    contains amplitude and phase, valid only at its own wavelength. Row 0 is at the top. W enters as
+    exp(2πiW), so a W that increases to the right moves the picture to the left. Sources: Tantalo
+    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     formulas = (
@@ -75,7 +75,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     radius: Annotated[
         float | None,
         Param(
-            "radius of the aperture; empty: 75, or for a file the circle around it",
+            "radius of the aperture; empty: 75, or for a file its enclosing circle",
             unit="samples", low=0, slider=(1, 256),
         ),
     ] = None  # fmt: skip
@@ -111,7 +111,10 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     zernike_waves: Annotated[
         tuple[float, ...],
         Param(
-            "Zernike coefficients from Noll's 1 (piston) on", unit="waves rms", low=-100, high=100
+            "Zernike coefficients in Noll's order, from 1 (piston)",
+            unit="waves rms",
+            low=-100,
+            high=100,
         ),
     ] = ()
 
@@ -187,7 +190,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     def _from_file(self, here: NodeContext) -> Pupil:
         if self.path is None and self.wavefront_path is None:
-            allowed = "the shape `file` needs the picture of a pupil in path, or wavefront_path"
+            allowed = "the shape `file` needs a pupil in path, or a map in wavefront_path"
             raise ParameterError("path", None, allowed)
         given = {
             name: lens_source(path, here)
@@ -220,7 +223,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         size = wavefront.samples.rows, wavefront.samples.columns
         if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
             raise DataError(
-                "a complex pupil already contains its wavefront: give it as path alone, or "
+                "a complex pupil already contains its wavefront: give it in path alone, or "
                 "give amplitude and wavefront as two files of real numbers"
             )
         if wavefront.samples.bands > 1:

@@ -43,15 +43,15 @@ EXACT_ERROR = 1e-12  # of the closed forms, as tested
 class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
     """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
-    Geometric shapes are exact, for one wavelength or a band. Files and wavefront errors are
-    autocorrelated from their samples. `weighting` counts all wavelengths alike, or by the photons
-    or the energy of a black body; the detector's `response` counts too. The black body has
-    `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm, and
-    otherwise the temperature of the picture's mean radiance. A spectral picture is blurred band by
-    band, each at its own wavelength. Interpolation `none` shows the raw autocorrelation at the
-    pupil's own frequency intervals and does not blur the picture. Sizes refer to the whole pupil
-    array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 of
-    eq. 4.21 is the array's half width over λ.
+    The OTF of a geometric shape is exact, for one wavelength or a band. Pupils from files or with
+    wavefront errors are autocorrelated from their samples. Wavelengths are weighted equally, or by
+    the photons or the energy of a black body (`weighting`), and by the detector's `response`. The
+    black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for a band that begins
+    below 2.5 µm, and otherwise at the brightness temperature of the picture's mean radiance. A
+    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
+    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
+    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
+    cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
     """
 
     formulas = (
@@ -62,8 +62,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         ),
         Formula(
             r"\mathrm{OTF}=\sum_j w_j\,\mathrm{OTF}(\lambda_j),\quad f_c=\frac{D}{\lambda}",
-            where="w_j: weights of several wavelengths; f_c: the cutoff; D: the aperture's "
-            "diameter",
+            where="w_j: weights of the wavelengths; f_c: the cutoff; D: the aperture's diameter",
         ),
     )
 
@@ -80,10 +79,10 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         Param("interpolation from the sampled pupil to the image's frequencies"),
     ] = "bilinear"
     wavelengths: Annotated[
-        int, Param("number of wavelengths over the band; 1 uses the band's mean", low=1, high=256)
+        int, Param("number of wavelengths that sample the band; 1 uses its mean", low=1, high=256)
     ] = 1
     weighting: Annotated[
-        Weighting, Param("weight of the wavelengths: equal, as in 1996, by photons, or by energy")
+        Weighting, Param("weight of the wavelengths: equal (as in 1996), by photons, or by energy")
     ] = "uniform"
     source_K: LightingSource = None
     response: DetectorResponse = None
@@ -205,13 +204,13 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     @readout("cyc/mrad")
     def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:
-        """Horizontal frequency interval that belongs to one pupil sample."""
+        """Horizontal frequency interval that corresponds to one pupil sample."""
         scale = self._scale(context, pupil)
         return scale.pitch_x_mm / scale.mean_um
 
     @readout("cyc/mrad")
     def pupil_interval_y(self, context: Context, pupil: Pupil) -> float:
-        """Vertical frequency interval that belongs to one pupil sample."""
+        """Vertical frequency interval that corresponds to one pupil sample."""
         scale = self._scale(context, pupil)
         return scale.pitch_y_mm / scale.mean_um
 
@@ -227,12 +226,12 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     @readout("cyc/mrad")
     def cutoff_x(self, context: Context, pupil: Pupil) -> Step | float:
-        """Horizontal cutoff: width of the aperture over the mean wavelength."""
+        """Horizontal cutoff: width of the aperture divided by the mean wavelength."""
         return _cutoff(pupil, 1, self.pupil_interval_x(context, pupil))
 
     @readout("cyc/mrad")
     def cutoff_y(self, context: Context, pupil: Pupil) -> Step | float:
-        """Vertical cutoff: height of the aperture over the mean wavelength."""
+        """Vertical cutoff: height of the aperture divided by the mean wavelength."""
         return _cutoff(pupil, 0, self.pupil_interval_y(context, pupil))
 
     @readout()
@@ -262,7 +261,7 @@ def _weights_by_light(
     light = lit.weight(np.array(wavelengths_um)) * np.array(weights)
     if not light.sum() > 0.0:
         raise DataError(
-            f"the response is 0 at each of the {len(weights)} wavelengths over the band: use "
+            f"the response is 0 at each of the {len(weights)} wavelengths in the band: use "
             "more wavelengths"
         )
     shares = (light / light.sum()).tolist()

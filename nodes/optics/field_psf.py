@@ -44,28 +44,29 @@ _TURNS = 0.25  # of a PSF's outermost wave, from one frequency of its table to t
 _MOST_REACH, _LOST = 1024, 0.005  # samples around a tile; share of light
 _DOUBTFUL = 5.0  # % of the range
 _FIGURED = 6  # cells along each axis of a quadrant, of which the error is figured
-_Path = Annotated[Path | None, Param("MTF or PSF of one position, in the order of positions")]
+_Path = Annotated[Path | None, Param("MTF or PSF file of one position, in the order of positions")]
 
 
 class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     """Blur the picture by a PSF that changes over the field.
 
-    `positions` are distances from the picture's middle, as shares of the half diagonal. At each you
-    give a Gaussian (rms tangential, along the radius, and sagittal, across it), or a file that MTF
-    File or PSF File reads: made for a point straight above the middle, with `mtf_y` the tangential
-    curve and the top of the PSF's picture away from the axis. A listing of Zemax in `path_1` alone
-    gives each position its own field. Between positions the widths of Gaussians, or the OTFs of
-    files, are interpolated linearly in the square of the position; beyond the last they stay.
-    Everything turns with the direction of the point.
+    `positions` are distances from the picture's middle, as fractions of the half diagonal. For
+    each, give a Gaussian (rms widths: tangential, along the radius, and sagittal, across it), or a
+    file that MTF File or PSF File can read. A file describes a point straight above the middle:
+    `mtf_y` is the tangential curve, and the top of a PSF's picture points away from the axis. A
+    single Zemax listing in `path_1` supplies a field for each position. Between positions, the
+    widths of Gaussians or the OTFs of files are interpolated linearly in the square of the
+    position; beyond the last position they stay constant. The PSF rotates with the direction of the
+    point from the middle.
 
     The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
-    them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
-    of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error
-    of blending. Around a tile the blur takes half a tile, at least 16 samples, and up to 1024 where
-    more than 0.5 % of a PSF's light would be lost; a tile is at least a quarter of that wide.
-    Beyond the frame the picture is mirrored, or repeated if it came so from Back Transform.
-    Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM
-    J. Sci. Comput. 19, 1063.
+    them. `error_percent` is an upper limit of the error of any sample, compared with a sum over its
+    own PSF, in percent of the picture's range; in real scenes the error is about ten times smaller.
+    Smaller tiles reduce the blending error. The blur uses a margin around each tile: half a tile,
+    at least 16 samples, and up to 1024 where more than 0.5 % of a PSF's light would be lost. A tile
+    is at least a quarter as wide as its margin. Beyond the frame the picture is mirrored, or
+    repeated if Back Transform made it periodic. Budgets, MTFs and figures use the PSF of the first
+    position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
     """
 
     formulas = (
@@ -75,11 +76,11 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         ),
     )
 
-    kind: Annotated[
-        Literal["gaussian", "mtf", "psf"], Param("Gaussians, or files of MTF or PSF")
-    ] = "gaussian"
+    kind: Annotated[Literal["gaussian", "mtf", "psf"], Param("Gaussians, or MTF or PSF files")] = (
+        "gaussian"
+    )
     positions: Annotated[
-        Row, Param("positions, as shares of the half diagonal; rising", low=0, high=10)
+        Row, Param("positions, as fractions of the half diagonal; rising", low=0, high=10)
     ] = (0.0, 0.5, 1.0)
     tangential_mrad: Annotated[
         Row, Param("rms width along the radius, at each position", low=0, high=1e6)
@@ -115,7 +116,9 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     def check(self) -> None:
         rising = all(low < high for low, high in pairwise(self.positions))
         if not (self.positions and rising):
-            raise ParameterError("positions", self.positions, "numbers that rise, at least one")
+            raise ParameterError(
+                "positions", self.positions, "at least one number, in rising order"
+            )
         for name in ("tangential_mrad", "sagittal_mrad"):
             given = getattr(self, name)
             if self.kind == "gaussian" and given and len(given) != len(self.positions):
@@ -160,7 +163,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
 
     @readout("%")
     def error_percent(self, outputs: ImageOutput) -> Step | float:
-        """Limit of the tiles' error in any sample, as a share of the picture's range."""
+        """Upper limit of the tiling error of any sample, relative to the picture's range."""
         if self._off:
             return 0.0
         assert isinstance(outputs.image.recipe, Step)
@@ -168,7 +171,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
 
     @warning
     def no_widths(self) -> Caution | None:
-        """Files are given for Gaussians, or no widths."""
+        """Files are given but Gaussians are chosen, or the Gaussians have no widths."""
         if self.kind != "gaussian":
             return None
         for name in ("path_1", "path_2", "path_3", "path_4"):
@@ -177,7 +180,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
                 return Caution(f"{name} is not used: kind is gaussian", remedy)
         if self.tangential_mrad or self.sagittal_mrad:
             return None
-        remedy = "give tangential_mrad a width for each position"
+        remedy = "give a width in tangential_mrad for each position"
         return Caution("nothing is blurred: tangential_mrad is empty", remedy)
 
     @warning
@@ -189,13 +192,13 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         if len(set(dict(outputs.image.recipe.parameters)["spread"].knots)) > 1:
             return None
         return Caution(
-            f"the blur is the same at all {len(self.positions)} positions: path_1 is one curve",
+            f"the blur is the same at all {len(self.positions)} positions: path_1 has one curve",
             "give a file for each position, or a Zemax listing with a field for each",
         )
 
     @warning
     def tiles(self, outputs: ImageOutput) -> Step | None:
-        """The tiles' error is large."""
+        """The tiling error is large."""
         error = self.error_percent(outputs)
         return Step.of(_error_caution, error) if isinstance(error, Step) else None
 
@@ -377,7 +380,7 @@ def _error_caution(work: Work, percent: float) -> Caution | None:
     if percent <= _DOUBTFUL:
         return None
     return Caution(
-        f"samples may be off by up to {percent:.2g} % of the picture's range, in most scenes by a "
-        "tenth of that",
+        f"samples may be off by up to {percent:.2g} % of the picture's range, but in most scenes "
+        "by a tenth of that",
         "lower tile; if that does not help, the PSF is too wide: sample the scene more coarsely",
     )

@@ -43,16 +43,17 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
     unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
     enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
-    Zemax's text of MTF against frequency is read too, with its tangential curve along y.
-    `direction` sets the direction of a column `mtf`, or selects one of several curves; radial means
-    equal in all directions. Between points the curve is a monotone cubic (PCHIP). A table that
-    begins above 0 gets MTF 1 at 0. Beyond the last point the MTF is 0; it is never extrapolated. A
-    phase is odd in frequency and takes the shorter way from point to point.
+    Zemax's text listing of MTF against frequency is read too; its tangential curve acts along y.
+    `direction` sets the direction in which a column `mtf` acts, or selects one of several curves;
+    radial means equal in all directions. Between points the curve is a monotone cubic (PCHIP). A
+    table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the MTF is 0;
+    it is never extrapolated. The phase is odd in frequency and is interpolated the shorter way
+    round.
 
-    Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
-    the pixel (by pitch and focal length). `imagechain measure` writes such a table from a camera's
-    pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
-    Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    Frequencies are per mm at the focal plane (converted with the focal length), per mrad, or per
+    pixel (converted with pitch and focal length). `imagechain measure` writes such a table from a
+    camera's pictures; its MTF includes the pixel. Without a file nothing changes. Source: Fritsch
+    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
 
     formulas = (
@@ -74,7 +75,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     ] = "file"
     direction: Annotated[
         Literal["file", "x", "y", "radial"],
-        Param("axis on which the curve acts; `file`: from its column's name; `mtf` is radial"),
+        Param("axis along which the curve acts; `file`: from its column's name; `mtf` is radial"),
     ] = "file"
     normalise: Annotated[
         Literal["refuse", "at_zero"],
@@ -85,7 +86,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     field: Annotated[
         int,
         Param(
-            "field position in a Zemax listing, counted from 0 without the diffraction limit",
+            "field position in a Zemax listing, counted from 0, skipping the diffraction limit",
             low=0,
             high=1000,
             slider=(0, 12),
@@ -228,7 +229,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def above_one(self, outputs: OtfOutputs) -> Caution | None:
-        """The MTF rises above 1, as the MTF of a sharpened picture does."""
+        """The MTF rises above 1, like the MTF of a sharpened picture."""
         highest = max(
             (max(_points(law)[1]) for law, _, _ in _ends(outputs.mtf.factors, 0.0, 0.0)),
             default=0.0,
@@ -236,8 +237,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         if highest <= 1.0 + ROUNDED:
             return None
         return Caution(
-            f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics cannot amplify",
-            "check the table; such a curve comes from a picture that was sharpened",
+            f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics cannot exceed 1",
+            "check the table; such a curve comes from a sharpened picture",
         )
 
     @warning

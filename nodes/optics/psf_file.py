@@ -26,13 +26,13 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     """Blur by a point spread function from a picture: measured, or from a lens design.
 
     Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
-    the right in the file is a tail to the right in the picture. The file may have any format of
-    Read Image, `.npy`, text, or Zemax's listing, whose spacing is used if `sample_pitch` is empty.
+    the right in the file is a tail to the right in the picture. The file may be in any format of
+    Read Image, `.npy`, text, or a Zemax listing, whose spacing is used if `sample_pitch` is empty.
     Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
     (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
     With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
-    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that
-    was measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
+    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF
+    measured with a detector includes the pixel: leave out Detector MTF. Without a file nothing
     changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
     """
 
@@ -75,7 +75,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = None
     centroid: Annotated[
         Literal["kept", "removed"],
-        Param("whether the picture shifts if the centroid is away from the file's middle"),
+        Param("whether the picture shifts if the centroid is off the file's middle"),
     ] = "kept"
     background: Annotated[
         float,
@@ -111,7 +111,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ) -> tuple[tuple[Planar], tuple[Planar]]:
         if source.samples.is_complex:
             raise DataError(
-                f"{source.file}: a point spread function must be real energy, but the file "
+                f"{source.file}: a point spread function must be real, but the file "
                 "contains complex numbers"
             )
         rows, columns = source.samples.rows, source.samples.columns
@@ -168,7 +168,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @warning
     def coarse(self, outputs: OtfOutputs) -> Step | None:
-        """The samples are too far apart."""
+        """The file's samples are too far apart."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_coarse_caution, psf)
 
@@ -271,5 +271,5 @@ def _coarse_caution(work: Work, psf: PointSpread) -> Caution | None:
     return Caution(
         "the file's samples are too far apart: at their own Nyquist frequency the MTF is still "
         f"{rest:.3g}",
-        "use finer samples of the point: detail between them is aliased to lower frequencies",
+        "use a more finely sampled picture of the point: detail between samples is aliased",
     )

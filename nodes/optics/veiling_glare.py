@@ -12,18 +12,18 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group="Optics"):
     """Spread a share of the light widely, as scatter and ghosts in the lens do.
 
-    The point spread function has two parts: 1 − g of the light stays where the other modules put
-    it, and g falls off around it as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to
-    1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail
-    loses g of its contrast. Enter the veiling glare index of the lens, if no other is known; ISO
+    The point spread function has two parts: a share 1 − g of the light is not spread, and the share
+    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to 1 −
+    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses g
+    of its contrast. If g is not known otherwise, enter the veiling glare index of the lens; ISO
     9358 measures it in a small black area within an evenly bright field. Light that leaves the
     frame is mirrored or repeated, as for all filters.
 
-    `harvey` takes the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2), with
-    β − β₀ the difference of the sines of scattered and direct ray. Its integral over the half space
-    is the total scatter of a surface, which the direct light loses. The angles are those in front
-    of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l = B^(1/g) and s = −g: it
-    agrees near the direct ray and far from it.
+    `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. Its integral
+    over the hemisphere is the total scatter of a surface, which the direct light loses. Angles
+    refer to the space in front of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l
+    = B^(1/g) and s = −g: the two models agree near the direct ray and far from it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -33,7 +33,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     formulas = (
         Formula(
             r"H(\rho)=1-g+g\,e^{-2\pi\ell\rho}",
-            where="g: share of the light that is spread; ℓ: its length, mrad; ρ: radial frequency",
+            where="g: share of the light that is spread; ℓ: spread, mrad; ρ: radial frequency",
             when="length",
         ),
         Formula(
@@ -47,7 +47,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     form: Annotated[
         Literal["length", "harvey"],
-        Param("share and length of the spread, or Harvey's scatter of surfaces"),
+        Param("share and length of the spread, or Harvey's surface scatter"),
     ] = "length"
 
     share_percent: Annotated[
@@ -63,13 +63,15 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
         Param("BSDF of a surface at the direct ray", low=0, high=1e12, slider=(0, 10)),
     ] = 0.0
     s: Annotated[
-        float, Param("slope of the BSDF: its power of β far from the direct ray", low=-5, high=0)
+        float, Param("slope of the BSDF: exponent of β far from the direct ray", low=-5, high=0)
     ] = -1.5
     l_mrad: Annotated[
         float,
         Param("shoulder of the BSDF, 1000 times Harvey's l", low=1e-3, high=1000, slider=(0.1, 50)),
     ] = 10.0
-    surfaces: Annotated[int, Param("number of such surfaces", low=1, high=1000, slider=(1, 30))] = 1
+    surfaces: Annotated[
+        int, Param("number of scattering surfaces", low=1, high=1000, slider=(1, 30))
+    ] = 1
 
     panel = (
         Section("", ("apply", "form")),
@@ -92,7 +94,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     @warning
     def unused(self) -> Caution | None:
-        """Stray light is entered in the form that is not chosen."""
+        """A stray-light value is entered for the form that is not chosen."""
         name, other = ("share_percent", "length") if self.form == "harvey" else (
             "b_per_sr", "harvey")  # fmt: skip
         value = getattr(self, name)

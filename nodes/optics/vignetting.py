@@ -32,7 +32,7 @@ _UNITS = {"field_deg": "deg", "height_mm": "mm", "half_diagonal": "half diagonal
 
 
 class LightOverField(Module):
-    """Base of modules that multiply the picture by a law of the field angle."""
+    """Base class of modules that multiply the picture by a function of the field angle."""
 
     @property
     def off(self) -> bool:
@@ -51,19 +51,20 @@ class LightOverField(Module):
 
 
 class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Optics"):
-    """Darken the picture away from the optical axis, which is at its middle.
+    """Darken the picture with distance from the optical axis, at the picture's middle.
 
     `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
-    middle times the sampling interval, which is pitch/f for a picture from Camera. `measured` adds
-    a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴ + …. `against`
-    says what the heights are: field angle, image height, or the share of the picture's half
-    diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off. Put the module
-    before Focal Plane, so that shot noise follows from the vignetted light. Transfer functions do
-    not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to the scene
-    before the vignetting. Focal Plane counts the photons of a thermal picture of one band at the
-    brightness temperature before the mean loss: where a sample gets half the mean, it counts 0.3 %
-    too many (3.7 to 4.8 µm). Spectral pictures, and `photon_weighting` other than scene, do not
-    have this error. Source: Kingslake 1983, Optical System Design, chapter 6.
+    middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
+    `measured` adds a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴
+    + …. `against` sets what the heights are: field angle, image height, or the fraction of the
+    picture's half diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off.
+    Put the module before Focal Plane, so that shot noise follows from the vignetted light. Transfer
+    functions do not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to
+    the scene before the vignetting. For a thermal picture with one band, Focal Plane converts
+    radiance to photons at the brightness temperature before the mean loss: a sample with half the
+    mean light gets 0.3 % too many photons (3.7 to 4.8 µm). Spectral pictures, and
+    `photon_weighting` other than scene, do not have this error. Source: Kingslake 1983, Optical
+    System Design, chapter 6.
     """
 
     formulas = (
@@ -80,7 +81,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     ] = "none"
     against: Annotated[
         Literal["field_deg", "height_mm", "half_diagonal"],
-        Param("heights of the curve: field angle, image height, or share of the half diagonal"),
+        Param("heights of the curve: field angle, image height, or fraction of the half diagonal"),
     ] = "field_deg"
     path: Annotated[
         Path | None, Param("CSV of height and relative illumination, 1 on the axis")
@@ -115,7 +116,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         if not 0.0 <= light.min() <= light.max() <= _BRIGHTEST:
             worst = float(light.min() if light.min() < 0.0 else light.max())
             allowed = (
-                f"the relative illumination must stay from 0 to {_BRIGHTEST:g}, but it reaches "
+                f"the relative illumination must stay between 0 and {_BRIGHTEST:g}, but it reaches "
                 f"{worst:.3g} in the picture"
             )
             raise ParameterError("coefficients", self.coefficients, allowed)
@@ -156,8 +157,8 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
             return None
         unit = _UNITS[self.against]
         return Caution(
-            f"the light may be wrong at the corners: the file ends at {last:.4g} {unit}, the "
-            f"picture at {reached:.4g} {unit}, and the last value holds from there",
+            f"the light may be wrong at the corners: the file ends at {last:.4g} {unit} but "
+            f"the picture at {reached:.4g} {unit}; the last value is used between them",
             "extend the file to the corner",
         )
 

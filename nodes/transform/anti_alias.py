@@ -26,10 +26,10 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
     No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
-    a detector MTF. `box` is the centred mean of `factor` samples (for an even number, interpolated
-    by its transfer function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos`
-    is a sinc with its cutoff there, in a window of three lobes. The frame is mirrored at its edges.
-    A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    a detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
+    its transfer function). `gaussian` halves the contrast at the new Nyquist frequency. `lanczos`
+    is a sinc with its cutoff there and a three-lobe window. The frame is mirrored at its edges. A
+    factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
     """
 
     formulas = (
@@ -51,9 +51,16 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
         ),
     )
 
-    kernel: Annotated[Kernel, Param("shape of the low-pass")] = "box"
+    kernel: Annotated[Kernel, Param("shape of the low-pass filter")] = "box"
     factor: Annotated[
-        int, Param("samples combined into one", unit="samples", low=1, high=1024, slider=(1, 8))
+        int,
+        Param(
+            "number of samples of which one will be kept",
+            unit="samples",
+            low=1,
+            high=1024,
+            slider=(1, 8),
+        ),
     ] = 1
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

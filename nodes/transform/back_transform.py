@@ -9,8 +9,8 @@ from nodes.shared.module_ports import ImageOutput
 class BackTransform(Module, key="back_transform", title="Back Transform", group="Transform"):
     """Compute the image from a magnitude and a phase.
 
-    The two may come from different images of one size: the result is then |A|·exp(i·∠B), with
-    periodic edges. Source: Tantalo 1996, section 4.1.
+    Magnitude and phase may come from different images of the same size: the result is then
+    |A|·exp(i·∠B), with periodic edges. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (

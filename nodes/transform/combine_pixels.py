@@ -16,10 +16,11 @@ _OF_A_PIXEL = 0.35  # of a block's width; a narrower average takes 5 % off at Ny
 class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group="Transform"):
     """Combine each block of samples into one pixel.
 
-    Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
-    after Back Transform, if the factors divide the size, the spectrum is folded instead. Taking the
-    mean of a block acts as the pixel's averaging over its area. After Detector MTF, which already
-    averages over the pixel, use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
+    170 pixels. Directly after Back Transform, if the factors divide the size, the spectrum is
+    folded instead. The mean of a block represents the pixel's averaging over its area. After
+    Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source: Tantalo
+    1996, section 4.1, fig. 4.6.
     """
 
     formulas = (

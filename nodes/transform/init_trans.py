@@ -36,9 +36,9 @@ class InitTrans(
 ):
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
-    Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 is treated as empty. Values entered here take priority; if the two differ, a warning says
-    so. Source: Tantalo 1996, section 4.1.
+    Empty parameters are taken from a Camera before this module, otherwise from the image's header.
+    A fill factor of 1 is treated as empty. Values entered here take priority; a warning reports any
+    difference. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (

@@ -36,7 +36,7 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
     wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
-    0 takes the nearest sample (the later one of two equally near), 1 is bilinear, 3 is cubic
+    0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
     convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
     (bilinear); Keys 1981 (cubic, a = −1/2).
     """

@@ -121,7 +121,7 @@ def _by_rows(
 
 
 class Radiometry(Module):
-    """Base of modules for surfaces of one emissivity in a band."""
+    """Base class of modules for surfaces with one emissivity in a band."""
 
     emissivity: Annotated[
         float, Param("emissivity of all samples, if no image of it is connected", low=0, high=1,

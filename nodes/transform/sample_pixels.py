@@ -21,9 +21,9 @@ _LEAST = 1e-3
 class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Transform"):
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again: behind Detector MTF it leaves only 0.64 of
-    the contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not
-    move. For even ratios, and ratios that are not whole, the centres lie between samples. There the
+    Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
+    contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
+    For even ratios, and ratios that are not whole, the centres lie between samples. There the
     picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
     in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
     in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
