@@ -219,7 +219,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         return apart(
             self,
             {"f_number": self.focal_length_mm / self.aperture_mm},
-            where=f"from {self.focal_length_mm:g} mm divided by {self.aperture_mm:g} mm",
+            where=f"from {self.focal_length_mm:g} mm / {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
             remedy="leave one of the three empty; otherwise diffraction uses the aperture and "
             "radiometry the F-number",

@@ -21,7 +21,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
     where β and β₀ are the sines of the angles of the scattered and the direct ray. Its integral
-    over the hemisphere is the total scatter of a surface, which the direct light loses. Angles
+    over the hemisphere is the total scatter of a surface, and is lost from the direct light. Angles
     refer to the space in front of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l
     = B^(1/g) and s = −g: the two models agree near the direct ray and far from it.
 

@@ -54,13 +54,7 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
     kernel: Annotated[Kernel, Param("shape of the low-pass filter")] = "box"
     factor: Annotated[
         int,
-        Param(
-            "number of samples of which one will be kept",
-            unit="samples",
-            low=1,
-            high=1024,
-            slider=(1, 8),
-        ),
+        Param("factor of the later decimation", unit="samples", low=1, high=1024, slider=(1, 8)),
     ] = 1
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

@@ -103,7 +103,7 @@ def test_metadata_is_found_again(tmp_path, name):
         ("a.png", [[np.nan]], {"dtype": "uint8"}, DataError, "not finite"),
         ("a.png", [[1]], {"dtype": "uint8", "low": 1, "high": 1}, ParameterError, "above low = 1"),
         ("a.png", [[1]], {"dtype": "uint8", "low": 1}, ParameterError, "two finite numbers"),
-        ("a.tif", [[1]], {"low": 0, "high": 1}, ParameterError, "none with dtype float"),
+        ("a.tif", [[1]], {"low": 0, "high": 1}, ParameterError, "empty with dtype float"),
         ("no/a.tif", [[1]], {}, FileError, "there is no folder"),
     ],
 )

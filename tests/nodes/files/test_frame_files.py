@@ -124,9 +124,9 @@ def test_without_room_it_is_refused_before(tmp_path):
     line = str(raised.value)
     assert line.startswith(
         f"cannot write {tmp_path / 'g.bsq'}: 1000000 frames of 1000000 × 1000000 samples take "
-        "8e+09 GB, and its disk has room for "
+        "8e+09 GB, but only "
     )
     assert "\n" not in line
     store = FrameSeries(1, 10**6, 10**7, np.dtype("<f8"))
-    with pytest.raises(FileError, match=r"a\.zarr: 1000000 × 10000000 samples take 8e\+04 GB, and"):
+    with pytest.raises(FileError, match=r"a\.zarr: 1000000 × 10000000 samples take 8e\+04 GB, but"):
         refuse_without_room([(tmp_path / "a.zarr", STORE, store)])

@@ -194,7 +194,7 @@ GOOD = "frequency (cyc/mm),mtf\n0,1\n10,0.5\n"
         ("frequency,mtf\n0,1\n10,0.5\n", "frequency_unit = 'file'"),
         ("frequency (cyc/inch),mtf\n0,1\n10,0.5\n", "cyc/mm, cyc/mrad or cyc/pixel"),
         ("frequency (cyc/mm),mtfx\n0,1\n10,0.5\n", "must be a header line"),
-        ("frequency (cyc/mm),phase_x\n0,0\n10,0.5\n", "at least one of them an MTF"),
+        ("frequency (cyc/mm),phase_x\n0,0\n10,0.5\n", "at least one of them for an MTF"),
         ("frequency (cyc/mm),mtf,mtf_x\n0,1,1\n1,1,1\n", "either mtf or mtf_x, not both"),
         ("frequency (cyc/mm),mtf,phase\n0,1,0\n1,1,1\n", "a phase needs a direction"),
         ("frequency (cyc/mm),mtf,phase_x\n0,1,1\n1,1,1\n", "column phase_x: the table has 1 at"),

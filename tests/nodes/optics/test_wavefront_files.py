@@ -226,7 +226,7 @@ def test_what_does_not_fit(tmp_path):
         return {"shape": "file", "path": path, "wavefront_path": wavefront}
 
     for pupil, words in (
-        (of(None, None), "needs the picture of a pupil in path, or wavefront_path"),
+        (of(None, None), "needs a pupil in path, or a map in wavefront_path"),
         (of("small.npy", "wide.npy"), "small.npy is 4 × 4 samples and wide.npy 5 × 4"),
         (of("complex.npy", "small.npy"), "already contains its wavefront"),
         (of(None, "complex.npy"), "already contains its wavefront"),

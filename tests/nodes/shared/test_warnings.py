@@ -190,7 +190,7 @@ CASES = {
     ),
     ("camera", "aperture"): (
         {"focal_length_mm": 100.0, "aperture_mm": 40.0, "f_number": 2.0},
-        ("f_number = 2 here", "2.5 from 100 mm over 40 mm"),
+        ("f_number = 2 here", "2.5 from 100 mm / 40 mm"),
         {"focal_length_mm": 100.0, "aperture_mm": 50.0, "f_number": 2.0},
     ),
     ("camera", "field_of_view"): (

@@ -56,7 +56,7 @@ class TestRadianceOfFiles:
         # (π 290 / 5.670374e-8)^¼ = 356.0
         assert caution.message == (
             "the unit may be wrong: the samples, 290 ± 8, look like temperatures in kelvin but "
-            "are read as W/m²/sr, more than a scene below 356 K emits over all wavelengths"
+            "are read as W/m²/sr, a radiance that no scene below 356 K emits over all wavelengths"
         )
         assert "such as K" in caution.remedy
 
@@ -101,7 +101,7 @@ class TestRadianceOfElectronics:
         limit = planck(8.0, 12.0, 353.95) + (6.957e8 / 1.495978707e11) ** 2 * planck(8, 12, 5772.0)
         assert caution.message == (
             f"the samples' mean, 290 W/m²/sr, is more than the {limit:.3g} that a surface on Earth "
-            "can give in 8 to 12 µm; they look like temperatures in kelvin"
+            "can emit and reflect in 8 to 12 µm; they look like temperatures in kelvin"
         )
 
 
