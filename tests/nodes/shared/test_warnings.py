@@ -195,7 +195,7 @@ CASES = {
     ),
     ("camera", "field_of_view"): (
         {"pixels_x": 32, "pitch_um": 100.0, "focal_length_mm": 100.0},
-        ("pixels_x = 32 of 1 mrad", "1.833°", "1°"),
+        ("pixels_x = 32 at 1 mrad", "1.833°", "1°"),
         {"pixels_x": 8, "pixels_y": 8, "pitch_um": 218.166, "focal_length_mm": 100.0},
     ),
     ("camera", "pixel_shape"): (
