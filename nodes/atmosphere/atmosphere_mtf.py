@@ -40,10 +40,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
     plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateaus 0.99, 0.975, 0.955), a
     number, or the scattering coefficient along the path. On a path down or up, this coefficient
-    falls exponentially with height. Absorption attenuates all frequencies alike and does not blur:
-    use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near
-    the aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ. A spectral picture is
-    blurred at each band's own wavelength.
+    falls exponentially with height. Absorption attenuates all frequencies equally and does not
+    blur: use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is
+    near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. A spectral
+    picture is blurred at each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """

@@ -64,11 +64,11 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     A picture with one band is multiplied by the band's mean transmission. The mean weights
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
-    of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit, if
-    placed after this module, uses its transmission at each range, by Beer's law at every
+    of Read Image) has each band multiplied by its own transmission. Absorption and scattering both
+    count as attenuation here; for the blur from scattering, use Atmosphere MTF. Figures of Merit,
+    if placed after this module, uses its transmission at each range, by Beer's law at every
     wavelength. Two of these modules in a row represent two constituents of the same air. Put the
-    module after Camera to use Camera's range and orbit; before it, enter `range_m` here.
+    module after Camera to use Camera's range and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """

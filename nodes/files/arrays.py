@@ -148,7 +148,7 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
             continue
         columns = columns or len(cells)
         if cells and len(cells) != columns:
-            allowed = f"{columns} numbers, like the first row, but has {len(cells)}"
+            allowed = f"{columns} numbers, as in the first row, not {len(cells)}"
             return line_refused(path, number, allowed)
     return FileError(f"{path}: not a matrix of numbers")
 
@@ -249,7 +249,7 @@ def fill_plane(
         part = index
     line = wide * every
     if reason := oversized(1, line, header.dtype):
-        raise FileError(f"{path}: a line of {reason}")
+        raise FileError(f"{path}: a single row is too large: {reason}")
     step = max(1, _BLOCK_SAMPLES // max(1, line))
     as_stored = every == 1 and plane.dtype == header.dtype and plane.flags.c_contiguous
     block = np.empty((min(step, lines), line), header.dtype)

@@ -88,7 +88,7 @@ def _within_limits(path: Path, samples: LensSamples) -> LensSamples:
     if max(samples.rows, samples.columns) > LARGEST_SIDE:
         raise FileError(
             f"{path}: {samples.columns} × {samples.rows} samples; at most {LARGEST_SIDE} on a "
-            "side are allowed: crop it around the middle"
+            "side are allowed: crop the array around its middle"
         )
     return samples
 

@@ -114,7 +114,7 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     if units[0]:
         unit = unit_of(units[0])
         if unit is None:
-            raise line_refused(file, number, "frequency in cyc/mm, cyc/mrad or cyc/pixel")
+            raise line_refused(file, number, "a frequency in cyc/mm, cyc/mrad or cyc/pixel")
         units[0] = unit
     for place, name in enumerate(names[1:], 1):
         allowed = ("", "rad", "deg") if name in PHASE_COLUMNS else ("", "1")

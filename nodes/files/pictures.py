@@ -221,7 +221,7 @@ def _refuse_blank(path: Path) -> None:
     """
     if not any(first_bytes(path, _BLANK_BYTES)):
         raise FileError(
-            f"{path}: not a picture, or never filled: its first {_BLANK_BYTES} bytes are 0"
+            f"{path}: not a picture, or never written: its first {_BLANK_BYTES} bytes are 0"
         )
 
 

@@ -123,7 +123,7 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
     high, wide, *_ = opened.chunks
     dtype = delivered_dtype(np.dtype(info.dtype))
     if reason := oversized(min(high, info.rows), min(wide, info.columns), dtype):
-        raise FileError(f"{path}: a chunk of {reason}")
+        raise FileError(f"{path}: a single chunk is too large: {reason}")
     band = checked_band(band, info.bands, path)
     samples = empty((info.rows, info.columns), dtype)
     missing = _missing_value(opened.attributes)

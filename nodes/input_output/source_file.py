@@ -158,7 +158,7 @@ def luminance(file: Path, bands: tuple[int, ...], *, empty: Empty = np.empty) ->
 def check_unchanged(file: Path, stamps: tuple[Stamp, ...]) -> None:
     """Refuse a file that is another one than was planned with (`FileError`)."""
     if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
-        raise FileError(f"{file}: changed since the network was planned; run it again")
+        raise FileError(f"{file}: changed since the network was planned; run the network again")
 
 
 def stamps_of(*files: Path | None) -> tuple[Stamp, ...]:

@@ -112,7 +112,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     ] = 0.0  # fmt: skip
     t_number: Annotated[
         float | None,
-        Param("T-number: F-number of a clear lens without losses that gives the same light; empty: "
+        Param("T-number: F-number of a lossless, unobscured lens that passes as much light; empty: "
               "from F-number, obscuration and transmission", low=0, slider=(0.5, 32)),
     ] = None  # fmt: skip
     irradiance: Annotated[

@@ -34,7 +34,7 @@ _K = {"low": -1e6, "high": 1e6, "slider": (-0.5, 0.5)}
 
 
 class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
-    """Distort the picture as a lens does, by Brown–Conrady or fisheye coefficients.
+    """Distort the picture like a lens, with Brown–Conrady or fisheye coefficients.
 
     The incoming picture must be free of distortion: distances from the axis are tangents of field
     angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.

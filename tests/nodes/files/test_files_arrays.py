@@ -114,7 +114,7 @@ def test_text_matrix_written_by_others(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"1 2\n3\n", "line 2: must be 2 numbers, like the first row, but has 1"),
+        (b"1 2\n3\n", "line 2: must be 2 numbers, as in the first row, not 1"),
         (b"1 2\n3 x\n", "not a matrix of numbers; line 2 contains text"),
         (b"1;2\n", "not a matrix of numbers; line 1 contains text"),
         (b"\n# nothing\n", "contains no numbers"),
