@@ -168,8 +168,8 @@ def _json_table(text: str, file: Path) -> list[str]:
         return [" ".join(names), *(" ".join(map(str, row)) for row in rows), f"{_END}"]
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         raise FileError(
-            f"{file}: not the JSON output of one radiance run of MODTRAN 6: it has lists of equal "
-            "length under MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
+            f"{file}: not the JSON output of one radiance run of MODTRAN 6, which has lists of "
+            "equal length under MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
         ) from error
 
 

@@ -122,7 +122,7 @@ def test_modtran_6_in_both_its_forms(tmp_path):
         (json_6({**PARTS_6, "FREQ": [2000.0]}), "lists of equal length"),
         (json_6({**PARTS_6, "TOT_TRANS": [0.5, None]}), "numbers below their names"),
         (json_6({"FREQ": [2000.0, 2500.0], "TOT_TRANS": [0.5, 0.4]}), "0 columns are named"),
-        ('{"MODTRAN": [{"MODTRANINPUT": {}}]}', "below MODTRAN, MODTRANOUTPUT"),
+        ('{"MODTRAN": [{"MODTRANINPUT": {}}]}', "under MODTRAN, MODTRANOUTPUT"),
         (json_6()[:-4], "not the JSON output"),
     ],
 )
