@@ -19,20 +19,20 @@ _FAR = 10.0  # times the largest sample: a well beyond is probably in another un
 class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
     """Spill charge above the full well to the neighbours along the column.
 
-    A full pixel passes its excess to the pixels above and below, half each, until every pixel holds
-    its charge. What reaches the top or the bottom leaves the detector. The anti-blooming drain
-    removes its share of the excess first. The picture may have any unit proportional to electrons.
-    Put this module after Sample Pixels or Combine Pixels and before Focal Plane. There the full
-    well is a radiance: saturation_radiance in Focal Plane's table. Predicted MTFs and budgets
-    ignore blooming. Sources: Janesick 2001, Scientific Charge-Coupled Devices, chapter 4; Levine
-    and Peres 2009, Potential Analysis 30, 1.
+    A full pixel passes its excess to the pixels above and below, half to each, until no pixel holds
+    more than its full well. Charge that reaches the top or bottom edge leaves the detector. The
+    anti-blooming drain removes its share of the excess first. The picture may be in any unit
+    proportional to electrons. Put this module after Sample Pixels or Combine Pixels and before
+    Focal Plane. There, enter the full well as a radiance: saturation_radiance in Focal Plane's
+    table. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001, Scientific
+    Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
     """
 
     formulas = (
         Formula(
             r"L'_r=L_r-a\max(L_r-w,0)+\frac{u_{r-1}-2u_r+u_{r+1}}{2}\leq w",
-            where="w: full_well; a: share that the drain removes; u: charge that each row passes "
-            "on, the smallest of 0 or above for which no pixel has more than w",
+            where="w: full_well; a: share that the drain removes; u ≥ 0: charge that each row "
+            "passes on, the smallest that leaves no pixel above w",
         ),
     )
 

@@ -28,10 +28,11 @@ class ChargeDiffusionMTF(
     the detector. Back side means a thinned detector with a passivated surface. Carriers are
     generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
     If absorption_per_um is empty, silicon at 295 K is assumed over the band of the cold filter or
-    the picture. Each wavelength brings the same number of photons, and counts by the carriers that
-    they generate. Lit from the front, red and near-infrared light blurs most, because it is
-    absorbed deep. Lit from the back, blue light blurs most. Sources: Seib 1974; Crowell and Labuda
-    1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    the picture. All wavelengths have the same number of photons, and each is weighted by the
+    carriers that it generates. With front illumination, red and near-infrared light blurs most,
+    because it is absorbed deep in the silicon. With back illumination, blue light blurs most.
+    Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
+    2015 (silicon).
     """
 
     formulas = (
@@ -60,13 +61,13 @@ class ChargeDiffusionMTF(
     ] = 50.0  # fmt: skip
     absorption_per_um: Annotated[
         float | None,
-        Param("absorption coefficient; empty: silicon's, over the band", low=0,
+        Param("absorption coefficient; empty: computed for silicon over the band", low=0,
               high=1e6, slider=(0.005, 1)),
     ] = None  # fmt: skip
-    side: Annotated[Side, Param("side that the light enters")] = "front"
+    side: Annotated[Side, Param("illuminated side")] = "front"
     thickness_um: Annotated[
         float | None,
-        Param("thickness of a detector lit from the back", low=0, high=1e4, slider=(5, 300)),
+        Param("thickness of a back-illuminated detector", low=0, high=1e4, slider=(5, 300)),
     ] = None
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
@@ -103,8 +104,8 @@ class ChargeDiffusionMTF(
         for name, end in (("cut_on_um", low), ("cut_off_um", high)):
             if not _SILICON_UM[0] <= end <= _SILICON_UM[1]:
                 allowed = (
-                    f"{_SILICON_UM[0]:g} to {_SILICON_UM[1]:g}, where silicon absorbs, or give "
-                    "absorption_per_um"
+                    f"{_SILICON_UM[0]:g} to {_SILICON_UM[1]:g} µm, where silicon absorbs; "
+                    "otherwise, give absorption_per_um"
                 )
                 raise ParameterError(name, end, allowed)
         if low == high:

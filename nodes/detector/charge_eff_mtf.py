@@ -22,7 +22,9 @@ class ChargeTransfer(Module):
     ] = 0.99999
     model: Annotated[
         Literal["exact", "published", "leading"],
-        Param("the exact product over all transfers (eqs. 4.57-4.58), or its leading term"),
+        Param(
+            "exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term"
+        ),
     ] = "exact"
     nyquist: Annotated[
         Literal["image", "detector"],

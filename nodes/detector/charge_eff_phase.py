@@ -18,8 +18,8 @@ class ChargeEffPhase(
     """Shift the phase along the read-out direction (x) by incomplete charge transfer.
 
     With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published −k(w
-    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form starts
-    with w³, but N transfers start with −k·w.
+    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the series of the published
+    form starts with w³; for N transfers, it must start with −k·w.
     """
 
     formulas = (

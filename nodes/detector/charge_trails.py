@@ -26,14 +26,14 @@ _BLOCK_SAMPLES = 1 << 18
 
 
 class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="Detector"):
-    """Draw the trails of incomplete charge transfer, which grow with the distance to the amplifier.
+    """Add the trails of incomplete charge transfer, which grow with distance from the amplifier.
 
-    Each transfer leaves a share of the charge to the next packet. Columns are shifted to the
-    amplifier's row, which is then read pixel by pixel. A pixel n transfers away loses about n·(1 −
-    efficiency) of its charge to its trail. Charge that trails out of the picture is lost. Charge
-    Transfer MTF blurs all pixels alike instead: use one of the two. Put this module after Sample
-    Pixels or Combine Pixels. Predicted MTFs are those of the middle pixel. Source: Janesick 2001,
-    Scientific Charge-Coupled Devices, chapter 5.
+    In each transfer, a share of the charge stays behind and joins the next packet. Columns are
+    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers away
+    loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of the picture
+    is lost. Use either this module or Charge Transfer MTF, which blurs all pixels alike. Put this
+    module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the middle pixel. Source:
+    Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
     """
 
     formulas = (
@@ -41,7 +41,7 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
             r"L'_t=\sum_{k\geq0}\binom{n+k-1}{k}\,\varepsilon^n(1-\varepsilon)^k\,L_{t-k},\quad "
             r"n=t-k+1+m",
             where="t: pixels from the amplifier, counted from 0; ε: efficiency; m: extra "
-            "transfers; along columns, then along rows",
+            "transfers; applied along columns, then along rows",
         ),
     )
 
@@ -54,15 +54,22 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
     ] = 1.0
     amplifier: Annotated[
         Literal["bottom_left", "bottom_right", "top_left", "top_right"],
-        Param("corner with the amplifier"),
+        Param("corner where the amplifier is"),
     ] = "bottom_left"
     extra_serial: Annotated[
         int,
-        Param("transfers along a row, outside the picture", low=0, high=10**6, slider=(0, 4096)),
+        Param(
+            "extra transfers along a row, outside the picture", low=0, high=10**6, slider=(0, 4096)
+        ),
     ] = 0
     extra_parallel: Annotated[
         int,
-        Param("transfers along a column, outside the picture", low=0, high=10**6, slider=(0, 4096)),
+        Param(
+            "extra transfers along a column, outside the picture",
+            low=0,
+            high=10**6,
+            slider=(0, 4096),
+        ),
     ] = 0
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
@@ -86,8 +93,8 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
             along = factor.x if isinstance(factor, Separable) else None
             if along is not None and "efficiency" in dict(along.parameters):
                 return Caution(
-                    "incomplete charge transfer along the rows counts twice: "
-                    f"{factor.node} also blurs the picture",
+                    f"incomplete charge transfer along the rows is applied twice: {factor.node} "
+                    "already blurs the picture",
                     "delete one of the two nodes, or set its efficiency to 1",
                 )
         return None

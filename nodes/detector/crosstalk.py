@@ -18,11 +18,11 @@ _NONE = "0 0 0; 0 1 0; 0 0 0"
 class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Detector"):
     """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
 
-    The kernel gives the share of a lit pixel's signal that this pixel and each pixel around it
-    show. It has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons. It covers
-    optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also shifts
-    the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov
-    and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
+    The kernel gives the shares of a pixel's signal that stay in the pixel and that leak into each
+    neighbour. It has 3 × 3 or 5 × 5 numbers that add up to 1; semicolons separate the rows. It
+    covers optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also
+    shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore,
+    Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
     """
 
     formulas = (
@@ -33,7 +33,7 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
     )
 
     kernel: Annotated[
-        str, Param("shares of the signal, rows separated by semicolons: 3 × 3 or 5 × 5 numbers")
+        str, Param("shares of the signal: 3 × 3 or 5 × 5 numbers, rows separated by semicolons")
     ] = _NONE
     apply: Apply = "multiply"
 
@@ -65,7 +65,7 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
 
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """The PTF does not reach the picture."""
+        """The PTF is left out of the picture."""
         kernel = crosstalk_kernel(self.kernel)
         if kernel == tuple(row[::-1] for row in kernel[::-1]):
             return None
@@ -73,5 +73,5 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
 
     @readout("%")
     def crosstalk_percent(self) -> float:
-        """Share of a pixel's signal that its neighbours show."""
+        """Share of a pixel's signal that leaks into its neighbours."""
         return 100.0 * self.lost()

@@ -57,18 +57,18 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The pitch, fill factor or focal length differs from the one on Init & Trans."""
+        """The pitch, fill factor or focal length differs from its value on Init & Trans."""
         names = ("detector_x_um", "detector_y_um", "focal_length_mm", "fill_x", "fill_y")
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("mrad")
     def ifov_x_mrad(self, context: Context) -> float:
-        """Horizontal instantaneous field of view, with the fill factor."""
+        """Horizontal instantaneous field of view times the fill factor."""
         return self._ifov("x", context)
 
     @readout("mrad")
     def ifov_y_mrad(self, context: Context) -> float:
-        """Vertical instantaneous field of view, with the fill factor."""
+        """Vertical instantaneous field of view times the fill factor."""
         return self._ifov("y", context)
 
     @readout("cyc/mrad")

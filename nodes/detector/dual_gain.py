@@ -22,23 +22,23 @@ class DualGainOutputs(NamedTuple):
 
 
 class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
-    """Join two read-outs of one scene: of high gain where it is dark, of low gain where bright.
+    """Join two read-outs of one scene: high gain in its dark parts, low gain in its bright parts.
 
-    Use it for pixels that are read at two gains, and for HDR from a long and a short exposure.
-    Build each read-out with a Focal Plane of its own, with `units` = electrons. Pixels of `image`
-    come from `high` up to `switch_level`, and from `low` above it. For two gains of one exposure,
-    give both Focal Planes the same typed seed: then they share the shot noise and the fixed
-    pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
-    tables to see the joined dynamic range. Noise budgets and figures count the noise of `high`,
-    which is the picture's up to the switch. Source: EMVA 1288 release 4.0 (dynamic range:
-    saturation over the noise in the dark), for the two read-outs.
+    Use it for pixels that are read at two gains, or for HDR from a long and a short exposure. Give
+    each read-out its own Focal Plane, with `units` = electrons. Pixels of `image` come from `high`
+    up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
+    seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
+    set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
+    dynamic range. Noise budgets and figures use the noise of `high`, which is the noise of the
+    picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range: saturation over dark
+    noise), applied to the two read-outs.
     """
 
     formulas = (
         Formula(
             r"L'=(1-w)\,L_h+w\,k\,L_l,\quad w=\mathrm{clip}\left(\frac{L_h-s(1-b)}{s\,b},0,1"
             r"\right)",
-            where="s: switch_level; b: blend_percent as a share, and 0 a sharp switch at s; k: "
+            where="s: switch_level; b: blend_percent as a fraction (0: a sharp switch at s); k: "
             "low_factor",
         ),
         Formula(
@@ -49,18 +49,18 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     switch_level: Annotated[
         float | None,
-        Param("level of the high gain above which the low gain is used, in the picture's unit; "
-              "empty: never",
+        Param("sample value of high above which low is used, in the picture's unit; empty: never",
               low=1e-12, high=1e12, slider=(1, 1e5)),
     ] = None  # fmt: skip
     blend_percent: Annotated[
         float,
-        Param("width of a gradual change below the switch, as a share of it", unit="%", low=0,
-              high=100),
+        Param("width of the gradual change below switch_level, as a share of switch_level",
+              unit="%", low=0, high=100),
     ] = 0.0  # fmt: skip
     low_factor: Annotated[
         float,
-        Param("factor of the low gain: ratio of the exposure times, or of the gains in DN",
+        Param("factor that scales low to the level of high: ratio of the exposure times, or of "
+              "the gains in DN",
               low=1e-6, high=1e6, slider=(1, 64)),
     ] = 1.0  # fmt: skip
 
@@ -77,7 +77,9 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
             ("unit", high.unit or "none", low.unit or "none"),
         ):
             if one != other:
-                raise DataError(f"high and low must have the same {what}: {one} and {other}")
+                raise DataError(
+                    f"high and low must have the same {what}: they have {one} and {other}"
+                )
         how: dict[str, Any] = {"level": self.switch_level, "blend": self.blend_percent / 100.0}
         share = here.step(share_of_low, high.recipe, **how)
         shown = high.with_recipe(share, unit="")
@@ -88,7 +90,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     @warning
     def switch(self, high: Image, low: Image) -> Recipe | None:
-        """The switch is never reached, or lies below the picture's mean."""
+        """The switch level is never reached, or lies below the picture's mean."""
         if self.switch_level is None:
             return None
         seen = [Step.of(picture_range, one.recipe) for one in (high, low)]
@@ -96,7 +98,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     @readout("%")
     def low_percent(self, outputs: DualGainOutputs) -> Recipe:
-        """Share of the picture that comes from the low gain."""
+        """Share of the picture that is taken from the low gain."""
         return Step.of(percent_of, outputs.low_share.recipe)
 
     @readout("dB", name="dynamic_range_dB")
@@ -129,14 +131,14 @@ def switch_caution(
 ) -> Caution | None:
     if high.mean > level:
         return Caution(
-            "budgets and figures count the noise of high, but a pixel of the picture's mean is of "
-            f"low: the mean of high is {high.mean:.4g}, above switch_level = {level:g}",
-            "connect them to the read-out that you want to judge",
+            "budgets and figures use the noise of high, but a pixel at the picture's mean is "
+            f"taken from low: the mean of high is {high.mean:.4g}, above switch_level = {level:g}",
+            "connect budgets and figures to the read-out that you want to judge",
         )
     if high.high <= level < factor * low.high:
         return Caution(
-            f"low is never used, though its picture is brighter: high ends at {high.high:.4g}, "
-            f"below switch_level = {level:g}",
+            "low is never used, although its picture is brighter: high reaches only "
+            f"{high.high:.4g}, below switch_level = {level:g}",
             "set switch_level below the saturation of high",
         )
     return None

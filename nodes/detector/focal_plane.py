@@ -69,45 +69,39 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
-    which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
-    gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
-    including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
+    which are the same in every frame; nonlinearity towards the full well; read noise; the full
+    well; gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 +
+    p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
 
-    Radiance is converted to photons with the spectrum of a black body at its own brightness
+    Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength.
+    Camera also takes a T-number, which includes the transmission, and the sine condition.
+    `dark_doubling_K` scales both dark currents from `dark_reference_K` to `detector_K`.
+
+    Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
     (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
-    converted to photons with the response at its wavelength. A band that begins below 2.5 µm has no
-    thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
-    mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
-    uniform scene of `reference_radiance`, as Landsat and Sentinel-2 specify it: W/m²/sr/µm at the
-    aperture, equal at all wavelengths of the band. `frames_averaged` reduces shot and read noise
-    with the square root of the number of frames, and the average is rounded once. Noise,
-    responsivity and SNR include the nonlinearity; signal and well fill count the electrons
-    collected. `saturated` is 1 where the well is full or the converter has clipped.
+    converted to photons with the response at its wavelength. A band that begins below 2.5 µm is not
+    thermal: there `scene` means `source`. NETD, SNR and well fill refer to the picture's mean; if
+    the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a uniform
+    scene of `reference_radiance`, as specified for Landsat and Sentinel-2. This spectral radiance
+    at the aperture, in W/m²/sr/µm, is the same at all wavelengths of the band. `frames_averaged`
+    reduces shot and read noise by the square root of the number of frames; the average is rounded
+    once. Noise, responsivity and SNR include the nonlinearity; signal and well fill count the
+    electrons collected. `saturated` is 1 where the well is full or the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
-    are in electrons before the gain. Read noise, wells and gain_e_per_dn count electrons behind it;
-    with an EM register, full_well_e counts electrons before it. Values in amperes include a gain
-    within the pixel, as a QWIP's data sheet gives them; values in e-/s, DSNU and Rule 07 do not.
-    gain_dB is 20·log10 of the camera's own gain. It divides gain_e_per_dn, so the converter clips
-    at fewer electrons.
+    are in electrons before the gain. Read noise, wells and gain_e_per_dn refer to electrons after
+    the gain; with an EM register, full_well_e refers to electrons before it. Values in amperes
+    include a gain within the pixel, as on a QWIP's data sheet; values in e-/s, DSNU and Rule 07 do
+    not. gain_dB is 20·log10 of the camera's own gain, which divides gain_e_per_dn, so that the
+    converter clips at fewer electrons.
 
-    Binning sums binning_x × binning_y pixels; all figures are then of a bin. `charge` sums the
+    Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
     is the share of saturated pixels. In units of radiance, a bin is the mean of its pixels. Binning
-    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Rows and columns left
-    over are dropped.
-
-    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
-    electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, the same in per cent,
-    responsivity_A_per_W·hc/(q·responsivity_um), or response; Ω = π/(4F² + 1)·(1 − ε²) the projected
-    solid angle of the optics at F-number F and obscuration ε (Camera also takes a T-number, which
-    includes τ, and the sine condition); τ optics_transmission; η cold_shield_efficiency; L_q
-    photons per s, m² and sr in the band, of the scene and, at optics_K and housing_K, of black
-    bodies; dark = t·n·dark_current_e_per_s, or dark_current_A_per_cm2 over the pixel's pitch, or
-    Rule 07. dark_doubling_K scales both currents from dark_reference_K to detector_K.
+    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows and
+    columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -118,13 +112,13 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         Formula(
             r"N_s=t\,n\,A\varphi\,\mathrm{QE}\;\Omega\left[\tau L_q+(1-\tau)L_q(T_{opt})\right]",
             where="electrons from scene and optics; t: integration_time_s; n: tdi_stages; Aφ: "
-            "sensitive area of the pixel; L_q: photons per s, m² and sr in the band; τ: "
-            "optics_transmission",
+            "pixel area times both fill factors; L_q: photons per s, m² and sr in the band; "
+            "τ: optics_transmission; T_opt: optics_K",
         ),
         Formula(
             r"N=N_s+t\,n\,A\varphi\,\mathrm{QE}\,(\pi-\Omega)(1-\eta)\,L_q(T_{hou})+t\,n\,i",
-            where="electrons from the housing past a cold shield of efficiency η, and from "
-            "the dark current i",
+            where="electrons from the housing (T_hou: housing_K) past a cold shield of efficiency "
+            "η, and from the dark current i",
         ),
         Formula(
             r"i=J\,A_p/q,\quad i(T)=i(T_0)\,2^{(T-T_0)/\Delta T}",
@@ -326,10 +320,10 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         low, high = self._passed(known)
         if low >= known[0] * (1 - NEAR) and high <= known[1] * (1 + NEAR):
             return None
-        lost = "not counted" if image.bands is not None else "extrapolated by a black body"
+        lost = "not counted" if image.bands is not None else "extrapolated with a black body"
         return Caution(
             f"the cold filter passes {low:g} to {high:g} µm, but the picture's radiance covers "
-            f"{known[0]:g} to {known[1]:g} µm: the light outside is {lost}",
+            f"{known[0]:g} to {known[1]:g} µm: light outside the picture's band is {lost}",
             "use a picture that covers the filter's whole band, or a narrower filter",
         )
 
@@ -362,8 +356,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                 if abs(blurs - blocks) > NEAR:
                     return Caution(
                         "electrons are counted for the wrong aperture: the blur uses "
-                        f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the light uses "
-                        f"{blocks:.4g} on Camera or Init & Trans",
+                        f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the radiometry "
+                        f"uses {blocks:.4g} on Camera or Init & Trans",
                         f"enter the obscuration on Camera and leave it empty on {factor.node}",
                     )
         return None
@@ -381,9 +375,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                 stages = dict(law.parameters).get("stages")
                 if stages is not None and stages != self.tdi_stages:
                     return Caution(
-                        f"tdi_stages = {self.tdi_stages} here, {stages} on {factor.node}: light "
-                        "and blur belong to different detectors",
-                        f"enter the number once, and link it: tdi_stages = {factor.node}.stages",
+                        f"tdi_stages = {self.tdi_stages} here, {stages} on {factor.node}: signal "
+                        "and blur are computed for different detectors",
+                        f"enter the number once and link it: tdi_stages = {factor.node}.stages",
                     )
         return None
 
@@ -396,14 +390,14 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                     self,
                     {"integration_time_s": image.exposure_s},
                     where=f"on {factor.node}",
-                    remedy="enter the time once, and link it: "
-                    f"integration_time_s = {factor.node}.integration_time_s",
+                    remedy="enter the time once and link it: integration_time_s = "
+                    f"{factor.node}.integration_time_s",
                 )
         return None
 
     @warning
     def line_time(self, context: Context) -> Caution | None:
-        """The integration time does not fit the speed over the ground."""
+        """The integration time does not match the ground speed."""
         speed, range_m = context.velocity_m_per_s, context.range_m
         if context.platform != "push" or not speed or not range_m:
             return None
@@ -413,9 +407,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if own <= line_s * (1 + NEAR) and (stages == 1 or own >= line_s * (1 - NEAR)):
             return None
         return Caution(
-            f"integration_time_s = {own:.4g} s does not fit the scan: at {abs(speed):g} m/s the "
-            f"image moves by a pixel ({ground_m:.4g} m across the line of sight) in {line_s:.4g} s"
-            + (" per stage" if stages > 1 else ""),
+            f"integration_time_s = {own:.4g} s does not match the scan: at {abs(speed):g} m/s, the "
+            f"image moves by one pixel ({ground_m:.4g} m across the line of sight) in {line_s:.4g} "
+            "s" + (" per stage" if stages > 1 else ""),
             f"set integration_time_s to {line_s:.4g}"
             + (" or less" if stages == 1 else "")
             + ", or correct range, velocity or pitch",
@@ -423,7 +417,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def dark_current(self) -> Caution | None:
-        """A parameter of the dark current has no effect: Rule 07 is off, or replaces the number."""
+        """A dark-current parameter has no effect: Rule 07 is off, or replaces the parameter."""
         for name, unit in (
             ("dark_current_e_per_s", "e-/s"), ("dark_current_A_per_cm2", "A/cm²"),
             ("dark_doubling_K", "K"),
@@ -447,17 +441,17 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def unused_gain(self) -> Caution | None:
-        """The charge gain has no effect, because its kind is none."""
+        """The charge gain has no effect, because charge_gain is none."""
         if self.charge_gain != "none" or self.charge_gain_factor == 1.0:
             return None
         return Caution(
             f"charge_gain_factor = {self.charge_gain_factor:g} is not used: charge_gain is none",
-            "choose what multiplies in charge_gain, or set charge_gain_factor to 1",
+            "choose the kind of gain in charge_gain, or set charge_gain_factor to 1",
         )
 
     @warning
     def optics(self, image: Image, context: Context) -> Caution | None:
-        """Diffraction is computed for other wavelengths than the cold filter passes."""
+        """Diffraction is computed for wavelengths other than those of the cold filter."""
         known = image.band_um or context.band_um
         if known is None:
             return None
@@ -482,7 +476,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def spectrum(self, image: Image, context: Context) -> Caution | None:
-        """The band shows reflected light, which has no brightness temperature."""
+        """The band is one of reflected light, which has no brightness temperature."""
         band: Band | None = image.band_um or context.band_um
         ends = (self.cut_on_um, None if band is None else band[0])
         shortest = min((end for end in ends if end is not None), default=None)
@@ -491,9 +485,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if shortest >= SHORTEST_THERMAL_UM or image.bands is not None:
             return None
         return Caution(
-            f"the band begins at {shortest:g} µm, where a radiance has no brightness "
-            f"temperature: photons are weighted by a source of {self.source_K:g} K",
-            "choose photon_weighting source or middle; NETD is then left out",
+            f"the band begins at {shortest:g} µm, where radiance has no brightness temperature: "
+            f"photons are weighted with the spectrum of a source at {self.source_K:g} K",
+            "set photon_weighting to source or middle; NETD is then left out",
         )
 
     @warning
@@ -505,15 +499,15 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         (first, at_first), (last, at_last) = efficiency.points[0], efficiency.points[-1]
         ends = []
         if at_first > 0.0 and first > efficiency.cut_on_um * (1 + NEAR):
-            ends.append(f"begins at {first:g} µm with {at_first:g}")
+            ends.append(f"begins at {first:g} µm with a value of {at_first:g}")
         if at_last > 0.0 and last < efficiency.cut_off_um * (1 - NEAR):
-            ends.append(f"ends at {last:g} µm with {at_last:g}")
+            ends.append(f"ends at {last:g} µm with a value of {at_last:g}")
         if not ends:
             return None
         return Caution(
             f"photons outside the curve are not counted: the response {' and '.join(ends)}, within "
             f"the band of {efficiency.cut_on_um:g} to {efficiency.cut_off_um:g} µm",
-            "give points over the whole band, or end the curve with points of 0",
+            "give points over the whole band, or let the curve begin and end at 0",
         )
 
     @staticmethod
@@ -562,12 +556,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("optics_e", "e-", "Electrons from the optics' own emission."),
         ("housing_e", "e-", "Electrons from the housing past the cold shield."),
         ("dark_e", "e-", "Electrons from the dark current."),
-        ("well_fill_percent", "%", "Fraction of the full well that all electrons fill."),
+        ("well_fill_percent", "%", "Fraction of the full well filled by all electrons."),
         ("shot_noise_e", "e-", "Shot noise of all electrons."),
         ("excess_noise_e", "e-", "Excess noise of the charge gain."),
         ("read_noise_e", "e-", "Read noise, averaged over the frames."),
         ("quantization_noise_e", "e-", "Quantization noise of the converter."),
-        ("temporal_noise_e", "e-", "Temporal noise: shot, excess and read noise and quantization "
+        ("temporal_noise_e", "e-", "Temporal noise: shot, excess, read and quantization noise "
          "together."),
         ("fixed_pattern_e", "e-", "PRNU and DSNU."),
         ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
@@ -578,16 +572,17 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure that "
          "equal the temporal noise."),
         ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "
-         "temporal noise in the dark."),
-        ("emva_dynamic_range_dB", "dB", "Dynamic range by EMVA 1288: saturation over the "
-         "sensitivity threshold."),
-        ("sensitivity_threshold_photons", "photons", "Sensitivity threshold by EMVA 1288: photons "
-         "per pixel at which the SNR is 1."),
-        ("snr_max_dB", "dB", "Largest SNR by EMVA 1288: that of shot noise alone at saturation."),
+         "temporal dark noise."),
+        ("emva_dynamic_range_dB", "dB", "Dynamic range according to EMVA 1288: saturation over "
+         "the sensitivity threshold."),
+        ("sensitivity_threshold_photons", "photons", "Sensitivity threshold according to EMVA "
+         "1288: photons per pixel at which the SNR is 1."),
+        ("snr_max_dB", "dB", "Largest SNR according to EMVA 1288: at saturation, with shot noise "
+         "alone."),
         ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
         ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
         ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
-        ("weighting_worth_percent", "%", "How much the signal differs between these spectra."),
+        ("weighting_worth_percent", "%", "Spread of the signal between these spectra."),
         table=_without_saturated,
     )  # fmt: skip
     counts = TableFigures(
@@ -617,8 +612,8 @@ def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) ->
     saturation = reading.saturation_e
     if levels.brightest_e > saturation:
         return Caution(
-            f"the brightest pixels saturate: they give {levels.brightest_e:.4g} e- and are "
-            f"clipped at {saturation:.4g} e-; SNR and noise are given for the mean, and "
+            f"the brightest pixels saturate: they reach {levels.brightest_e:.4g} e- and are "
+            f"clipped at {saturation:.4g} e-; SNR and noise refer to the mean, and "
             "saturated_pixels counts the clipped pixels",
             "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
         )

@@ -246,19 +246,20 @@ def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
     number, top_dn = mean_e / reading.gain_e_per_dn + reading.offset_dn, reading.top_dn
     if well is not None and (mean_e > well or _bent_slope(levels.total_e, reading) == 0.0):
         return Caution(
-            f"the picture's mean is {100.0 * mean_e / well:.4g} % of the full well and is clipped",
+            f"the picture's mean reaches {100.0 * mean_e / well:.4g} % of the full well and is "
+            "clipped",
             "lower integration_time_s, tdi_stages or the picture's radiance, or raise full_well_e",
         )
     if number > top_dn:
         return Caution(
-            f"the picture's mean is digital number {number:.5g}, above the converter's maximum "
-            f"of {top_dn:.0f}, and is clipped",
+            f"the picture's mean gives {number:.5g} DN, above the converter's maximum of "
+            f"{top_dn:.0f} DN, and is clipped",
             "raise gain_e_per_dn or bits, or lower gain_dB or offset_dn",
         )
     if number < 0.0 and np.isfinite(top_dn):
         return Caution(
-            f"the picture's mean is digital number {number:.5g}, below the converter's minimum "
-            "of 0, and is clipped",
+            f"the picture's mean gives {number:.5g} DN, below the converter's minimum of 0 DN, and "
+            "is clipped",
             "raise offset_dn",
         )
     return None
@@ -339,10 +340,10 @@ def figures(
         ("optics_e", levels.optics_e, "e-", "electrons from the optics' own emission"),
         ("housing_e", levels.housing_e, "e-", "electrons from the housing past the cold shield"),
         ("dark_e", levels.dark_e, "e-", "electrons from the dark current"),
-        ("well_fill_percent", fill, "%", "fraction of the full well that all electrons fill"),
+        ("well_fill_percent", fill, "%", "fraction of the full well filled by all electrons"),
         ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
         ("excess_noise_e", excess, "e-", "excess noise of the charge gain"),
-        ("read_noise_e", read, "e-", "read noise after averaging all frames"),
+        ("read_noise_e", read, "e-", "read noise, averaged over the frames"),
         ("quantization_noise_e", rounding, "e-", "quantization noise"),
         ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
         ("fixed_pattern_e", slope * pattern, "e-", "PRNU and DSNU"),
@@ -351,14 +352,15 @@ def figures(
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
         *_at_reference(levels, collection, reading, reference_radiance),
-        ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the noise", why),
-        ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
+        ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the temporal "
+                                              "noise", why),
+        ("dynamic_range_dB", decibels, "dB", "saturation over the temporal dark noise", too_dark),
         *_emva(levels, reading, efficiency, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         ("mean_dn", _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn, "DN",
          "mean signal in digital numbers"),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
-        ("quantum_efficiency", efficiency, "", "electrons per photon, mean over the band"),
+        ("quantum_efficiency", efficiency, "", "electrons per photon, averaged over the band"),
         ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
         *_worth(levels, collection),
     )  # fmt: skip
@@ -412,7 +414,7 @@ def _emva(
         most = math.sqrt(reading.saturation_e * reading.frames / reading.excess_factor)
         share = room / levels.signal_e if levels.signal_e > 0.0 else math.inf
         radiance = _finite(levels.seen.mean * (levels.radiance_per_photon or 1.0) * share)
-    yield "snr_max", most, "", "SNR of shot noise alone at saturation (EMVA 1288)"
+    yield "snr_max", most, "", "SNR at saturation with shot noise alone (EMVA 1288)"
     yield "snr_max_dB", 20.0 * math.log10(most) if most else None, "dB", "snr_max in decibels"
     what = "photons per pixel at which SNR is 1 (EMVA 1288)"
     yield "sensitivity_threshold_photons", threshold, "photons", what
@@ -449,7 +451,7 @@ def _worth(
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:
         worth = 100.0 * (max(known) - min(known)) / levels.signal_e
-    rows.append(("weighting_worth_percent", worth, "%", "largest of these minus the smallest"))
+    rows.append(("weighting_worth_percent", worth, "%", "largest minus smallest of these signals"))
     return tuple(rows)
 
 

@@ -31,7 +31,7 @@ class FocalPlanePanel(SeededModule):
     tdi_stages: Annotated[
         int,
         Param(
-            "stages of time delay and integration whose charge is added",
+            "number of TDI stages (time delay and integration)",
             low=1,
             high=10000,
             slider=(1, 128),
@@ -44,16 +44,17 @@ class FocalPlanePanel(SeededModule):
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
     quantum_efficiency_percent: Annotated[float | None, Param(
-        "quantum efficiency in per cent, used instead of the number, or empty", low=0,
+        "quantum efficiency in per cent; empty: quantum_efficiency is used", low=0,
         high=100)] = None  # fmt: skip
     responsivity_A_per_W: Annotated[float | None, Param(
-        "current responsivity, used instead of the number, or empty", low=0, high=1e6,
+        "current responsivity; empty: quantum_efficiency is used", low=0, high=1e6,
         slider=(0, 10))] = None  # fmt: skip
     responsivity_um: Annotated[float | None, Param(
-        "wavelength of that responsivity; its quantum efficiency holds for the whole band",
+        "wavelength of responsivity_A_per_W; the quantum efficiency found there is used over the "
+        "whole band",
         low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
     response: Annotated[
-        Path | None, Param("CSV of µm and quantum efficiency, used instead of the number, or empty")
+        Path | None, Param("CSV of µm and quantum efficiency; empty: quantum_efficiency is used")
     ] = None
     cut_on_um: Annotated[
         float | None,
@@ -66,8 +67,8 @@ class FocalPlanePanel(SeededModule):
     photon_weighting: Annotated[
         Literal["scene", "source", "middle"],
         Param(
-            "spectrum that converts radiance to photons: the scene's own temperature, the "
-            "source, or the middle of the band"
+            "spectrum used to convert radiance to photons: a black body at the scene's "
+            "temperature or at source_K, or the band's middle wavelength"
         ),
     ] = "scene"
     source_K: Annotated[
@@ -97,7 +98,7 @@ class FocalPlanePanel(SeededModule):
         float, Param("dark current per pixel", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
     dark_current_A_per_cm2: Annotated[float, Param(
-        "dark current per area of the pixel pitch, instead of the current per pixel",
+        "dark current per unit of pixel area, instead of dark_current_e_per_s",
         low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
     dark_reference_K: Annotated[float | None, Param(
         "temperature at which the dark current is given; empty: the detector's own",
@@ -105,9 +106,7 @@ class FocalPlanePanel(SeededModule):
     dark_doubling_K: Annotated[float | None, Param(
         "temperature rise that doubles the dark current; empty: no change with temperature",
         low=0, high=1e3, slider=(2, 15))] = None  # fmt: skip
-    rule_07: Annotated[
-        bool, Param("take the dark current of HgCdTe from Rule 07 instead of the number")
-    ] = False
+    rule_07: Annotated[bool, Param("compute the dark current of HgCdTe with Rule 07")] = False
     detector_K: Annotated[float | None, Param(
         "temperature of the detector, for Rule 07 and dark_doubling_K", low=0, high=1e3,
         slider=(60, 200))] = None  # fmt: skip
@@ -126,7 +125,7 @@ class FocalPlanePanel(SeededModule):
         "gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
         "avalanche diode")] = "none"  # fmt: skip
     charge_gain_factor: Annotated[float, Param(
-        "mean number of electrons that one electron becomes", low=0, high=1e5, above=True,
+        "mean number of output electrons per input electron", low=0, high=1e5, above=True,
         slider=(0.1, 1000))] = 1.0  # fmt: skip
     excess_noise_factor: Annotated[float | None, Param(
         "factor by which the charge gain raises the variance of the electrons; empty: computed",
@@ -134,12 +133,13 @@ class FocalPlanePanel(SeededModule):
     register_stages: Annotated[int, Param(
         "stages of the EM register", low=1, high=100000, slider=(100, 1000))] = 536  # fmt: skip
     ionization_ratio: Annotated[float, Param(
-        "k: ionization rate of the weaker carrier over the stronger one's; 0: one carrier only",
+        "k: lower over higher ionization rate of electrons and holes; 0: only one carrier ionizes",
         low=0, high=1)] = 0.0  # fmt: skip
     nonlinearity_percent: Annotated[
         float,
         Param(
-            "signal lost at the full well; the loss grows with the square of the electrons",
+            "signal loss at the full well; the loss grows with the square of the number of "
+            "electrons",
             low=0, high=25, slider=(0, 5),
         ),
     ] = 0.0  # fmt: skip
@@ -160,22 +160,22 @@ class FocalPlanePanel(SeededModule):
         "sum the pixels' charge before read noise, or their digital numbers afterwards",
         )] = "charge"  # fmt: skip
     binning_x: Annotated[int, Param(
-        "pixels that are summed, horizontally", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
+        "number of pixels summed horizontally", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
     binning_y: Annotated[int, Param(
-        "pixels that are summed, vertically", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
+        "number of pixels summed vertically", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
     bits: Annotated[
         int, Param("bits of the converter; 0: no converter", unit="bit", low=0, high=24)
     ] = 0
     gain_e_per_dn: Annotated[
         float | None,
         Param(
-            "electrons per digital number; empty: the full well gives the highest number",
+            "electrons per digital number; empty: the full well maps to the highest number",
             low=0,
             slider=(0, 1000),
         ),
     ] = None
     gain_dB: Annotated[float, Param(
-        "gain setting of the camera: 20 dB divide gain_e_per_dn by 10", low=-120,
+        "gain setting of the camera; 20 dB divides gain_e_per_dn by 10", low=-120,
         high=120, slider=(0, 48))] = 0.0  # fmt: skip
     offset_dn: Annotated[
         float,
@@ -184,7 +184,7 @@ class FocalPlanePanel(SeededModule):
     reference_radiance: Annotated[
         float | None,
         Param(
-            "spectral radiance at which snr_at_reference is given; empty: none",
+            "spectral radiance for snr_at_reference; empty: none",
             unit="W/m²/sr/µm",
             low=0,
             slider=(0, 300),
@@ -192,7 +192,7 @@ class FocalPlanePanel(SeededModule):
     ] = None
     units: Annotated[
         Literal["dn", "electrons", "radiance"],
-        Param("unit of the output; the picture is digitized in any case"),
+        Param("unit of the output; the picture is digitized in every case"),
     ] = "dn"
 
     panel = (
@@ -202,11 +202,11 @@ class FocalPlanePanel(SeededModule):
             "responsivity_um", "response", "cut_on_um", "cut_off_um"), page="Light"),
         Section("Radiance to photons", ("photon_weighting", "source_K"), page="Light"),
         Section("SNR", ("reference_radiance",), page="Light"),
-        Section("Optics", ("optics_transmission", "optics_K"), page="Warmth"),
-        Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Warmth"),
+        Section("Optics", ("optics_transmission", "optics_K"), page="Thermal"),
+        Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Thermal"),
         Section("Dark current", (
             "dark_current_e_per_s", "dark_current_A_per_cm2", "dark_reference_K",
-            "dark_doubling_K", "rule_07", "detector_K", "material_cutoff_um"), page="Warmth"),
+            "dark_doubling_K", "rule_07", "detector_K", "material_cutoff_um"), page="Thermal"),
         Section("Charge gain", ("charge_gain",), page="Gain"),
         Section("", ("charge_gain_factor", "excess_noise_factor"), page="Gain",
                 shown_when=("charge_gain", ("photoconductive", "em_register", "avalanche"))),
@@ -237,12 +237,13 @@ class FocalPlanePanel(SeededModule):
              "rule_07 and dark_doubling_K need it"),
             ("material_cutoff_um", self.rule_07, "rule_07 needs it"),
             ("dark_reference_K", self.dark_doubling_K,
-             "dark_doubling_K counts from this temperature"),
+             "dark_doubling_K scales from this temperature"),
             ("dark_doubling_K", self.dark_reference_K,
-             "without it the dark current is known at dark_reference_K only"),
+             "without it, the dark current is known only at dark_reference_K"),
             ("responsivity_um", self.responsivity_A_per_W,
              "responsivity_A_per_W refers to this wavelength"),
-            ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is its wavelength"),
+            ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is the wavelength of "
+                                                           "this responsivity"),
         ):  # fmt: skip
             if given and getattr(self, needed) is None:
                 raise ParameterError(needed, None, f"a number: {why}")

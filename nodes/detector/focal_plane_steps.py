@@ -385,5 +385,10 @@ def count_of(work: Work, marked: Array) -> int:
 
 @ends_lineage
 def with_saturated(work: Work, table: TableData, count: int) -> TableData:
-    row = TableRow("saturated_pixels", count, "", "pixels clipped at the top")
+    row = TableRow(
+        "saturated_pixels",
+        count,
+        "",
+        "pixels clipped at the full well or at the converter's highest number",
+    )
     return TableData((*table.rows, row))

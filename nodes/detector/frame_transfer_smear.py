@@ -26,30 +26,35 @@ class FrameTransferSmear(
 ):
     """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
 
-    A packet of charge stays under every row that it passes for the time of one transfer. After the
-    exposure it passes the rows between it and the storage area; before, it passed the others. If
-    the detector is cleared just before the exposure, choose the side of the storage area. Put this
-    module after Sample Pixels or Combine Pixels and before Focal Plane, which then adds the shot
-    noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 1.
+    A charge packet spends one line transfer time in every row that it passes. After the exposure,
+    it passes the rows between its pixel and the storage area; before the exposure, it passed the
+    other rows. If the detector is cleared just before the exposure, set `passed` to the side of the
+    storage area. Put this module after Sample Pixels or Combine Pixels and before Focal Plane,
+    which then adds the shot noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled
+    Devices, chapter 1.
     """
 
     formulas = (
         Formula(
             r"L'_r=L_r+\frac{t_l}{t}\sum_{k\neq r}L_k",
-            where="r, k: rows of a column, or k on one side of r alone; t_l: line_transfer_time_s; "
-            "t: integration_time_s",
+            where="r: a row; k: the other rows of its column, or only the rows on one side; t_l: "
+            "line_transfer_time_s; t: integration_time_s",
         ),
     )
 
     line_transfer_time_s: Annotated[
-        float, Param("time of one transfer", low=0, high=1, slider=(0, 1e-5))
+        float, Param("time to transfer one line", low=0, high=1, slider=(0, 1e-5))
     ] = 0.0
     integration_time_s: Annotated[
         float,
         Param("exposure time, the same as on Focal Plane", low=1e-9, high=1e6, slider=(1e-4, 0.05)),
     ] = 0.01
     passed: Annotated[
-        Literal["both", "above", "below"], Param("rows that a packet passes in the light")
+        Literal["both", "above", "below"],
+        Param(
+            "illuminated rows that a packet passes: on both "
+            "sides of its pixel, above it or below it"
+        ),
     ] = "both"
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
@@ -68,7 +73,7 @@ class FrameTransferSmear(
 
     @readout("%")
     def smear_percent(self, image: Image) -> float:
-        """Smear of a uniform picture, mean over the rows."""
+        """Mean smear over the rows of a uniform picture."""
         return 100.0 * (self._change(image).gain - 1.0)
 
 

@@ -57,20 +57,22 @@ class BolometerOutputs(NamedTuple):
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
     """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
-    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with the data
-    sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time t₀. The
-    NETD of a bare detector has τ₀ = 1; a camera's NETD already includes its lens: give its F-number
-    and transmission as the reference too. Ω is as in Focal Plane. A bolometer's noise does not
-    depend on the scene, so the NETD at another background goes as 1/(dL/dT). From frame to frame
-    exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
-    earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
-    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them.
+    The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). F₀, τ₀, the
+    background and t₀ come from the data sheet; √(t₀/t) applies if both integration times are given.
+    For the NETD of a bare detector, τ₀ = 1. A camera's NETD already includes the lens, so enter the
+    F-number and transmission of the lens as the reference too. Ω is as in Focal Plane. A
+    bolometer's noise does not depend on the scene, so the NETD at another background scales as
+    1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change remains, so a
+    changing scene leaves traces in later frames. With a scan velocity on Init & Trans, the lag is a
+    low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f noise equals the white
+    noise. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
+    removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
-    is filter_frames. It lowers white noise by √n and 1/f noise by less; changes in the scene lag.
-    Leave it at 1 if the data sheet's NETD includes the filter. Last, the picture is rounded to
-    2^bits levels between the radiances of range_low_K and range_high_K, and clipped there.
+    is filter_frames. It lowers white noise by a factor of √n and 1/f noise by less, and delays
+    changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the filter.
+    Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K and
+    range_high_K, and clipped there.
 
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
     2010, chapter 5 (filter).
@@ -81,8 +83,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             r"\sigma_L=\mathrm{NETD}\;\frac{\partial L}{\partial T}\;\frac{\tau_0\Omega_0}{\tau\;"
             r"\Omega}\sqrt{\frac{t_0}{t}},\quad\Omega=\frac{\pi}{4F^2+1}"
             r"\left(1-\varepsilon^2\right)",
-            where="NETD: data sheet value, at F₀, transmission τ₀, its background and "
-            "integration time t₀; F, ε, τ, t: of this camera",
+            where="NETD: data sheet value at F₀, transmission τ₀, temperature reference_K and "
+            "integration time t₀; F, ε, τ, t: values of this camera",
         ),
         Formula(
             r"s_k=(1-q)\,q^k,\quad q=e^{-1/(r\,\tau_{th})}",
@@ -144,15 +146,15 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ] = 0.01
     frame_rate_Hz: Annotated[float, Param("frame rate", low=1e-6, high=1e9, slider=(1, 120))] = 30.0
     filter_frames: Annotated[float, Param(
-        "temporal filter: lowers white noise like an average of this many frames; 1: no filter",
+        "temporal filter: lowers white noise like averaging this many frames; 1: no filter",
         low=1, high=16)] = 1.0  # fmt: skip
     bits: Annotated[int, Param(
         "bits of the output; 0: no rounding", unit="bit", low=0, high=24)] = 0  # fmt: skip
     range_low_K: Annotated[float | None, Param(
-        "scene temperature of the lowest number, for bits", low=0, high=1e4,
+        "scene temperature at the lowest digital number, used with bits", low=0, high=1e4,
         slider=(200, 300))] = None  # fmt: skip
     range_high_K: Annotated[float | None, Param(
-        "scene temperature of the highest number, for bits", low=0, high=1e4,
+        "scene temperature at the highest digital number, used with bits", low=0, high=1e4,
         slider=(300, 500))] = None  # fmt: skip
     corner_Hz: Annotated[
         float,
@@ -199,7 +201,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         low, high = self.range_low_K, self.range_high_K
         for name, value in (("bits", self.bits), ("range_low_K", low), ("range_high_K", high)):
             if not value and (self.bits or low or high):
-                allowed = "above 0: bits, range_low_K and range_high_K belong together"
+                allowed = "above 0: bits, range_low_K and range_high_K must be given together"
                 raise ParameterError(name, value, allowed)
         if low is not None and high is not None and low >= high:
             raise ParameterError("range_high_K", high, f"above range_low_K = {low:g}")
@@ -386,7 +388,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
-        """The F-number differs from the one on Init & Trans."""
+        """The F-number differs from its value on Init & Trans."""
         return apart_from_context(self, context, "f_number")
 
     @warning
@@ -396,21 +398,21 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def settling(self) -> Caution | None:
-        """The thermal lag lasts longer than the frames that are computed."""
+        """The thermal lag lasts for more frames than are computed."""
         kept = self._kept()
         left = kept ** (_MOST_FRAMES - 1)
         if left <= 1e-3:
             return None
         return Caution(
             f"slow changes are approximated: {100 * left:.2g} % of a change remains after "
-            f"{_MOST_FRAMES - 1} frames, and earlier frames are treated like the earliest of "
-            "these",
+            f"{_MOST_FRAMES - 1} frames, and still earlier frames are treated like the earliest of "
+            "them",
             "lower time_constant_s or frame_rate_Hz if this is not accurate enough",
         )
 
     @warning
     def clipped(self, outputs: BolometerOutputs) -> Recipe | None:
-        """The scene is beyond the range of the output."""
+        """The scene exceeds the range of the output."""
         low, high = self.range_low_K, self.range_high_K
         if not self.bits or low is None or high is None:
             return None
@@ -424,7 +426,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ("flicker_K", "K", "1/f noise as a temperature difference."),
         ("quantization_K", "K", "Quantization noise as a temperature difference."),
         ("fixed_pattern_K", "K", "Non-uniform gain and offset of the pixels."),
-        ("noise_radiance", "W/m²/sr", "Temporal noise as a radiance of the scene."),
+        ("noise_radiance", "W/m²/sr", "Temporal noise as scene radiance."),
         ("snr", "", "Mean signal over temporal noise."),
         ("scene_K", "K", "Brightness temperature of the picture's mean."),
         ("lag_percent", "%", "Fraction of a change that remains after one frame."),
@@ -506,7 +508,7 @@ def range_caution(
         return None
     return Caution(
         f"the scene has pixels outside {kelvin[0]:g} to {kelvin[1]:g} K, which are clipped; NETD "
-        "and SNR are given as if they were not",
+        "and SNR ignore the clipping",
         "lower range_low_K or raise range_high_K",
     )
 
@@ -544,7 +546,7 @@ def figures(
         ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
         ("quantization_K", in_kelvin(rounding), "K", "quantization noise alone"),
         ("fixed_pattern_K", in_kelvin(pattern), "K", "non-uniform gain and offset of the pixels"),
-        ("noise_radiance", temporal, "W/m²/sr", "temporal noise as a radiance of the scene"),
+        ("noise_radiance", temporal, "W/m²/sr", "temporal noise as scene radiance"),
         ("snr", mean / temporal if temporal else None, "", "mean signal over temporal noise"),
         ("scene_K", kelvin, "K", "brightness temperature of the mean"),
         ("lag_percent", 100.0 * kept, "%", "fraction of a change that remains after one frame"),

@@ -15,43 +15,53 @@ _BRIGHTEST = 2.0  # times that at a right angle; measured curves may rise a litt
 
 
 class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", group="Detector"):
-    """Darken the picture where the lens's chief rays miss what the microlenses are made for.
+    """Darken the picture where the chief ray angle differs from the microlenses' design angle.
 
-    A detector's data sheet gives the chief ray angle (CRA) at the corner for which its microlenses
-    are shifted. The lens's data sheet gives its own. If both are equal, nothing changes. The angle
-    between them lowers the response: to half at `half_response_deg`, or by a measured curve. The
-    axis is at the middle of the picture, and the corner is the picture's. Only the chief ray
-    counts: the cone of a fast lens is not averaged. Put the module before Focal Plane, so that shot
-    noise follows. Signal and SNR use the mean over the field; transfer functions do not change.
-    Source: Catrysse and Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
+    The detector's data sheet gives the chief ray angle (CRA) at the corner that its microlenses are
+    designed for. The lens's data sheet gives the CRA of the lens. If both are equal, nothing
+    changes. A difference lowers the response: to half at `half_response_deg`, or along a measured
+    curve. The optical axis is at the middle of the picture, and the corner is a corner of the
+    picture. Only the chief ray counts: the cone of a fast lens is not averaged. Put this module
+    before Focal Plane, which then computes the shot noise of the darkened picture. Signal and SNR
+    use the mean over the field; transfer functions do not change. Source: Catrysse and Wandell
+    2002, J. Opt. Soc. Am. A 19, 1610.
     """
 
     formulas = (
         Formula(
             r"L'=L\,R(\delta),\quad\delta=\left|\arctan(h\tan\alpha)-\arctan(h\tan\alpha_m)\right|",
-            where="h: distance from the middle over that of the corner; α: chief_ray_deg; α_m: "
+            where="h: distance from the middle, 1 at the corner; α: chief_ray_deg; α_m: "
             "matched_deg; R = 2^(−(δ/δ_half)²), or the curve in the file",
         ),
     )
 
     chief_ray_deg: Annotated[
         float,
-        Param("angle of the lens's chief ray at the corner", unit="deg", low=-MOST_DEG,
+        Param("chief ray angle of the lens at the corner", unit="deg", low=-MOST_DEG,
               high=MOST_DEG, slider=(-40, 40)),
     ] = 0.0  # fmt: skip
     matched_deg: Annotated[
         float,
-        Param("angle for which the microlenses at the corner are shifted", unit="deg",
-              low=-MOST_DEG, high=MOST_DEG, slider=(-40, 40)),
+        Param("chief ray angle that the microlenses at the corner are designed for",
+              unit="deg", low=-MOST_DEG, high=MOST_DEG, slider=(-40, 40)),
     ] = 0.0  # fmt: skip
     response: Annotated[
-        Literal["half_angle", "file"], Param("response over angle: one number, or measured")
+        Literal["half_angle", "file"],
+        Param("response over angle: from half_response_deg, or measured"),
     ] = "half_angle"
     half_response_deg: Annotated[
         float,
-        Param("angle at which the response is half", unit="deg", low=0.1, high=90, slider=(5, 45)),
+        Param(
+            "angle difference at which the response falls to half",
+            unit="deg",
+            low=0.1,
+            high=90,
+            slider=(5, 45),
+        ),
     ] = 20.0
-    path: Annotated[Path | None, Param("CSV of angle in degrees and response, 1 at 0")] = None
+    path: Annotated[
+        Path | None, Param("CSV of angle difference in degrees and response, 1 at 0°")
+    ] = None
 
     panel = (
         Section("Chief ray at the corner", ("chief_ray_deg", "matched_deg")),

@@ -33,18 +33,18 @@ class CorrectedOutputs(NamedTuple):
 
 
 class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Detector"):
-    """Correct the non-uniformity of pixels with uniform references at one or two temperatures.
+    """Correct pixel non-uniformity with uniform references at one or two temperatures.
 
-    Put it after the camera's modules. A black body that fills the field of view replaces the input
-    of the first module that adds noise. Its picture is averaged over `reference_frames` frames,
-    each with its own noise; the same average corrects every frame. `one_point`: the pattern at
-    `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
+    Put this module after the camera's modules. A black body that fills the field of view replaces
+    the input of the first module that adds noise. Its picture is averaged over `reference_frames`
+    frames, each with its own noise; the same average corrects every frame. `one_point`: the pattern
+    at `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
     differ. `two_point`: gain and offset come from a straight line through both references; the
-    residual is the noise of their means and the nonlinearity. `drift_K` adds offset drift since the
-    references, as rms over the pixels in kelvin of the scene. A pixel with less than a tenth of the
-    mean response keeps its gain. The frames of a reference share their 1/f noise, but budgets count
-    it as if it were new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst
-    2008.
+    residual comes from the noise of the averaged references and from nonlinearity. `drift_K` adds
+    the offset drift since the correction: its rms over the pixels, as scene temperature. A pixel
+    with less than a tenth of the mean response gets a gain of 1. The frames of a reference share
+    their 1/f noise, but budgets treat it as independent from frame to frame. Sources: Perry and
+    Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
     """
 
     formulas = (
@@ -75,7 +75,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         Param("temperature of the warmer reference", low=1, high=1e4, slider=(260, 340)),
     ] = 310.0
     reference_frames: Annotated[
-        int, Param("reference frames that are averaged", low=1, high=100000, slider=(1, 64))
+        int, Param("number of reference frames averaged", low=1, high=100000, slider=(1, 64))
     ] = 16
     drift_K: Annotated[
         float,
@@ -111,8 +111,8 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         band = image.band_um
         if band is None:
             raise DataError(
-                "the radiance of the references needs the picture's band: set cut_on_um and "
-                "cut_off_um on Read Image"
+                "the picture's band is needed to compute the radiance of the references: set "
+                "cut_on_um and cut_off_um on Read Image"
             )
         low = self._reference(image.recipe, seen, band, self.low_K, 1, here)
         high = self._reference(image.recipe, seen, band, self.high_K, 2, here)
@@ -169,14 +169,13 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         if self.method == "none" or seen_by_camera(image.recipe) is not None:
             return None
         return Caution(
-            "there is nothing to correct: no node before this one adds noise that differs "
-            "between pixels",
+            "there is nothing to correct: no node before this one adds a fixed pattern",
             "move it after the camera's modules, such as Focal Plane",
         )
 
     figures_0 = TableFigures(
-        ("pattern_low", "", "Spread between pixels on the cooler reference, uncorrected."),
-        ("pattern_high", "", "Spread between pixels on the warmer reference, uncorrected."),
+        ("pattern_low", "", "Spread between pixels at the cooler reference, uncorrected."),
+        ("pattern_high", "", "Spread between pixels at the warmer reference, uncorrected."),
         unit_of="image",
     )
     figures_1 = TableFigures(
@@ -211,9 +210,9 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
     rise = float(np.mean(high) - np.mean(low))
     weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
     return TableData.of(
-        ("pattern_low", float(np.std(low)), unit, "spread between pixels on the cooler reference"),
+        ("pattern_low", float(np.std(low)), unit, "spread between pixels at the cooler reference"),
         ("pattern_high", float(np.std(high)), unit,
-         "spread between pixels on the warmer reference"),
+         "spread between pixels at the warmer reference"),
         ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
         ("weak_pixels", int(weak), "", "pixels whose response is too small to correct"),
     )  # fmt: skip

@@ -16,11 +16,12 @@ from nodes.shared.shared_warnings import is_radiance
 
 
 class Persistence(BeforeDigits, key="persistence", title="Persistence", group="Detector"):
-    """Add what is left of an earlier exposure: image lag that decays with two time constants.
+    """Add image lag: what remains of an earlier exposure, decaying with two time constants.
 
-    Connect the picture of that exposure to `earlier`, with the same size and unit. The shares are
-    those at the end of that exposure. Budgets count the lag as a fixed pattern. Source: Smith,
-    Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared detectors).
+    Connect the picture of the earlier exposure to `earlier`; it must have the same size and unit.
+    Both shares refer to the end of the earlier exposure. Budgets treat the lag as a fixed pattern.
+    Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared
+    detectors).
     """
 
     formulas = (
@@ -31,16 +32,18 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     )
 
     fast_percent: Annotated[
-        float, Param("share that decays fast", low=0, high=100, slider=(0, 5))
+        float,
+        Param("share of the earlier picture that decays fast", low=0, high=100, slider=(0, 5)),
     ] = 0.0
     fast_time_constant_s: Annotated[
-        float, Param("time constant of that share", low=1e-9, high=1e9, slider=(0.1, 60))
+        float, Param("time constant of the fast share", low=1e-9, high=1e9, slider=(0.1, 60))
     ] = 1.0
     slow_percent: Annotated[
-        float, Param("share that decays slowly", low=0, high=100, slider=(0, 5))
+        float,
+        Param("share of the earlier picture that decays slowly", low=0, high=100, slider=(0, 5)),
     ] = 0.0
     slow_time_constant_s: Annotated[
-        float, Param("time constant of that share", low=1e-9, high=1e9, slider=(1, 3600))
+        float, Param("time constant of the slow share", low=1e-9, high=1e9, slider=(1, 3600))
     ] = 100.0
     delay_s: Annotated[
         float, Param("time since the earlier exposure", low=0, high=1e9, slider=(0, 600))
@@ -49,7 +52,8 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     def check(self) -> None:
         if self.fast_percent + self.slow_percent > 100.0 + 1e-9:  # rounding
             allowed = (
-                f"both shares may add up to 100 %, and fast_percent is {self.fast_percent:g} %"
+                "both shares together may be at most 100 %, and fast_percent is "
+                f"{self.fast_percent:g} %"
             )
             raise ParameterError("slow_percent", self.slow_percent, allowed)
 
@@ -79,7 +83,7 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
 
     @readout("%")
     def lag_percent(self) -> float:
-        """Share of the earlier picture that is left."""
+        """Share of the earlier picture that remains."""
         return 100.0 * self._share()
 
 

@@ -24,8 +24,8 @@ class ReadWindow(OfPixels, key="read_window", title="Read-out Window", group="De
     An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the
     pixels keep their noise and their fixed pattern, whatever the window. Transfer functions, NETD
     and SNR do not change. Fewer rows are read faster: `frame_rate_Hz` is the highest rate of a
-    detector that reads row after row and needs an overhead for each frame. Source: EMVA 1288
-    release 4.0, section 2 (region of interest); the rate is the data sheet's row time, summed up.
+    detector that reads row by row, with an overhead for each frame. Source: EMVA 1288 release 4.0,
+    section 2 (region of interest); the frame rate follows from the row time on the data sheet.
     """
 
     formulas = (
@@ -59,7 +59,7 @@ class ReadWindow(OfPixels, key="read_window", title="Read-out Window", group="De
     ] = None
     overhead_us: Annotated[
         float,
-        Param("time that every frame takes besides its rows", unit="µs", low=0, high=1e9,
+        Param("time that each frame takes in addition to its rows", unit="µs", low=0, high=1e9,
               slider=(0, 1000)),
     ] = 0.0  # fmt: skip
 

@@ -28,20 +28,20 @@ class RollingShutter(
 ):
     """Skew and stretch the picture: lines are exposed in turn while the image moves.
 
-    The top line is exposed first. Velocities are those of the image on the detector, in pixels. Put
-    this module before Sample Pixels or Combine Pixels: all samples of a line of pixels are exposed
-    together. Put modules that add noise after it. Between samples a windowed sinc interpolates.
-    Detail finer than 70 % of the samples' Nyquist frequency loses contrast, and edges without blur
-    ring. The frame continues beyond its edges as in Interpolate. Use Relative Motion MTF for the
-    blur within one exposure. Predicted MTFs and budgets are for an image at rest. Source: Liang,
-    Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
+    The top line is exposed first. Velocities refer to the image on the detector, in pixels per
+    second. Put this module before Sample Pixels or Combine Pixels: all samples of a line of pixels
+    are exposed together. Put modules that add noise after this one. A windowed sinc interpolates
+    between samples. Detail finer than 70 % of the samples' Nyquist frequency loses contrast, and
+    sharp edges show ringing. The frame continues beyond its edges as in Interpolate. Use Relative
+    Motion MTF for the blur within one exposure. Predicted MTFs and budgets are for an image at
+    rest. Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
     """
 
     formulas = (
         Formula(
             r"L'(x,y)=L\left(x-v_xt_ln,\;y-v_yt_ln\right)",
-            where="x, y: pixels to the right and down; n: line of pixels, from 0 at the top; v: "
-            "image velocity; t_l: line_time_s",
+            where="x, y: pixels to the right and down; n: line number, 0 at the top; v: image "
+            "velocity; t_l: line_time_s",
         ),
     )
 
@@ -77,8 +77,8 @@ class RollingShutter(
             pixels = samples / max(1.0, pitch_in_samples(axis, image) or 1.0)
             if moved >= pixels:
                 return Caution(
-                    f"the last lines show what lies beyond the frame: it has {pixels:.4g} pixels, "
-                    f"and the image moves by {moved:.4g} from the first line to the last",
+                    f"the last lines lie beyond the frame: the frame has {pixels:.4g} pixels, and "
+                    f"the image moves by {moved:.4g} from the first line to the last",
                     f"check image_velocity_{axis} = {velocity:g} px/s and line_time_s = "
                     f"{self.line_time_s:g}",
                 )

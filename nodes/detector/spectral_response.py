@@ -36,15 +36,15 @@ class SpectralResponse(
 ):
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after it
-    counts the remaining photons; its NETD refers to the scene before the response. The response
-    weights only light from the scene, not radiation from optics and housing. A picture with one
-    band is multiplied by the mean over the band, weighted by the radiance of a black body. Its
-    temperature is `source_K`; without it, 5800 K (sunlight) if the band begins below 2.5 µm, and
-    otherwise the picture's mean brightness temperature. `file`: a CSV of µm and response,
-    interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is the full width at half
-    maximum. To get radiance, enter a response per watt unchanged; for photons, use the response in
-    Focal Plane.
+    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after this
+    module counts the remaining photons; its NETD refers to the scene before the response. The
+    response weights only light from the scene, not radiation from optics and housing. A picture
+    with one band is multiplied by the mean over the band, weighted by the radiance of a black body.
+    The temperature of the black body is `source_K`. If `source_K` is empty, the temperature is 5800
+    K (sunlight) for a band that begins below 2.5 µm, and otherwise the picture's mean brightness
+    temperature. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
+    `gaussian`: `width_um` is the full width at half maximum. Enter a response per watt unchanged;
+    enter a response per photon as `response` in Focal Plane.
     """
 
     formulas = (
@@ -56,8 +56,8 @@ class SpectralResponse(
         ),
         Formula(
             r"L'=L\;\frac{\int R\,L_B(\lambda,T)\,d\lambda}{\int L_B(\lambda,T)\,d\lambda}",
-            where="L_B: spectrum of a black body at the picture's mean brightness "
-            "temperature, of sunlight, or of source_K",
+            where="L_B: spectrum of a black body at source_K, at the picture's mean brightness "
+            "temperature, or at 5800 K (sunlight)",
             when="a picture of one band",
         ),
     )
@@ -161,7 +161,7 @@ class SpectralResponse(
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A source is entered, but a picture with several bands needs none."""
+        """A source is entered, but a picture with several bands does not use it."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -172,7 +172,7 @@ class SpectralResponse(
 
     @readout()
     def mean_of_band(self, image: Image, outputs: ImageOutput) -> Recipe | float:
-        """Mean response over the picture's band, weighted by the light."""
+        """Mean response over the picture's band, weighted by the spectrum of the light."""
         made = outputs.image.recipe
         if made is image.recipe:
             return 1.0
@@ -194,8 +194,8 @@ def mean_response(
         mean = float(np.mean(samples, dtype=np.float64))
         if not mean > 0.0:
             raise DataError(
-                f"a picture with mean {mean:g} has no brightness temperature to weight the "
-                "response: give source_K"
+                f"a picture with mean {mean:g} has no brightness temperature with which to weight "
+                "the response: give source_K"
             )
         source_K = float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
     return response.mean_of_body(low, high, source_K=source_K)

@@ -16,16 +16,16 @@ from nodes.shared.shared_warnings import ELECTRONICS, apart_caution, apart_from_
 
 
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
-    """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
+    """Blur by time delay and integration: stepwise charge motion and a velocity mismatch.
 
-    About the exposure's middle: sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image
-    velocity divided by the charge velocity, minus 1. s is the pitch divided by `phases`, and N =
-    stages·phases. `line_rate_Hz` gives m from the scene's velocity and range (Init & Trans, or
-    Camera's orbit). At a yaw ψ the image moves by (1 + m)·cos ψ along the stages and by
-    (1 + m)·sin ψ across them. Use it instead of Alongtrack MTF, whose smear within a stage is the
-    step s here. With `phases` = 0 the charge moves without steps. Empty parameters are taken from
-    Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim
-    2007, chapter 10.
+    Relative to the middle of the exposure, the MTF is sinc((1 +
+    m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image velocity divided by the charge velocity,
+    minus 1. s is the pitch divided by `phases`, and N = stages·phases. `line_rate_Hz` gives m from
+    the scene's velocity and range (Init & Trans, or Camera's orbit). At a yaw ψ the image moves by
+    (1 + m)·cos ψ along the stages and by (1 + m)·sin ψ across them. Use this module instead of
+    Alongtrack MTF: the step s already includes the smear within a stage. With `phases` = 0, the
+    charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong, Yao and
+    Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
     """
 
     formulas = (
@@ -42,7 +42,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     ] = 64
     phases: Annotated[
         int,
-        Param("clock phases per stage, in which the charge moves; 0: smooth motion",
+        Param("clock phases per stage: the charge moves once per phase; 0: smooth motion",
               low=0, high=100,
               slider=(0, 8)),
     ] = 4  # fmt: skip
@@ -53,7 +53,8 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     ] = 0.0  # fmt: skip
     line_rate_Hz: Annotated[
         float | None,
-        Param("lines per second that the charge moves; empty: velocity_mismatch_percent counts",
+        Param("lines per second by which the charge moves; empty: velocity_mismatch_percent is "
+              "used",
               low=0, slider=(1000, 50000)),
     ] = None  # fmt: skip
     yaw_deg: Annotated[
@@ -115,7 +116,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The pitch or focal length differs from the one on Init & Trans."""
+        """The pitch or focal length differs from its value on Init & Trans."""
         pitch = getattr(context, f"detector_{self.direction}_um")
         return first(
             apart_caution("detector_um", self.detector_um, pitch, where=ELECTRONICS),
@@ -124,11 +125,12 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @warning
     def apart(self, context: Context) -> Caution | None:
-        """Image and charge move apart by more than two pixels, or two values give their speed."""
+        """Image and charge drift more than two pixels apart, or two parameters set the mismatch."""
         typed = self.velocity_mismatch_percent
         if self.line_rate_Hz and typed:
             return Caution(
-                f"velocity_mismatch_percent = {typed:g} % is not used: line_rate_Hz gives it",
+                f"velocity_mismatch_percent = {typed:g} % is not used: line_rate_Hz determines the "
+                "mismatch",
                 "leave line_rate_Hz empty, or set velocity_mismatch_percent to 0",
             )
         if not (typed or self.line_rate_Hz or self.yaw_deg):
@@ -151,7 +153,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @readout("mrad")
     def drift_mrad(self, context: Context) -> float:
-        """Distance along the stages between image and charge after all stages."""
+        """Distance between image and charge, along the stages, after the last stage."""
         return smear_mrad(**self._how(context))[1]
 
     @readout("%")

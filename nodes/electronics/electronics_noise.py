@@ -76,12 +76,12 @@ class ElectronicsNoise(
 ):
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    In this order: gain and bias errors of each detector; detector noise with rms NER; the
-    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
+    The steps, in this order: gain and bias errors of each detector; detector noise with rms NER;
+    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
     reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
-    NETD and SNR refer to all detectors, which are √(1 + v²) times as noisy for a spread of v.
-    Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the
-    picture by the gain error (`literal`).
+    NETD and SNR use the rms noise over all detectors, which is √(1 + v²) times the mean noise for a
+    relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as
+    printed scales the picture by the gain error (`literal`).
     """
 
     formulas = (
@@ -110,8 +110,7 @@ class ElectronicsNoise(
         ),
         Formula(
             r"q=\frac{L_{high}-L_{low}}{2^b-1}",
-            where="step of a quantizer with b bits whose lowest and highest levels are the "
-            "ends of the range",
+            where="step of a b-bit quantizer; L_low, L_high: its lowest and highest levels",
         ),
     )
 
@@ -123,7 +122,7 @@ class ElectronicsNoise(
         Param("detector material, for D*"),
     ] = "HgCdTe"
     d_star: Annotated[
-        float | None, Param("D*, used instead of the material's", unit="cm √Hz/W", low=0)
+        float | None, Param("D*, used instead of the material's D*", unit="cm √Hz/W", low=0)
     ] = None
     optics_transmission: Annotated[
         float, Param("transmission of the optics", low=0, high=1, above=True)
@@ -133,7 +132,7 @@ class ElectronicsNoise(
     ] = 1.0
     scan_mirror_rate_Hz: Annotated[
         float | None,
-        Param("revolutions of the scan mirror; empty: scan velocity from Init & Trans", low=0),
+        Param("rotation rate of the scan mirror; empty: scan velocity from Init & Trans", low=0),
     ] = None
     time_constant_s: Annotated[
         float | None, Param("detector time constant; empty: the dwell time", low=0)
@@ -155,8 +154,8 @@ class ElectronicsNoise(
     gain_model: Annotated[
         Literal["per_pixel", "published", "literal"],
         Param(
-            "per_pixel scales each pixel, published adds a fraction of the mean, literal is "
-            "eq. 4.59 as printed"
+            "per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. "
+            "4.59 as printed"
         ),
     ] = "per_pixel"
     noise_variability_percent: Annotated[
@@ -357,7 +356,8 @@ class ElectronicsNoise(
             ends.append(float(curve[0][-1]))
             levels.append(peak[1])
             words.append(
-                f"D* of {self.material}: peak {highest} cm √Hz/W at {at}, seeing {conditions}"
+                f"D* of {self.material}: peak {highest} cm √Hz/W at {at}, for a background of "
+                f"{conditions}"
             )
         end = 1.08 * max(ends, default=14.0)
         if of_band is not None:
@@ -435,7 +435,7 @@ class ElectronicsNoise(
             context.scan_velocity_mrad_per_s,
             unit="mrad/s",
             where="on Init & Trans",
-            remedy="leave one of the two empty, or make them agree",
+            remedy="leave one of the two empty, or make their values agree",
         )
 
     def scan_velocity(self, context: Context) -> float:
@@ -462,7 +462,7 @@ class ElectronicsNoise(
         tau = self._tau(context)
         if tau is None:
             allowed = (
-                "give it, or time_constant_s, or scan_mirror_rate_Hz, or the scan velocity on "
+                "give bandwidth_Hz, time_constant_s, scan_mirror_rate_Hz or the scan velocity on "
                 "Init & Trans"
             )
             raise ParameterError("bandwidth_Hz", None, allowed)
@@ -527,7 +527,7 @@ class ElectronicsNoise(
         ("d_star", "cm √Hz/W", "Specific detectivity over the band."),
         ("nep_W", "W", "Noise-equivalent power of a detector with mean noise."),
         ("ner", "W/m²/sr", "Noise-equivalent radiance of a detector with mean noise."),
-        ("netd_detector_K", "K", "NETD of the detectors: rms over all, including their spread."),
+        ("netd_detector_K", "K", "NETD of the detectors, from the rms noise over all detectors."),
         ("netd_amplifier_K", "K", "NETD of the amplifier."),
         ("netd_system_K", "K", "NETD of detector and amplifier together."),
         ("snr", "", "Mean signal over rms noise of detector and amplifier."),
@@ -554,7 +554,7 @@ def summed_within(image: Image, low_um: float | None, high_um: float | None) -> 
         part = min(centre + width / 2, high) - max(centre - width / 2, low)
         weights.append(weight * min(max(part / width, 0.0), 1.0))
     if not any(weights):
-        allowed = f"a band that overlaps the picture's, {first:g} to {last:g} µm"
+        allowed = f"a band that overlaps the picture's band, {first:g} to {last:g} µm"
         raise ParameterError("cut_on_um", low, allowed)
     band = max(first, low), min(last, high)
     return image.with_recipe(bands.picture(tuple(weights)), band_um=band)

@@ -32,23 +32,23 @@ class Noise3DSource(
     title="3-D Noise Source",
     group="Electronics & Noise",
 ):
-    """Add 3-D noise by its components: time (t), rows (v), columns (h), and combinations.
+    """Add 3-D noise from its components: time (t), rows (v), columns (h) and their combinations.
 
     Each component is Gaussian with its own standard deviation, in the unit of the picture. In a
-    sequence, v, h and vh are the same in every frame, and the others are new in each. `corner_Hz`
-    adds 1/f noise to each sample; at that frequency its temporal spectrum equals the spectrum of
-    sigma_tvh. It extends from 1/`longest_period_s` to half the frame rate, and any frame can be
-    computed from its number. All of its variance is temporal. 3-D Noise uses only some frames, and
-    measures slower changes as fixed (vh). Without any component the picture does not change.
-    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
-    representation).
+    sequence, v, h and vh are the same in every frame, and the other components are new in each
+    frame. `corner_Hz` adds 1/f noise to each sample; at that frequency its temporal spectrum equals
+    the spectrum of sigma_tvh. The 1/f noise extends from 1/`longest_period_s` to half the frame
+    rate, and any frame can be computed on its own. All its variance counts as temporal. 3-D Noise
+    uses only some frames, so it measures slower changes as fixed pattern (vh). Without any
+    component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka
+    and Deodatis 1991 (spectral representation).
     """
 
     formulas = (
         Formula(
             r"L'=L+n_t+n_v+n_h+n_{tv}+n_{th}+n_{vh}+n_{tvh}+n_{1/f}",
-            where="each normally distributed with its own standard deviation: one deviate for "
-            "every frame (t), row (v) and column (h) in its name",
+            where="each normally distributed with its own standard deviation; the index names "
+            "what it varies with: frame (t), row (v), column (h)",
         ),
         Formula(
             r"S(f)=\frac{2\,\sigma_{tvh}^2}{f_R}\;\frac{f_k}{f}",

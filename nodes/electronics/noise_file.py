@@ -19,8 +19,8 @@ from nodes.shared.module_ports import NoiseOutputs
 class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics & Noise"):
     """Add noise from a file, times `scale`, to a picture of the same size.
 
-    The file may have any format that Read Image reads. Its mean is added too. A scale of 0 changes
-    nothing. Source: Tantalo 1996, chapter 3.
+    The file may have any format that Read Image reads. The mean of the noise is added too. A scale
+    of 0 changes nothing. Source: Tantalo 1996, chapter 3.
     """
 
     formulas = (Formula(r"L'=L+s\,n", where="n: samples of the file; s: scale"),)
@@ -37,9 +37,8 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         checked_band(self.band, info.bands, info.path)
         if (info.rows, info.columns) != image.shape:
             raise DataError(
-                f"the noise in {info.path.name} is {info.columns} × {info.rows} samples and "
-                f"the picture {image.columns} × {image.rows}: give a noise file of the same "
-                "size"
+                f"the noise in {info.path.name} has {info.columns} × {info.rows} samples and the "
+                f"picture has {image.columns} × {image.rows}: give a noise file of the same size"
             )
         noise = read_step(source, band=self.band, scale=self.scale, node=here.node)
         if self.scale == 0.0:

@@ -66,7 +66,7 @@ def detector_figures(
     if background is None:
         if seen.mean <= 0:
             raise DataError(
-                f"the picture's mean {seen.mean:.6g} is not the radiance of a background: give "
+                f"the picture's mean {seen.mean:.6g} is not a valid background radiance: give "
                 "background_K"
             )
         background = float(brightness_temperature(radiance=seen.mean / vignetting, **band))
@@ -119,7 +119,8 @@ def figures(
         ("nep_W", computed.nep_W, "W", "noise-equivalent power of a detector with mean noise"),
         ("ner", computed.ner, "W/m²/sr", "noise-equivalent radiance of a detector with mean noise"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
-        ("netd_detector_K", netd_detector, "K", "NETD of the detectors, rms over all"),
+        ("netd_detector_K", netd_detector, "K", "NETD of the detectors, from the rms noise over "
+                                                "all detectors"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
         ("netd_system_K",
          system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector), "K",
@@ -131,7 +132,7 @@ def figures(
 
 def _band_d_star(detector: Detector, background_K: float) -> float:
     if detector.material == "manual":
-        raise ParameterError("d_star", None, "the material `manual` needs it", unit="cm √Hz/W")
+        raise ParameterError("d_star", None, "required for the material `manual`", unit="cm √Hz/W")
     d_star = band_d_star(
         material=find_material(
             region=detector.region, material=detector.material, cut_off_um=detector.cut_off_um

@@ -28,7 +28,7 @@ _NO_NOISE = "no noise is added, because the amplitude is 0"
 class PeriodicNoise(
     Module, key="periodic_noise", title="Periodic Noise", group="Electronics & Noise"
 ):
-    """Add sinusoidal noise, such as pick-up from a supply, optionally modulated in amplitude.
+    """Add sinusoidal noise, such as pick-up from a power supply, optionally modulated in amplitude.
 
     The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
     are counted from the first sample. Frequencies beyond Nyquist appear as their aliases. An

@@ -23,13 +23,13 @@ from nodes.shared.steps import difference, even
 class PoissonNoise(
     SeededModule, key="poisson_noise", title="Poisson Noise", group="Electronics & Noise"
 ):
-    """Add photon noise to the picture, as in 1996 or by counting photons.
+    """Add photon noise to the picture, with the 1996 model or by counting photons.
 
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
     mean. `photon` converts radiance to a number of photons and replaces it by a Poisson deviate.
-    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. It is
-    also added before the optics that collect the light. For the shot noise of a detector use Focal
-    Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. The
+    1996 noise is also added before the optics that collect the light. For the shot noise of a
+    detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
     """
 
     formulas = (
@@ -84,7 +84,7 @@ class PoissonNoise(
             noisy = here.step(added, image.recipe, noise)
         else:
             if self.photons_per_unit is None:
-                raise ParameterError("photons_per_unit", None, "the mode `photon` needs it")
+                raise ParameterError("photons_per_unit", None, "required for the mode `photon`")
             noisy = here.step(
                 photon_counts, image.recipe, photons_per_unit=self.photons_per_unit, stream=stream
             )
@@ -93,7 +93,7 @@ class PoissonNoise(
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """The picture is in temperature, and photon numbers are not proportional to temperature."""
+        """The picture is in units of temperature, to which photon numbers are not proportional."""
         if self.mode != "photon" or not is_temperature(image.unit):
             return None
         return unit_caution(image.unit, meant="photons_per_unit")
@@ -106,10 +106,10 @@ class PoissonNoise(
         unit = image.unit.strip()
         named = f", {unit!r:.40}," if unit else ""
         return Caution(
-            f"the amount of noise depends on the picture's unit{named} because Poisson "
-            "deviates are drawn in it, as in 1996; the noise is added before the optics",
-            "keep it to compare with the thesis; for a camera's shot noise, delete this node "
-            "and use Focal Plane, which counts electrons at the detector",
+            f"the amount of noise depends on the picture's unit{named} because the 1996 model "
+            "draws Poisson deviates in that unit; the noise is added before the optics",
+            "keep this node to compare with the thesis; for a camera's shot noise, delete this "
+            "node and use Focal Plane, which counts electrons at the detector",
         )
 
     @readout("W/m²/sr")

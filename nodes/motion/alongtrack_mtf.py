@@ -12,7 +12,7 @@ from nodes.shared.shared_warnings import apart_from_context
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
-    """Smear along the track by the platform's forward motion while a sample is collected.
+    """Smear along the track from the platform's forward motion while a sample is collected.
 
     sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
     width 134 of eq. 4.28 is in cycles/rad.
@@ -42,12 +42,12 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
 
     @warning
     def distance(self, context: Context) -> Caution | None:
-        """The range differs from the one on Init & Trans."""
+        """The range differs from its value on Init & Trans."""
         return apart_from_context(self, context, "range_m")
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
-        """The velocity differs from the one on Init & Trans."""
+        """The velocity differs from its value on Init & Trans."""
         return apart_from_context(self, context, "velocity_m_per_s")
 
     @readout("mrad")

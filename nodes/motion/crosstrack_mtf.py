@@ -11,9 +11,9 @@ from nodes.shared.shared_warnings import apart_from_context
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
-    """Smear across the track by the scan within one dwell time; off until you enter a dwell time.
+    """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
 
-    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
+    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects this smear.
     """
 
     formulas = (
@@ -37,7 +37,7 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
-        """The scan velocity differs from the one on Init & Trans."""
+        """The scan velocity differs from its value on Init & Trans."""
         return apart_from_context(self, context, "scan_velocity_mrad_per_s")
 
     @readout("mrad")

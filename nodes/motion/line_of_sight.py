@@ -32,14 +32,15 @@ Axes = tuple[MotionSpectrum, MotionSpectrum]
 class LineOfSight(
     SeededModule, NyquistReadouts, key="line_of_sight", title="Line of Sight", group="Motion"
 ):
-    """Move the line of sight at random: blur within an exposure, shifts between frames.
+    """Move the line of sight at random, which blurs each exposure and shifts each frame.
 
-    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the one in
-    `psd_path`; both axes are independent. Motion about the mean position of an exposure gives an
-    MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with spectrum
-    S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single picture is
-    frame 0 and is shifted too. 3-D Noise measures how a moving scene changes a pixel, but does not
-    predict it. Sources: Papoulis 1991, chapter 10; Kopeika 1998, chapter 14.
+    The angle has the power spectral density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the
+    density in `psd_path`; the two axes are independent. Motion about the mean position of an
+    exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with
+    spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single
+    picture is frame 0 and is shifted too. 3-D Noise includes the pixel changes from this motion in
+    its measurement, but not in its prediction. Sources: Papoulis 1991, chapter 10; Kopeika 1998,
+    chapter 14.
     """
 
     formulas = (
@@ -75,10 +76,7 @@ class LineOfSight(
     ] = 5.0  # fmt: skip
     psd_path: Annotated[
         Path | None,
-        Param(
-            "CSV of Hz and mrad²/Hz (horizontal, vertical), used instead of rms and corner, "
-            "or empty"
-        ),
+        Param("CSV of Hz and mrad²/Hz (horizontal, vertical); empty: rms and corner are used"),
     ] = None
     integration_time_s: Annotated[
         float, Param("exposure time", low=0, high=1e6, slider=(0, 0.05))
@@ -142,13 +140,13 @@ class LineOfSight(
 
     @warning
     def exposure(self) -> Caution | None:
-        """The exposure is longer than the time from frame to frame."""
+        """The exposure is longer than the frame period."""
         frame_s = 1.0 / self.frame_rate_Hz
         if self.integration_time_s <= frame_s * (1 + 1e-9):
             return None
         return Caution(
-            f"exposures overlap: integration_time_s = {self.integration_time_s:g} s is longer "
-            f"than a frame of {frame_s:g} s",
+            f"exposures overlap: integration_time_s = {self.integration_time_s:g} s is longer than "
+            f"the frame period of {frame_s:g} s",
             "lower integration_time_s or frame_rate_Hz, unless the frames are overlapping averages",
         )
 

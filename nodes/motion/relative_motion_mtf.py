@@ -15,12 +15,12 @@ from nodes.shared.shared_warnings import apart_from_context
 class RelativeMotionMTF(
     MtfModule, key="relative_motion_mtf", title="Relative Motion MTF", group="Motion"
 ):
-    """Smear by the relative velocity of platform and image while the detector integrates.
+    """Smear from the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
     sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
-    gives exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
-    eqs. 4.34 and 4.35 are in cycles/rad.
+    gives an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and
+    201 of eqs. 4.34 and 4.35 are in cycles/rad.
     """
 
     formulas = (
@@ -75,7 +75,7 @@ class RelativeMotionMTF(
 
     @warning
     def distance(self, context: Context) -> Caution | None:
-        """The range differs from the one on Init & Trans."""
+        """The range differs from its value on Init & Trans."""
         return apart_from_context(self, context, "range_m")
 
     @readout("mrad")

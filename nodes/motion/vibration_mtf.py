@@ -12,16 +12,16 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):
     """Blur by sinusoidal vibration of the line of sight.
 
-    Over whole periods the MTF is J0(2πA·xi). The remaining part of a period is integrated from
-    phase 0 and weighted by time. Without a frequency or an integration time, many periods are
-    assumed. The two axes are independent. Source: Kopeika 1998.
+    Over a whole number of periods, the MTF is J0(2πA·xi). A remaining part of a period is
+    integrated from phase 0 and weighted by time. Without a frequency or an integration time, many
+    periods are assumed. The two axes are independent. Source: Kopeika 1998.
     """
 
     formulas = (
         Formula(
             r"H(\xi)=J_0(2\pi A\,\xi)",
             where="A: amplitude, mrad",
-            when="for whole periods, or many",
+            when="for a whole number of periods, or many",
         ),
         Formula(
             r"H(\xi)=\left|\frac{1}{t}\int_0^t e^{-2\pi iA\,\xi\,\sin(2\pi fs)}\,ds\right|",
@@ -56,7 +56,7 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
 
     @readout("periods")
     def periods(self) -> float | None:
-        """Periods in one exposure; empty if there are many."""
+        """Number of periods in one exposure; empty if there are many."""
         if self.frequency_Hz is None or self.integration_time_s is None:
             return None
         return self.frequency_Hz * self.integration_time_s
