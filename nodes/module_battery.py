@@ -121,19 +121,19 @@ def _safely(name: str, check: Callable[[], Iterable[str]]) -> list[str]:
     except ImagechainError as error:
         return [f"{name}: does not run: {error}"]
     except Exception as error:  # whatever code of others may raise
-        return [f"{name}: {type(error).__name__} instead of an ImagechainError: {error}"]
+        return [f"{name}: raises {type(error).__name__} instead of an ImagechainError: {error}"]
 
 
 def _of_declaration(declared: Declaration) -> Iterator[str]:
     if not declared.text:
         yield "help: the class has no docstring"
     if len(declared.title) > 40:
-        yield f"title: {len(declared.title)} letters do not fit on a node"
+        yield f"title: {len(declared.title)} characters do not fit on a node"
     for parameter in declared.parameters:
         if not parameter.param.text:
-            yield f"{parameter.name}: has no text"
+            yield f"{parameter.name}: has no help text"
         elif parameter.param.text.rstrip().endswith("."):
-            yield f"{parameter.name}: its text is a sentence; write a phrase without a full stop"
+            yield f"{parameter.name}: its help text must not end with a full stop"
     for readout in declared.readouts:
         if not readout.meaning:
             yield f"read-out {readout.name}: its method has no docstring"
@@ -157,9 +157,9 @@ def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
             module.build({parameter.name: value})
         except ParameterError as error:
             if "\n" in str(error):
-                yield f"{value} is refused in more than one line"
+                yield f"the error message for {value} has more than one line"
         else:
-            yield f"{value} is accepted; it should be refused"
+            yield f"{value} is accepted but should be refused"
 
 
 def _of_values(trial: _Trial) -> Iterator[str]:
@@ -174,7 +174,7 @@ def _of_values(trial: _Trial) -> Iterator[str]:
             if value.flags.writeable:
                 yield f"output {name} can be modified: return a read-only array"
         if pickle.loads(pickle.dumps(wire)).key != wire.key:
-            yield f"output {name} has a different key after it was sent to another process"
+            yield f"output {name} has a different key after being sent to another process"
 
 
 def _of_precision(trial: _Trial) -> Iterator[str]:
@@ -208,7 +208,10 @@ def _of_regions(trial: _Trial) -> Iterator[str]:
             part = other.value(again, f"{IT}.{name}", other.work(DOUBLE), region)
             error = float(np.abs(part - whole[region.slices]).max()) / span
             if error > DOUBLE_ERROR:
-                yield f"output {name}: computed in part, it differs by {error:.1g} of its range"
+                yield (
+                    f"output {name}: a part computed alone differs from the whole by {error:.1g} "
+                    "of the range"
+                )
 
 
 def _of_keys(trial: _Trial) -> Iterator[str]:
@@ -230,8 +233,8 @@ def _of_keys(trial: _Trial) -> Iterator[str]:
                 same_key = changed.nodes[IT].outputs[name].key == outputs[name].key
                 if same_key and not _same(before[name], after[name]):
                     yield (
-                        f"output {name} keeps its key when {parameter.name} = {value} changes it: "
-                        "what it depends on must be an argument of the recipe"
+                        f"output {name} changes with {parameter.name} = {value}, but its key does "
+                        "not: everything that it depends on must be an argument of the recipe"
                     )
 
 
@@ -254,7 +257,7 @@ def _of_transfer(trial: _Trial, passive: bool) -> Iterator[str]:
     if np.abs(otf - otf[::-1, ::-1].conj()).max() > 1e-11:
         yield "H(−f) is not the conjugate of H(f): a picture would not stay real"
     if passive and zero != 1.0:
-        yield f"H(0) = {zero}, and not 1: the mean would change"
+        yield f"H(0) = {zero}, not 1: the mean would change"
     if passive and np.abs(otf).max() > 1.0 + 1e-15:
         yield f"|H| reaches {np.abs(otf).max():.6g}, above 1; set passive=False if intended"
 
@@ -272,7 +275,7 @@ def _of_steps(trial: _Trial) -> Iterator[str]:
         if isinstance(recipe, Step) and not callable(getattr(recipe.function, "lineage", None)):
             yield (
                 f"{recipe.function.__qualname__} does not state how it changes a picture: mark "
-                "it by picture_step, source_step or ends_lineage"
+                "it with picture_step, source_step or ends_lineage"
             )
         waiting += [*recipe.made_of, *recipe.inputs]
 
@@ -304,7 +307,7 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
         measured = (means[1][name] - means[0][name]) / span
         if abs(measured - gain) > GAIN_ERROR * max(abs(gain), abs(measured)):
             yield (
-                f"output {name}: a brighter scene gives {measured:.4g} times the change, but "
+                f"output {name}: a change of the scene is multiplied by {measured:.4g}, but "
                 f"the step states {gain:.4g}: give its linear gain in picture_step"
             )
 
@@ -320,7 +323,7 @@ def _of_noise(trial: _Trial) -> Iterator[str]:
         behind = lineage.linear.carried(work, white, temporal=True)
         variance = 0.0 if behind is None else behind.moments().sample
         if not (math.isfinite(variance) and variance >= 0):
-            yield f"output {name}: noise of variance 1 gets a variance of {variance}"
+            yield f"output {name}: noise of variance 1 comes out with a variance of {variance}"
 
 
 def _of_readouts(trial: _Trial) -> Iterator[str]:
@@ -403,7 +406,9 @@ def network_of(
             links.append(Link(*source, IT, port.name))
         elif port.required:
             kinds = " or ".join(port.types)
-            raise NetworkError(f"nothing here delivers {kinds} for the input {port.name}", node=IT)
+            raise NetworkError(
+                f"the test network has no {kinds} for the input {port.name}", node=IT
+            )
     nodes[IT] = Node(IT, module.key, dict(params))
     return Network(nodes=nodes, links=tuple(links), seed=1996)
 

@@ -84,7 +84,9 @@ def _modules_at(point: EntryPoint, package: str) -> tuple[type[Module], ...]:
         local = local_key(module.key)
         if package_of(module.key) != package or not local.isidentifier():
             wanted = f"{package}.{local if local.isidentifier() else 'name'}"
-            raise TypeError(f"the key of {module.__name__} is {module.key!r}: make it {wanted!r}")
+            raise TypeError(
+                f"the key of {module.__name__} is {module.key!r}, but must be {wanted!r}"
+            )
         if not (module.title and module.group):
             raise TypeError(f"{module.__name__} has no title or no group")
         declaration(module)

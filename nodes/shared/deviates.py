@@ -134,15 +134,15 @@ SEED_SECTIONS = (
 
 
 class SeededModule(Module):
-    """Base of noise sources: the seed follows from network and node, or is entered."""
+    """Base of noise sources: the seed is derived from network and node, or entered."""
 
     draws_noise = True
 
     seed_mode: Annotated[
         Literal["automatic", "typed"],
-        Param("take the seed from the network's seed and this node's name, or enter it below"),
+        Param("derive the seed from the network's seed and this node's name, or enter it below"),
     ] = "automatic"
-    seed: Annotated[int, Param("seed, if entered here", low=0, high=2**63 - 1)] = 0
+    seed: Annotated[int, Param("seed, if you enter it here", low=0, high=2**63 - 1)] = 0
 
     def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
         """The stream of one noise field; a typed seed gives the same noise under any name.

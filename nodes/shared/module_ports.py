@@ -65,7 +65,7 @@ class NyquistReadouts(Module):
 
 
 class BeforeDigits(Module):
-    """Base of modules that act on light or charge, which Focal Plane makes digital numbers of."""
+    """Base of modules that act on light or charge, before Focal Plane digitizes them."""
 
     @warning
     def digits(self, image: Image) -> Caution | None:
@@ -88,7 +88,8 @@ class OfPixels(BeforeDigits):
         if samples < _FINER:
             return None
         return Caution(
-            f"the picture has {samples:.3g} samples per pixel, but every sample counts as a pixel",
+            f"the picture has {samples:.3g} samples per pixel, but this node treats every sample "
+            "as a pixel",
             "put this node after Sample Pixels or Combine Pixels",
         )
 
@@ -164,10 +165,10 @@ class PtfModule(Module):
 CutOn = Annotated[float | None, Param("shortest wavelength; empty: the image's band", low=0)]
 CutOff = Annotated[float | None, Param("longest wavelength; empty: the image's band", low=0)]
 NewWidth = Annotated[
-    int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
+    int | None, Param("samples per row; empty: unchanged", low=1, high=65536, slider=(16, 2048))
 ]
 NewHeight = Annotated[
-    int | None, Param("samples per column; empty: as before", low=1, high=65536, slider=(16, 2048))
+    int | None, Param("samples per column; empty: unchanged", low=1, high=65536, slider=(16, 2048))
 ]
 LongestPeriod = Annotated[
     float,
@@ -176,7 +177,8 @@ LongestPeriod = Annotated[
 ]  # fmt: skip
 WeightingSource = Annotated[
     float | None,
-    Param("black body whose spectrum weights a single band; empty: the scene's, or sunlight",
+    Param("black body whose spectrum weights a single band; empty: at the scene's temperature, or "
+          "sunlight",
           low=0, high=1e6, slider=(250, 6500)),
 ]  # fmt: skip
 LightingSource = Annotated[

@@ -45,10 +45,10 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
         return None
     named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
     return Caution(
-        f"the picture {named}, but {meant} would need radiance in W/m²/sr",
+        f"the picture {named}, but {meant} would require radiance in W/m²/sr",
         "put To Radiance before this node to convert temperatures to radiance"
         if is_temperature(unit)
-        else "convert it with scale and unit on Read Image",
+        else "convert the picture with scale and unit on Read Image",
     )
 
 
@@ -64,7 +64,9 @@ def band_caution(
     whole = max(high, picture[1]) - min(low, picture[0])
     if both >= _BANDS_ALIKE * whole:
         return None
-    apart = "do not overlap" if both <= 0 else f"share {100 * both / whole:.0f} % of their width"
+    apart = f"overlap by {100 * both / whole:.0f} % of their total width"
+    if both <= 0:
+        apart = "do not overlap"
     return Caution(
         f"the picture's radiance covers {_band(picture)}, but cut_on_um to cut_off_um is "
         f"{_band((low, high))}: the bands {apart}",
@@ -120,7 +122,7 @@ def apart_caution(
     unit = f" {unit or unit_of(name)}".rstrip()
     return Caution(
         f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
-        remedy or f"leave {name} empty to use that value, unless both are intended",
+        remedy or f"leave {name} empty to use that value, unless the difference is intended",
     )
 
 
@@ -165,7 +167,7 @@ def unlinked_phase_caution(apply: str, phase: Phase, ptf: Transfer) -> Caution |
         return None
     return Caution(
         "the PTF is left out of the picture: phase is not connected",
-        "wire phase from Init & Trans to this node, and on to Back Transform",
+        "connect phase from Init & Trans to this node, and on to Back Transform",
     )
 
 
