@@ -460,9 +460,9 @@ def interpolate(
     Parameters
     ----------
     width : int | Expression | None
-        samples per row; empty: as before: a whole number from 1 to 65536 or empty; default empty
+        samples per row; empty: unchanged: a whole number from 1 to 65536 or empty; default empty
     height : int | Expression | None
-        samples per column; empty: as before: a whole number from 1 to 65536 or empty; default empty
+        samples per column; empty: unchanged: a whole number from 1 to 65536 or empty; default empty
     order : Literal[0, 1, 3]
         0 nearest, 1 bilinear, 3 cubic: one of 0, 1, 3; default 1
 
@@ -688,8 +688,8 @@ def atmospheric_path(
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
         empty; default empty
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
-        number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: at the scene's temperature, or
+        sunlight [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -1217,9 +1217,9 @@ def distortion(
     centre_y_mrad : float | Expression
         optical axis below the picture's middle [mrad]: a number from -10000 to 10000; default 0.0
     width : int | Expression | None
-        samples per row; empty: as before: a whole number from 1 to 65536 or empty; default empty
+        samples per row; empty: unchanged: a whole number from 1 to 65536 or empty; default empty
     height : int | Expression | None
-        samples per column; empty: as before: a whole number from 1 to 65536 or empty; default empty
+        samples per column; empty: unchanged: a whole number from 1 to 65536 or empty; default empty
 
     Notes
     -----
@@ -1520,9 +1520,9 @@ def crosstrack_mtf(
     dwell_time_s: float | Expression = 0.0,
     scan_velocity_mrad_per_s: float | Expression | None = None,
 ) -> Part:
-    """Smear across the track by the scan within one dwell time; off until you enter a dwell time.
+    """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
 
-    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
+    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects this smear.
 
     Parameters
     ----------
@@ -1551,7 +1551,7 @@ def alongtrack_mtf(
     integration_time_s: float | Expression = 0.0,
     range_m: float | Expression | None = None,
 ) -> Part:
-    """Smear along the track by the platform's forward motion while a sample is collected.
+    """Smear along the track from the platform's forward motion while a sample is collected.
 
     sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
     width 134 of eq. 4.28 is in cycles/rad.
@@ -1589,12 +1589,12 @@ def relative_motion_mtf(
     range_m: float | Expression | None = None,
     model: Literal['published', 'line'] = 'published',
 ) -> Part:
-    """Smear by the relative velocity of platform and image while the detector integrates.
+    """Smear from the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
     sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
-    gives exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
-    eqs. 4.34 and 4.35 are in cycles/rad.
+    gives an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and
+    201 of eqs. 4.34 and 4.35 are in cycles/rad.
 
     Parameters
     ----------
@@ -1662,9 +1662,9 @@ def vibration_mtf(
 ) -> Part:
     """Blur by sinusoidal vibration of the line of sight.
 
-    Over whole periods the MTF is J0(2πA·xi). The remaining part of a period is integrated from
-    phase 0 and weighted by time. Without a frequency or an integration time, many periods are
-    assumed. The two axes are independent. Source: Kopeika 1998.
+    Over a whole number of periods, the MTF is J0(2πA·xi). A remaining part of a period is
+    integrated from phase 0 and weighted by time. Without a frequency or an integration time, many
+    periods are assumed. The two axes are independent. Source: Kopeika 1998.
 
     Parameters
     ----------
@@ -1701,22 +1701,23 @@ def line_of_sight(
     frame_rate_Hz: float | Expression = 30.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Move the line of sight at random: blur within an exposure, shifts between frames.
+    """Move the line of sight at random, which blurs each exposure and shifts each frame.
 
-    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the one in
-    `psd_path`; both axes are independent. Motion about the mean position of an exposure gives an
-    MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with spectrum
-    S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single picture is
-    frame 0 and is shifted too. 3-D Noise measures how a moving scene changes a pixel, but does not
-    predict it. Sources: Papoulis 1991, chapter 10; Kopeika 1998, chapter 14.
+    The angle has the power spectral density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the
+    density in `psd_path`; the two axes are independent. Motion about the mean position of an
+    exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with
+    spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single
+    picture is frame 0 and is shifted too. 3-D Noise includes the pixel changes from this motion in
+    its measurement, but not in its prediction. Sources: Papoulis 1991, chapter 10; Kopeika 1998,
+    chapter 14.
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     rms_x_mrad : float | Expression
         horizontal rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     rms_y_mrad : float | Expression
@@ -1725,8 +1726,8 @@ def line_of_sight(
         frequency at which the power density has fallen to half its low-frequency value [Hz]: a
         number from 1e-06 to 1e+09; default 5.0
     psd_path : str | PathLike[str] | None
-        CSV of Hz and mrad²/Hz (horizontal, vertical), used instead of rms and corner, or empty: a
-        file name or empty; default empty
+        CSV of Hz and mrad²/Hz (horizontal, vertical); empty: rms and corner are used: a file name
+        or empty; default empty
     integration_time_s : float | Expression
         exposure time [s]: a number from 0 to 1e+06; default 0.01
     frame_rate_Hz : float | Expression
@@ -1802,10 +1803,11 @@ def charge_diffusion_mtf(
     the detector. Back side means a thinned detector with a passivated surface. Carriers are
     generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
     If absorption_per_um is empty, silicon at 295 K is assumed over the band of the cold filter or
-    the picture. Each wavelength brings the same number of photons, and counts by the carriers that
-    they generate. Lit from the front, red and near-infrared light blurs most, because it is
-    absorbed deep. Lit from the back, blue light blurs most. Sources: Seib 1974; Crowell and Labuda
-    1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    the picture. All wavelengths have the same number of photons, and each is weighted by the
+    carriers that it generates. With front illumination, red and near-infrared light blurs most,
+    because it is absorbed deep in the silicon. With back illumination, blue light blurs most.
+    Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
+    2015 (silicon).
 
     Parameters
     ----------
@@ -1817,12 +1819,12 @@ def charge_diffusion_mtf(
     diffusion_length_um : float | Expression
         diffusion length outside the depletion region [µm]: a number above 0 to 1e+06; default 50.0
     absorption_per_um : float | Expression | None
-        absorption coefficient; empty: silicon's, over the band [1/µm]: a number from 0 to 1e+06 or
-        empty; default empty
+        absorption coefficient; empty: computed for silicon over the band [1/µm]: a number from 0 to
+        1e+06 or empty; default empty
     side : Literal['front', 'back']
-        side that the light enters: one of front, back; default 'front'
+        illuminated side: one of front, back; default 'front'
     thickness_um : float | Expression | None
-        thickness of a detector lit from the back [µm]: a number from 0 to 10000 or empty; default
+        thickness of a back-illuminated detector [µm]: a number from 0 to 10000 or empty; default
         empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
@@ -1847,16 +1849,16 @@ def crosstalk(
 ) -> Part:
     """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
 
-    The kernel gives the share of a lit pixel's signal that this pixel and each pixel around it
-    show. It has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons. It covers
-    optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also shifts
-    the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov
-    and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
+    The kernel gives the shares of a pixel's signal that stay in the pixel and that leak into each
+    neighbour. It has 3 × 3 or 5 × 5 numbers that add up to 1; semicolons separate the rows. It
+    covers optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also
+    shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore,
+    Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
 
     Parameters
     ----------
     kernel : str
-        shares of the signal, rows separated by semicolons: 3 × 3 or 5 × 5 numbers: a text; default
+        shares of the signal: 3 × 3 or 5 × 5 numbers, rows separated by semicolons: a text; default
         '0 0 0; 0 1 0; 0 0 0'
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
@@ -1894,8 +1896,8 @@ def charge_eff_mtf(
     efficiency : float | Expression
         fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        the exact product over all transfers (eqs. 4.57-4.58), or its leading term: one of exact,
-        published, leading; default 'exact'
+        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term: one of
+        exact, published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
         distance between charge packets: one image sample, or one detector pitch: one of image,
         detector; default 'image'
@@ -1919,8 +1921,8 @@ def charge_eff_phase(
     """Shift the phase along the read-out direction (x) by incomplete charge transfer.
 
     With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published −k(w
-    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form starts
-    with w³, but N transfers start with −k·w.
+    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the series of the published
+    form starts with w³; for N transfers, it must start with −k·w.
 
     Parameters
     ----------
@@ -1932,8 +1934,8 @@ def charge_eff_phase(
     efficiency : float | Expression
         fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        the exact product over all transfers (eqs. 4.57-4.58), or its leading term: one of exact,
-        published, leading; default 'exact'
+        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term: one of
+        exact, published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
         distance between charge packets: one image sample, or one detector pitch: one of image,
         detector; default 'image'
@@ -1958,16 +1960,16 @@ def tdi_mtf(
     detector_um: float | Expression | None = None,
     focal_length_mm: float | Expression | None = None,
 ) -> Part:
-    """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
+    """Blur by time delay and integration: stepwise charge motion and a velocity mismatch.
 
-    About the exposure's middle: sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image
-    velocity divided by the charge velocity, minus 1. s is the pitch divided by `phases`, and N =
-    stages·phases. `line_rate_Hz` gives m from the scene's velocity and range (Init & Trans, or
-    Camera's orbit). At a yaw ψ the image moves by (1 + m)·cos ψ along the stages and by
-    (1 + m)·sin ψ across them. Use it instead of Alongtrack MTF, whose smear within a stage is the
-    step s here. With `phases` = 0 the charge moves without steps. Empty parameters are taken from
-    Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim
-    2007, chapter 10.
+    Relative to the middle of the exposure, the MTF is sinc((1 +
+    m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image velocity divided by the charge velocity,
+    minus 1. s is the pitch divided by `phases`, and N = stages·phases. `line_rate_Hz` gives m from
+    the scene's velocity and range (Init & Trans, or Camera's orbit). At a yaw ψ the image moves by
+    (1 + m)·cos ψ along the stages and by (1 + m)·sin ψ across them. Use this module instead of
+    Alongtrack MTF: the step s already includes the smear within a stage. With `phases` = 0, the
+    charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong, Yao and
+    Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
 
     Parameters
     ----------
@@ -1977,12 +1979,12 @@ def tdi_mtf(
     stages : int | Expression
         stages whose charge is added: a whole number from 1 to 10000; default 64
     phases : int | Expression
-        clock phases per stage, in which the charge moves; 0: smooth motion: a whole number from 0
-        to 100; default 4
+        clock phases per stage: the charge moves once per phase; 0: smooth motion: a whole number
+        from 0 to 100; default 4
     velocity_mismatch_percent : float | Expression
         how much faster the image moves than the charge [%]: a number from -99 to 1000; default 0.0
     line_rate_Hz : float | Expression | None
-        lines per second that the charge moves; empty: velocity_mismatch_percent counts [Hz]: a
+        lines per second by which the charge moves; empty: velocity_mismatch_percent is used [Hz]: a
         number of at least 0 or empty; default empty
     yaw_deg : float | Expression
         angle from the stages to the image motion [deg]: a number from -89 to 89; default 0.0
@@ -2014,15 +2016,15 @@ def spectral_response(
 ) -> Part:
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after it
-    counts the remaining photons; its NETD refers to the scene before the response. The response
-    weights only light from the scene, not radiation from optics and housing. A picture with one
-    band is multiplied by the mean over the band, weighted by the radiance of a black body. Its
-    temperature is `source_K`; without it, 5800 K (sunlight) if the band begins below 2.5 µm, and
-    otherwise the picture's mean brightness temperature. `file`: a CSV of µm and response,
-    interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is the full width at half
-    maximum. To get radiance, enter a response per watt unchanged; for photons, use the response in
-    Focal Plane.
+    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after this
+    module counts the remaining photons; its NETD refers to the scene before the response. The
+    response weights only light from the scene, not radiation from optics and housing. A picture
+    with one band is multiplied by the mean over the band, weighted by the radiance of a black body.
+    The temperature of the black body is `source_K`. If `source_K` is empty, the temperature is 5800
+    K (sunlight) for a band that begins below 2.5 µm, and otherwise the picture's mean brightness
+    temperature. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
+    `gaussian`: `width_um` is the full width at half maximum. Enter a response per watt unchanged;
+    enter a response per photon as `response` in Focal Plane.
 
     Parameters
     ----------
@@ -2039,8 +2041,8 @@ def spectral_response(
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
-        number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: at the scene's temperature, or
+        sunlight [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -2058,29 +2060,33 @@ def microlens(
     half_response_deg: float | Expression = 20.0,
     path: str | PathLike[str] | None = None,
 ) -> Part:
-    """Darken the picture where the lens's chief rays miss what the microlenses are made for.
+    """Darken the picture where the chief ray angle differs from the microlenses' design angle.
 
-    A detector's data sheet gives the chief ray angle (CRA) at the corner for which its microlenses
-    are shifted. The lens's data sheet gives its own. If both are equal, nothing changes. The angle
-    between them lowers the response: to half at `half_response_deg`, or by a measured curve. The
-    axis is at the middle of the picture, and the corner is the picture's. Only the chief ray
-    counts: the cone of a fast lens is not averaged. Put the module before Focal Plane, so that shot
-    noise follows. Signal and SNR use the mean over the field; transfer functions do not change.
-    Source: Catrysse and Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
+    The detector's data sheet gives the chief ray angle (CRA) at the corner that its microlenses are
+    designed for. The lens's data sheet gives the CRA of the lens. If both are equal, nothing
+    changes. A difference lowers the response: to half at `half_response_deg`, or along a measured
+    curve. The optical axis is at the middle of the picture, and the corner is a corner of the
+    picture. Only the chief ray counts: the cone of a fast lens is not averaged. Put this module
+    before Focal Plane, which then computes the shot noise of the darkened picture. Signal and SNR
+    use the mean over the field; transfer functions do not change. Source: Catrysse and Wandell
+    2002, J. Opt. Soc. Am. A 19, 1610.
 
     Parameters
     ----------
     chief_ray_deg : float | Expression
-        angle of the lens's chief ray at the corner [deg]: a number from -75 to 75; default 0.0
+        chief ray angle of the lens at the corner [deg]: a number from -75 to 75; default 0.0
     matched_deg : float | Expression
-        angle for which the microlenses at the corner are shifted [deg]: a number from -75 to 75;
-        default 0.0
+        chief ray angle that the microlenses at the corner are designed for [deg]: a number from -75
+        to 75; default 0.0
     response : Literal['half_angle', 'file']
-        response over angle: one number, or measured: one of half_angle, file; default 'half_angle'
+        response over angle: from half_response_deg, or measured: one of half_angle, file; default
+        'half_angle'
     half_response_deg : float | Expression
-        angle at which the response is half [deg]: a number from 0.1 to 90; default 20.0
+        angle difference at which the response falls to half [deg]: a number from 0.1 to 90; default
+        20.0
     path : str | PathLike[str] | None
-        CSV of angle in degrees and response, 1 at 0: a file name or empty; default empty
+        CSV of angle difference in degrees and response, 1 at 0°: a file name or empty; default
+        empty
 
     Notes
     -----
@@ -2142,45 +2148,39 @@ def focal_plane(
     """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
-    which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
-    gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
-    including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
+    which are the same in every frame; nonlinearity towards the full well; read noise; the full
+    well; gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 +
+    p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
 
-    Radiance is converted to photons with the spectrum of a black body at its own brightness
+    Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength.
+    Camera also takes a T-number, which includes the transmission, and the sine condition.
+    `dark_doubling_K` scales both dark currents from `dark_reference_K` to `detector_K`.
+
+    Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
     (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
-    converted to photons with the response at its wavelength. A band that begins below 2.5 µm has no
-    thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
-    mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
-    uniform scene of `reference_radiance`, as Landsat and Sentinel-2 specify it: W/m²/sr/µm at the
-    aperture, equal at all wavelengths of the band. `frames_averaged` reduces shot and read noise
-    with the square root of the number of frames, and the average is rounded once. Noise,
-    responsivity and SNR include the nonlinearity; signal and well fill count the electrons
-    collected. `saturated` is 1 where the well is full or the converter has clipped.
+    converted to photons with the response at its wavelength. A band that begins below 2.5 µm is not
+    thermal: there `scene` means `source`. NETD, SNR and well fill refer to the picture's mean; if
+    the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a uniform
+    scene of `reference_radiance`, as specified for Landsat and Sentinel-2. This spectral radiance
+    at the aperture, in W/m²/sr/µm, is the same at all wavelengths of the band. `frames_averaged`
+    reduces shot and read noise by the square root of the number of frames; the average is rounded
+    once. Noise, responsivity and SNR include the nonlinearity; signal and well fill count the
+    electrons collected. `saturated` is 1 where the well is full or the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
-    are in electrons before the gain. Read noise, wells and gain_e_per_dn count electrons behind it;
-    with an EM register, full_well_e counts electrons before it. Values in amperes include a gain
-    within the pixel, as a QWIP's data sheet gives them; values in e-/s, DSNU and Rule 07 do not.
-    gain_dB is 20·log10 of the camera's own gain. It divides gain_e_per_dn, so the converter clips
-    at fewer electrons.
+    are in electrons before the gain. Read noise, wells and gain_e_per_dn refer to electrons after
+    the gain; with an EM register, full_well_e refers to electrons before it. Values in amperes
+    include a gain within the pixel, as on a QWIP's data sheet; values in e-/s, DSNU and Rule 07 do
+    not. gain_dB is 20·log10 of the camera's own gain, which divides gain_e_per_dn, so that the
+    converter clips at fewer electrons.
 
-    Binning sums binning_x × binning_y pixels; all figures are then of a bin. `charge` sums the
+    Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
     is the share of saturated pixels. In units of radiance, a bin is the mean of its pixels. Binning
-    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Rows and columns left
-    over are dropped.
-
-    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
-    electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, the same in per cent,
-    responsivity_A_per_W·hc/(q·responsivity_um), or response; Ω = π/(4F² + 1)·(1 − ε²) the projected
-    solid angle of the optics at F-number F and obscuration ε (Camera also takes a T-number, which
-    includes τ, and the sine condition); τ optics_transmission; η cold_shield_efficiency; L_q
-    photons per s, m² and sr in the band, of the scene and, at optics_K and housing_K, of black
-    bodies; dark = t·n·dark_current_e_per_s, or dark_current_A_per_cm2 over the pixel's pitch, or
-    Rule 07. dark_doubling_K scales both currents from dark_reference_K to detector_K.
+    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows and
+    columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -2189,31 +2189,30 @@ def focal_plane(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
         integration time of one stage [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
-        stages of time delay and integration whose charge is added: a whole number from 1 to 10000;
-        default 1
+        number of TDI stages (time delay and integration): a whole number from 1 to 10000; default 1
     frames_averaged : int | Expression
         number of frames averaged: a whole number from 1 to 1e+06; default 1
     quantum_efficiency : float | Expression
         electrons per photon within the band: a number above 0 to 1; default 0.7
     quantum_efficiency_percent : float | Expression | None
-        quantum efficiency in per cent, used instead of the number, or empty [%]: a number from 0 to
+        quantum efficiency in per cent; empty: quantum_efficiency is used [%]: a number from 0 to
         100 or empty; default empty
     responsivity_A_per_W : float | Expression | None
-        current responsivity, used instead of the number, or empty [A/W]: a number from 0 to 1e+06
-        or empty; default empty
-    responsivity_um : float | Expression | None
-        wavelength of that responsivity; its quantum efficiency holds for the whole band [µm]: a
-        number from 0 to 1000 or empty; default empty
-    response : str | PathLike[str] | None
-        CSV of µm and quantum efficiency, used instead of the number, or empty: a file name or
+        current responsivity; empty: quantum_efficiency is used [A/W]: a number from 0 to 1e+06 or
         empty; default empty
+    responsivity_um : float | Expression | None
+        wavelength of responsivity_A_per_W; the quantum efficiency found there is used over the
+        whole band [µm]: a number from 0 to 1000 or empty; default empty
+    response : str | PathLike[str] | None
+        CSV of µm and quantum efficiency; empty: quantum_efficiency is used: a file name or empty;
+        default empty
     cut_on_um : float | Expression | None
         shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
         or empty; default empty
@@ -2221,8 +2220,8 @@ def focal_plane(
         longest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
         or empty; default empty
     photon_weighting : Literal['scene', 'source', 'middle']
-        spectrum that converts radiance to photons: the scene's own temperature, the source, or the
-        middle of the band: one of scene, source, middle; default 'scene'
+        spectrum used to convert radiance to photons: a black body at the scene's temperature or at
+        source_K, or the band's middle wavelength: one of scene, source, middle; default 'scene'
     source_K : float | Expression
         temperature of the light source [K]: a number above 0 to 1e+06; default 5800.0
     optics_transmission : float | Expression
@@ -2238,8 +2237,8 @@ def focal_plane(
     dark_current_e_per_s : float | Expression
         dark current per pixel [e-/s]: a number from 0 to 1e+15; default 0.0
     dark_current_A_per_cm2 : float | Expression
-        dark current per area of the pixel pitch, instead of the current per pixel [A/cm²]: a number
-        from 0 to 1e+06; default 0.0
+        dark current per unit of pixel area, instead of dark_current_e_per_s [A/cm²]: a number from
+        0 to 1e+06; default 0.0
     dark_reference_K : float | Expression | None
         temperature at which the dark current is given; empty: the detector's own [K]: a number from
         0 to 1000 or empty; default empty
@@ -2247,8 +2246,7 @@ def focal_plane(
         temperature rise that doubles the dark current; empty: no change with temperature [K]: a
         number from 0 to 1000 or empty; default empty
     rule_07 : bool
-        take the dark current of HgCdTe from Rule 07 instead of the number: true or false; default
-        False
+        compute the dark current of HgCdTe with Rule 07: true or false; default False
     detector_K : float | Expression | None
         temperature of the detector, for Rule 07 and dark_doubling_K [K]: a number from 0 to 1000 or
         empty; default empty
@@ -2265,18 +2263,18 @@ def focal_plane(
         gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an avalanche
         diode: one of none, photoconductive, em_register, avalanche; default 'none'
     charge_gain_factor : float | Expression
-        mean number of electrons that one electron becomes: a number above 0 to 100000; default 1.0
+        mean number of output electrons per input electron: a number above 0 to 100000; default 1.0
     excess_noise_factor : float | Expression | None
         factor by which the charge gain raises the variance of the electrons; empty: computed: a
         number from 1 to 100000 or empty; default empty
     register_stages : int | Expression
         stages of the EM register: a whole number from 1 to 100000; default 536
     ionization_ratio : float | Expression
-        k: ionization rate of the weaker carrier over the stronger one's; 0: one carrier only: a
+        k: lower over higher ionization rate of electrons and holes; 0: only one carrier ionizes: a
         number from 0 to 1; default 0.0
     nonlinearity_percent : float | Expression
-        signal lost at the full well; the loss grows with the square of the electrons [%]: a number
-        from 0 to 25; default 0.0
+        signal loss at the full well; the loss grows with the square of the number of electrons [%]:
+        a number from 0 to 25; default 0.0
     read_noise_e : float | Expression
         read noise [e-]: a number from 0 to 1e+12; default 0.0
     prnu_percent : float | Expression
@@ -2289,25 +2287,25 @@ def focal_plane(
         sum the pixels' charge before read noise, or their digital numbers afterwards: one of
         charge, digital; default 'charge'
     binning_x : int | Expression
-        pixels that are summed, horizontally: a whole number from 1 to 1024; default 1
+        number of pixels summed horizontally: a whole number from 1 to 1024; default 1
     binning_y : int | Expression
-        pixels that are summed, vertically: a whole number from 1 to 1024; default 1
+        number of pixels summed vertically: a whole number from 1 to 1024; default 1
     bits : int | Expression
         bits of the converter; 0: no converter [bit]: a whole number from 0 to 24; default 0
     gain_e_per_dn : float | Expression | None
-        electrons per digital number; empty: the full well gives the highest number [e-/DN]: a
+        electrons per digital number; empty: the full well maps to the highest number [e-/DN]: a
         number of at least 0 or empty; default empty
     gain_dB : float | Expression
-        gain setting of the camera: 20 dB divide gain_e_per_dn by 10 [dB]: a number from -120 to
+        gain setting of the camera; 20 dB divides gain_e_per_dn by 10 [dB]: a number from -120 to
         120; default 0.0
     offset_dn : float | Expression
         digital number at zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
         0.0
     reference_radiance : float | Expression | None
-        spectral radiance at which snr_at_reference is given; empty: none [W/m²/sr/µm]: a number of
-        at least 0 or empty; default empty
+        spectral radiance for snr_at_reference; empty: none [W/m²/sr/µm]: a number of at least 0 or
+        empty; default empty
     units : Literal['dn', 'electrons', 'radiance']
-        unit of the output; the picture is digitized in any case: one of dn, electrons, radiance;
+        unit of the output; the picture is digitized in every case: one of dn, electrons, radiance;
         default 'dn'
 
     Notes
@@ -2350,20 +2348,22 @@ def microbolometer(
 ) -> Part:
     """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
-    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with the data
-    sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time t₀. The
-    NETD of a bare detector has τ₀ = 1; a camera's NETD already includes its lens: give its F-number
-    and transmission as the reference too. Ω is as in Focal Plane. A bolometer's noise does not
-    depend on the scene, so the NETD at another background goes as 1/(dL/dT). From frame to frame
-    exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
-    earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
-    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them.
+    The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). F₀, τ₀, the
+    background and t₀ come from the data sheet; √(t₀/t) applies if both integration times are given.
+    For the NETD of a bare detector, τ₀ = 1. A camera's NETD already includes the lens, so enter the
+    F-number and transmission of the lens as the reference too. Ω is as in Focal Plane. A
+    bolometer's noise does not depend on the scene, so the NETD at another background scales as
+    1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change remains, so a
+    changing scene leaves traces in later frames. With a scan velocity on Init & Trans, the lag is a
+    low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f noise equals the white
+    noise. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
+    removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
-    is filter_frames. It lowers white noise by √n and 1/f noise by less; changes in the scene lag.
-    Leave it at 1 if the data sheet's NETD includes the filter. Last, the picture is rounded to
-    2^bits levels between the radiances of range_low_K and range_high_K, and clipped there.
+    is filter_frames. It lowers white noise by a factor of √n and 1/f noise by less, and delays
+    changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the filter.
+    Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K and
+    range_high_K, and clipped there.
 
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
     2010, chapter 5 (filter).
@@ -2371,10 +2371,10 @@ def microbolometer(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     netd_mK : float | Expression
         NETD from the data sheet [mK]: a number from 0 to 1e+06; default 50.0
     reference_f_number : float | Expression
@@ -2407,16 +2407,16 @@ def microbolometer(
     frame_rate_Hz : float | Expression
         frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
     filter_frames : float | Expression
-        temporal filter: lowers white noise like an average of this many frames; 1: no filter: a
-        number from 1 to 16; default 1.0
+        temporal filter: lowers white noise like averaging this many frames; 1: no filter: a number
+        from 1 to 16; default 1.0
     bits : int | Expression
         bits of the output; 0: no rounding [bit]: a whole number from 0 to 24; default 0
     range_low_K : float | Expression | None
-        scene temperature of the lowest number, for bits [K]: a number from 0 to 10000 or empty;
-        default empty
+        scene temperature at the lowest digital number, used with bits [K]: a number from 0 to 10000
+        or empty; default empty
     range_high_K : float | Expression | None
-        scene temperature of the highest number, for bits [K]: a number from 0 to 10000 or empty;
-        default empty
+        scene temperature at the highest digital number, used with bits [K]: a number from 0 to
+        10000 or empty; default empty
     corner_Hz : float | Expression
         corner frequency, where 1/f noise equals white noise; 0: no 1/f noise [Hz]: a number from 0
         to 1e+09; default 0.0
@@ -2448,26 +2448,26 @@ def nuc(
     reference_frames: int | Expression = 16,
     drift_K: float | Expression = 0.0,
 ) -> Part:
-    """Correct the non-uniformity of pixels with uniform references at one or two temperatures.
+    """Correct pixel non-uniformity with uniform references at one or two temperatures.
 
-    Put it after the camera's modules. A black body that fills the field of view replaces the input
-    of the first module that adds noise. Its picture is averaged over `reference_frames` frames,
-    each with its own noise; the same average corrects every frame. `one_point`: the pattern at
-    `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
+    Put this module after the camera's modules. A black body that fills the field of view replaces
+    the input of the first module that adds noise. Its picture is averaged over `reference_frames`
+    frames, each with its own noise; the same average corrects every frame. `one_point`: the pattern
+    at `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
     differ. `two_point`: gain and offset come from a straight line through both references; the
-    residual is the noise of their means and the nonlinearity. `drift_K` adds offset drift since the
-    references, as rms over the pixels in kelvin of the scene. A pixel with less than a tenth of the
-    mean response keeps its gain. The frames of a reference share their 1/f noise, but budgets count
-    it as if it were new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst
-    2008.
+    residual comes from the noise of the averaged references and from nonlinearity. `drift_K` adds
+    the offset drift since the correction: its rms over the pixels, as scene temperature. A pixel
+    with less than a tenth of the mean response gets a gain of 1. The frames of a reference share
+    their 1/f noise, but budgets treat it as independent from frame to frame. Sources: Perry and
+    Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     method : Literal['none', 'one_point', 'two_point']
         number of reference sources: none, one or two: one of none, one_point, two_point; default
         'two_point'
@@ -2477,7 +2477,7 @@ def nuc(
     high_K : float | Expression
         temperature of the warmer reference [K]: a number from 1 to 10000; default 310.0
     reference_frames : int | Expression
-        reference frames that are averaged: a whole number from 1 to 100000; default 16
+        number of reference frames averaged: a whole number from 1 to 100000; default 16
     drift_K : float | Expression
         offset drift since the correction, rms between pixels, as scene temperature [K]: a number
         from 0 to 10000; default 0.0
@@ -2496,28 +2496,28 @@ def dual_gain(
     blend_percent: float | Expression = 0.0,
     low_factor: float | Expression = 1.0,
 ) -> Part:
-    """Join two read-outs of one scene: of high gain where it is dark, of low gain where bright.
+    """Join two read-outs of one scene: high gain in its dark parts, low gain in its bright parts.
 
-    Use it for pixels that are read at two gains, and for HDR from a long and a short exposure.
-    Build each read-out with a Focal Plane of its own, with `units` = electrons. Pixels of `image`
-    come from `high` up to `switch_level`, and from `low` above it. For two gains of one exposure,
-    give both Focal Planes the same typed seed: then they share the shot noise and the fixed
-    pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
-    tables to see the joined dynamic range. Noise budgets and figures count the noise of `high`,
-    which is the picture's up to the switch. Source: EMVA 1288 release 4.0 (dynamic range:
-    saturation over the noise in the dark), for the two read-outs.
+    Use it for pixels that are read at two gains, or for HDR from a long and a short exposure. Give
+    each read-out its own Focal Plane, with `units` = electrons. Pixels of `image` come from `high`
+    up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
+    seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
+    set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
+    dynamic range. Noise budgets and figures use the noise of `high`, which is the noise of the
+    picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range: saturation over dark
+    noise), applied to the two read-outs.
 
     Parameters
     ----------
     switch_level : float | Expression | None
-        level of the high gain above which the low gain is used, in the picture's unit; empty:
-        never: a number from 1e-12 to 1e+12 or empty; default empty
+        sample value of high above which low is used, in the picture's unit; empty: never: a number
+        from 1e-12 to 1e+12 or empty; default empty
     blend_percent : float | Expression
-        width of a gradual change below the switch, as a share of it [%]: a number from 0 to 100;
-        default 0.0
+        width of the gradual change below switch_level, as a share of switch_level [%]: a number
+        from 0 to 100; default 0.0
     low_factor : float | Expression
-        factor of the low gain: ratio of the exposure times, or of the gains in DN: a number from
-        1e-06 to 1e+06; default 1.0
+        factor that scales low to the level of high: ratio of the exposure times, or of the gains in
+        DN: a number from 1e-06 to 1e+06; default 1.0
 
     Notes
     -----
@@ -2541,8 +2541,8 @@ def read_window(
     An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the
     pixels keep their noise and their fixed pattern, whatever the window. Transfer functions, NETD
     and SNR do not change. Fewer rows are read faster: `frame_rate_Hz` is the highest rate of a
-    detector that reads row after row and needs an overhead for each frame. Source: EMVA 1288
-    release 4.0, section 2 (region of interest); the rate is the data sheet's row time, summed up.
+    detector that reads row by row, with an overhead for each frame. Source: EMVA 1288 release 4.0,
+    section 2 (region of interest); the frame rate follows from the row time on the data sheet.
 
     Parameters
     ----------
@@ -2560,7 +2560,8 @@ def read_window(
     row_time_us : float | Expression | None
         time to read one row [µs]: a number from 1e-06 to 1e+09 or empty; default empty
     overhead_us : float | Expression
-        time that every frame takes besides its rows [µs]: a number from 0 to 1e+09; default 0.0
+        time that each frame takes in addition to its rows [µs]: a number from 0 to 1e+09; default
+        0.0
 
     Notes
     -----
@@ -2578,13 +2579,13 @@ def rolling_shutter(
 ) -> Part:
     """Skew and stretch the picture: lines are exposed in turn while the image moves.
 
-    The top line is exposed first. Velocities are those of the image on the detector, in pixels. Put
-    this module before Sample Pixels or Combine Pixels: all samples of a line of pixels are exposed
-    together. Put modules that add noise after it. Between samples a windowed sinc interpolates.
-    Detail finer than 70 % of the samples' Nyquist frequency loses contrast, and edges without blur
-    ring. The frame continues beyond its edges as in Interpolate. Use Relative Motion MTF for the
-    blur within one exposure. Predicted MTFs and budgets are for an image at rest. Source: Liang,
-    Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
+    The top line is exposed first. Velocities refer to the image on the detector, in pixels per
+    second. Put this module before Sample Pixels or Combine Pixels: all samples of a line of pixels
+    are exposed together. Put modules that add noise after this one. A windowed sinc interpolates
+    between samples. Detail finer than 70 % of the samples' Nyquist frequency loses contrast, and
+    sharp edges show ringing. The frame continues beyond its edges as in Interpolate. Use Relative
+    Motion MTF for the blur within one exposure. Predicted MTFs and budgets are for an image at
+    rest. Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
 
     Parameters
     ----------
@@ -2611,20 +2612,22 @@ def frame_transfer_smear(
 ) -> Part:
     """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
 
-    A packet of charge stays under every row that it passes for the time of one transfer. After the
-    exposure it passes the rows between it and the storage area; before, it passed the others. If
-    the detector is cleared just before the exposure, choose the side of the storage area. Put this
-    module after Sample Pixels or Combine Pixels and before Focal Plane, which then adds the shot
-    noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 1.
+    A charge packet spends one line transfer time in every row that it passes. After the exposure,
+    it passes the rows between its pixel and the storage area; before the exposure, it passed the
+    other rows. If the detector is cleared just before the exposure, set `passed` to the side of the
+    storage area. Put this module after Sample Pixels or Combine Pixels and before Focal Plane,
+    which then adds the shot noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled
+    Devices, chapter 1.
 
     Parameters
     ----------
     line_transfer_time_s : float | Expression
-        time of one transfer [s]: a number from 0 to 1; default 0.0
+        time to transfer one line [s]: a number from 0 to 1; default 0.0
     integration_time_s : float | Expression
         exposure time, the same as on Focal Plane [s]: a number from 1e-09 to 1e+06; default 0.01
     passed : Literal['both', 'above', 'below']
-        rows that a packet passes in the light: one of both, above, below; default 'both'
+        illuminated rows that a packet passes: on both sides of its pixel, above it or below it: one
+        of both, above, below; default 'both'
 
     Notes
     -----
@@ -2641,13 +2644,13 @@ def blooming(
 ) -> Part:
     """Spill charge above the full well to the neighbours along the column.
 
-    A full pixel passes its excess to the pixels above and below, half each, until every pixel holds
-    its charge. What reaches the top or the bottom leaves the detector. The anti-blooming drain
-    removes its share of the excess first. The picture may have any unit proportional to electrons.
-    Put this module after Sample Pixels or Combine Pixels and before Focal Plane. There the full
-    well is a radiance: saturation_radiance in Focal Plane's table. Predicted MTFs and budgets
-    ignore blooming. Sources: Janesick 2001, Scientific Charge-Coupled Devices, chapter 4; Levine
-    and Peres 2009, Potential Analysis 30, 1.
+    A full pixel passes its excess to the pixels above and below, half to each, until no pixel holds
+    more than its full well. Charge that reaches the top or bottom edge leaves the detector. The
+    anti-blooming drain removes its share of the excess first. The picture may be in any unit
+    proportional to electrons. Put this module after Sample Pixels or Combine Pixels and before
+    Focal Plane. There, enter the full well as a radiance: saturation_radiance in Focal Plane's
+    table. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001, Scientific
+    Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
 
     Parameters
     ----------
@@ -2673,14 +2676,14 @@ def charge_trails(
     extra_serial: int | Expression = 0,
     extra_parallel: int | Expression = 0,
 ) -> Part:
-    """Draw the trails of incomplete charge transfer, which grow with the distance to the amplifier.
+    """Add the trails of incomplete charge transfer, which grow with distance from the amplifier.
 
-    Each transfer leaves a share of the charge to the next packet. Columns are shifted to the
-    amplifier's row, which is then read pixel by pixel. A pixel n transfers away loses about n·(1 −
-    efficiency) of its charge to its trail. Charge that trails out of the picture is lost. Charge
-    Transfer MTF blurs all pixels alike instead: use one of the two. Put this module after Sample
-    Pixels or Combine Pixels. Predicted MTFs are those of the middle pixel. Source: Janesick 2001,
-    Scientific Charge-Coupled Devices, chapter 5.
+    In each transfer, a share of the charge stays behind and joins the next packet. Columns are
+    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers away
+    loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of the picture
+    is lost. Use either this module or Charge Transfer MTF, which blurs all pixels alike. Put this
+    module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the middle pixel. Source:
+    Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
 
     Parameters
     ----------
@@ -2691,12 +2694,13 @@ def charge_trails(
         share of the charge that a transfer along a column passes on: a number from 0.5 to 1;
         default 1.0
     amplifier : Literal['bottom_left', 'bottom_right', 'top_left', 'top_right']
-        corner with the amplifier: one of bottom_left, bottom_right, top_left, top_right; default
-        'bottom_left'
+        corner where the amplifier is: one of bottom_left, bottom_right, top_left, top_right;
+        default 'bottom_left'
     extra_serial : int | Expression
-        transfers along a row, outside the picture: a whole number from 0 to 1e+06; default 0
+        extra transfers along a row, outside the picture: a whole number from 0 to 1e+06; default 0
     extra_parallel : int | Expression
-        transfers along a column, outside the picture: a whole number from 0 to 1e+06; default 0
+        extra transfers along a column, outside the picture: a whole number from 0 to 1e+06; default
+        0
 
     Notes
     -----
@@ -2714,22 +2718,23 @@ def persistence(
     slow_time_constant_s: float | Expression = 100.0,
     delay_s: float | Expression = 0.0,
 ) -> Part:
-    """Add what is left of an earlier exposure: image lag that decays with two time constants.
+    """Add image lag: what remains of an earlier exposure, decaying with two time constants.
 
-    Connect the picture of that exposure to `earlier`, with the same size and unit. The shares are
-    those at the end of that exposure. Budgets count the lag as a fixed pattern. Source: Smith,
-    Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared detectors).
+    Connect the picture of the earlier exposure to `earlier`; it must have the same size and unit.
+    Both shares refer to the end of the earlier exposure. Budgets treat the lag as a fixed pattern.
+    Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared
+    detectors).
 
     Parameters
     ----------
     fast_percent : float | Expression
-        share that decays fast [%]: a number from 0 to 100; default 0.0
+        share of the earlier picture that decays fast [%]: a number from 0 to 100; default 0.0
     fast_time_constant_s : float | Expression
-        time constant of that share [s]: a number from 1e-09 to 1e+09; default 1.0
+        time constant of the fast share [s]: a number from 1e-09 to 1e+09; default 1.0
     slow_percent : float | Expression
-        share that decays slowly [%]: a number from 0 to 100; default 0.0
+        share of the earlier picture that decays slowly [%]: a number from 0 to 100; default 0.0
     slow_time_constant_s : float | Expression
-        time constant of that share [s]: a number from 1e-09 to 1e+09; default 100.0
+        time constant of the slow share [s]: a number from 1e-09 to 1e+09; default 100.0
     delay_s : float | Expression
         time since the earlier exposure [s]: a number from 0 to 1e+09; default 0.0
 
@@ -2750,21 +2755,21 @@ def poisson_noise(
     photons_per_unit: float | Expression | None = None,
     mode: Literal['published', 'photon'] = 'published',
 ) -> Part:
-    """Add photon noise to the picture, as in 1996 or by counting photons.
+    """Add photon noise to the picture, with the 1996 model or by counting photons.
 
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
     mean. `photon` converts radiance to a number of photons and replaces it by a Poisson deviate.
-    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. It is
-    also added before the optics that collect the light. For the shot noise of a detector use Focal
-    Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. The
+    1996 noise is also added before the optics that collect the light. For the shot noise of a
+    detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     width_px : float | Expression
         standard deviation of the Gaussian that weights the local mean [px]: a number of at least 0;
         default 5.0
@@ -2816,20 +2821,20 @@ def electronics_noise(
 ) -> Part:
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    In this order: gain and bias errors of each detector; detector noise with rms NER; the
-    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
+    The steps, in this order: gain and bias errors of each detector; detector noise with rms NER;
+    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
     reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
-    NETD and SNR refer to all detectors, which are √(1 + v²) times as noisy for a spread of v.
-    Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the
-    picture by the gain error (`literal`).
+    NETD and SNR use the rms noise over all detectors, which is √(1 + v²) times the mean noise for a
+    relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as
+    printed scales the picture by the gain error (`literal`).
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -2842,15 +2847,15 @@ def electronics_noise(
         detector material, for D*: one of HgCdTe, InSb, PtSi, Si, Si:Ga, Si:As, manual; default
         'HgCdTe'
     d_star : float | Expression | None
-        D*, used instead of the material's [cm √Hz/W]: a number of at least 0 or empty; default
+        D*, used instead of the material's D* [cm √Hz/W]: a number of at least 0 or empty; default
         empty
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     filter_transmission : float | Expression
         transmission of the filter: a number above 0 to 1; default 1.0
     scan_mirror_rate_Hz : float | Expression | None
-        revolutions of the scan mirror; empty: scan velocity from Init & Trans [Hz]: a number of at
-        least 0 or empty; default empty
+        rotation rate of the scan mirror; empty: scan velocity from Init & Trans [Hz]: a number of
+        at least 0 or empty; default empty
     time_constant_s : float | Expression | None
         detector time constant; empty: the dwell time [s]: a number of at least 0 or empty; default
         empty
@@ -2867,7 +2872,7 @@ def electronics_noise(
         spread of the bias between detectors, relative to the mean [%]: a number of at least 0;
         default 0.0
     gain_model : Literal['per_pixel', 'published', 'literal']
-        per_pixel scales each pixel, published adds a fraction of the mean, literal is eq. 4.59 as
+        per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. 4.59 as
         printed: one of per_pixel, published, literal; default 'per_pixel'
     noise_variability_percent : float | Expression
         spread of the noise level between detectors [%]: a number of at least 0; default 0.0
@@ -2914,7 +2919,7 @@ def periodic_noise(
     modulation_eta: float | Expression = 0.0,
     modulation_phase_deg: float | Expression = 0.0,
 ) -> Part:
-    """Add sinusoidal noise, such as pick-up from a supply, optionally modulated in amplitude.
+    """Add sinusoidal noise, such as pick-up from a power supply, optionally modulated in amplitude.
 
     The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
     are counted from the first sample. Frequencies beyond Nyquist appear as their aliases. An
@@ -2954,8 +2959,8 @@ def noise_file(
 ) -> Part:
     """Add noise from a file, times `scale`, to a picture of the same size.
 
-    The file may have any format that Read Image reads. Its mean is added too. A scale of 0 changes
-    nothing. Source: Tantalo 1996, chapter 3.
+    The file may have any format that Read Image reads. The mean of the noise is added too. A scale
+    of 0 changes nothing. Source: Tantalo 1996, chapter 3.
 
     Parameters
     ----------
@@ -2988,24 +2993,24 @@ def noise_3d_source(
     frame_rate_Hz: float | Expression = 30.0,
     longest_period_s: float | Expression = 60.0,
 ) -> Part:
-    """Add 3-D noise by its components: time (t), rows (v), columns (h), and combinations.
+    """Add 3-D noise from its components: time (t), rows (v), columns (h) and their combinations.
 
     Each component is Gaussian with its own standard deviation, in the unit of the picture. In a
-    sequence, v, h and vh are the same in every frame, and the others are new in each. `corner_Hz`
-    adds 1/f noise to each sample; at that frequency its temporal spectrum equals the spectrum of
-    sigma_tvh. It extends from 1/`longest_period_s` to half the frame rate, and any frame can be
-    computed from its number. All of its variance is temporal. 3-D Noise uses only some frames, and
-    measures slower changes as fixed (vh). Without any component the picture does not change.
-    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
-    representation).
+    sequence, v, h and vh are the same in every frame, and the other components are new in each
+    frame. `corner_Hz` adds 1/f noise to each sample; at that frequency its temporal spectrum equals
+    the spectrum of sigma_tvh. The 1/f noise extends from 1/`longest_period_s` to half the frame
+    rate, and any frame can be computed on its own. All its variance counts as temporal. 3-D Noise
+    uses only some frames, so it measures slower changes as fixed pattern (vh). Without any
+    component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka
+    and Deodatis 1991 (spectral representation).
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
+        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
     sigma_tvh : float | Expression
         random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_tv : float | Expression

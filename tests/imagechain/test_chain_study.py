@@ -44,7 +44,7 @@ def test_warnings_are_kept_by_point(chain):
     chain.set("electronics.cut_off_um", 5.0)
     found = ic.study(chain, vary={"scene.cut_off_um": [5.0, 12.0]}, figures="electronics.ner")
     assert list(found.warnings) == [2]
-    assert "share 22 % of their width" in found.warnings[2][0]
+    assert "overlap by 22 % of their total width" in found.warnings[2][0]
     assert found["warnings"] == ["", found.warnings[2][0]]
     assert "1 of 2 points have warnings:" in repr(found)
     assert "1 of 2 points have warnings:" in found._repr_html_()

@@ -13,9 +13,12 @@ from nodes.analysis.lineage import NoiseOf
     [
         ({"integration_time_s": 0.1}, "% of the full well and is clipped"),
         ({"integration_time_s": 0.1, "bits": 0, "units": "radiance"}, "% of the full well"),
-        ({"gain_e_per_dn": 10.0}, "above the converter's maximum of 16383, and is clipped"),
-        ({"offset_dn": -2000.0}, "below the converter's minimum of 0, and is clipped"),
-        ({"integration_time_s": 0.2, "nonlinearity_percent": 25.0}, "is 100 % of the full well"),
+        ({"gain_e_per_dn": 10.0}, "above the converter's maximum of 16383 DN, and is clipped"),
+        ({"offset_dn": -2000.0}, "below the converter's minimum of 0 DN, and is clipped"),
+        (
+            {"integration_time_s": 0.2, "nonlinearity_percent": 25.0},
+            "reaches 100 % of the full well",
+        ),
     ],
     ids=["well", "well without bits", "converter", "below the converter", "bent flat"],
 )

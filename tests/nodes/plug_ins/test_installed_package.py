@@ -136,7 +136,7 @@ BROKEN = {
     "that_ends": ("raise SystemExit(3)", "SystemExit"),
     "takes_ours": (
         "from nodes.library import our_module\nMODULES = [our_module('read_image')]",
-        "'read_image': make it 'takes_ours.read_image'",
+        "'read_image', but must be 'takes_ours.read_image'",
     ),
 }
 

@@ -54,7 +54,7 @@ CASES = {
     ),
     ("focal_plane", "spectrum"): (
         {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
-        ("0.4 µm", "5800 K", "photon_weighting source"),
+        ("0.4 µm", "5800 K", "photon_weighting to source"),
         {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}, "photon_weighting": "source"},
     ),
     ("spectral_response", "unit"): (
