@@ -43,7 +43,7 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
     ] = None  # fmt: skip
     anti_blooming_percent: Annotated[
         float,
-        Param("share of the excess that the anti-blooming drain takes", low=0, high=100),
+        Param("share of the excess that the anti-blooming drain removes", low=0, high=100),
     ] = 0.0
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

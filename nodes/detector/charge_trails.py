@@ -46,11 +46,14 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
     )
 
     serial_efficiency: Annotated[
-        float, Param("share of the charge that a transfer along a row passes on", low=0.5, high=1)
+        float,
+        Param("fraction of the charge that each transfer along a row passes on", low=0.5, high=1),
     ] = 1.0
     parallel_efficiency: Annotated[
         float,
-        Param("share of the charge that a transfer along a column passes on", low=0.5, high=1),
+        Param(
+            "fraction of the charge that each transfer along a column passes on", low=0.5, high=1
+        ),
     ] = 1.0
     amplifier: Annotated[
         Literal["bottom_left", "bottom_right", "top_left", "top_right"],

@@ -88,7 +88,7 @@ class FocalPlanePanel(SeededModule):
     housing_K: Annotated[
         float | None,
         Param(
-            "temperature of the housing past the cold shield; empty: no emission",
+            "temperature of the housing outside the cold shield; empty: no emission",
             low=0,
             high=1e4,
             slider=(200, 340),

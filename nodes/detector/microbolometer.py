@@ -103,19 +103,19 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ] = 50.0
     reference_f_number: Annotated[
         float,
-        Param("F-number at which that NETD was measured", low=0.1, high=1000, slider=(0.5, 4)),
+        Param("F-number at which the NETD was measured", low=0.1, high=1000, slider=(0.5, 4)),
     ] = 1.0
     reference_transmission: Annotated[
         float,
         Param(
-            "transmission of the optics used when that NETD was measured; 1: a bare detector",
+            "transmission of the optics used when the NETD was measured; 1: a bare detector",
             low=0, high=1, above=True,
         ),
     ] = 1.0  # fmt: skip
     reference_K: Annotated[
         float,
         Param(
-            "background temperature at which that NETD was measured",
+            "background temperature at which the NETD was measured",
             low=1,
             high=1e4,
             slider=(250, 350),
@@ -124,7 +124,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     reference_integration_time_s: Annotated[
         float | None,
         Param(
-            "integration time at which that NETD was measured; empty: the camera's", low=0, high=1e3
+            "integration time at which the NETD was measured; empty: the camera's", low=0, high=1e3
         ),
     ] = None
     f_number: Annotated[

@@ -38,7 +38,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     Put this module after the camera's modules. A black body that fills the field of view replaces
     the input of the first module that adds noise. Its picture is averaged over `reference_frames`
     frames, each with its own noise; the same average corrects every frame. `one_point`: the pattern
-    at `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
+    at `low_K` is subtracted; the residual grows with the difference from `low_K`, because the gains
     differ. `two_point`: gain and offset come from a straight line through both references; the
     residual comes from the noise of the averaged references and from nonlinearity. `drift_K` adds
     the offset drift since the correction: its rms over the pixels, as scene temperature. A pixel

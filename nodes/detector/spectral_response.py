@@ -42,7 +42,7 @@ class SpectralResponse(
     with one band is multiplied by the mean over the band, weighted by the radiance of a black body.
     The temperature of the black body is `source_K`. If `source_K` is empty, the temperature is 5800
     K (sunlight) for a band that begins below 2.5 µm, and otherwise the picture's mean brightness
-    temperature. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
+    temperature. `file`: a CSV of µm and response, interpolated linearly and 0 beyond its points.
     `gaussian`: `width_um` is the full width at half maximum. Enter a response per watt unchanged;
     enter a response per photon as `response` in Focal Plane.
     """

@@ -31,8 +31,8 @@ class PeriodicNoise(
     """Add sinusoidal noise, such as pick-up from a power supply, optionally modulated in amplitude.
 
     The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
-    are counted from the first sample. Frequencies beyond Nyquist appear as their aliases. An
-    amplitude of 0 changes nothing. Source: Tantalo 1996, chapter 3.
+    start at the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
+    changes nothing. Source: Tantalo 1996, chapter 3.
     """
 
     formulas = (

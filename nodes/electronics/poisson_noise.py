@@ -26,10 +26,10 @@ class PoissonNoise(
     """Add photon noise to the picture, with the 1996 model or by counting photons.
 
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
-    mean. `photon` converts radiance to a number of photons and replaces it by a Poisson deviate.
-    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. The
-    1996 noise is also added before the optics that collect the light. For the shot noise of a
-    detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    mean. `photon` converts radiance to a number of photons and replaces that number with a Poisson
+    deviate. The 1996 method has no photon scale, so its relative noise changes with the radiance
+    unit. The 1996 noise is also added before the optics that collect the light. For the shot noise
+    of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
     """
 
     formulas = (
@@ -58,7 +58,8 @@ class PoissonNoise(
         float | None, Param("photons per unit of radiance, for `photon`", low=0)
     ] = None
     mode: Annotated[
-        Literal["published", "photon"], Param("add a Poisson deviate, or replace the sample by one")
+        Literal["published", "photon"],
+        Param("add a Poisson deviate, or replace the sample with one"),
     ] = "published"
 
     panel = (

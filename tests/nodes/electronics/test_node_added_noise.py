@@ -68,7 +68,11 @@ def test_noise_file_is_added_with_its_scale(tmp_path):
     ("params", "kind", "words"),
     [
         ({}, ParameterError, "path"),
-        ({"path": "small.npy"}, DataError, "small.npy is 30 × 31 samples and the picture 44 × 31"),
+        (
+            {"path": "small.npy"},
+            DataError,
+            "small.npy has 30 × 31 samples and the picture has 44 × 31",
+        ),
         ({"path": "small.npy", "band": 2}, FileError, "no band 2"),
         ({"path": "none.npy"}, FileError, "no such file"),
     ],

@@ -233,7 +233,7 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
         (BadNoise, ["output image: noise of variance 1 comes out with a variance of inf"]),
         (Infinite, ["does not run: it: numbers overflow the floating-point range"]),
         (Rough, ["output image is off by", "of its range in single precision"]),
-        (ByPart, ["a part computed alone differs from the whole by"]),
+        (ByPart, ["a part computed alone", "differs from the whole by"]),
         (Restless, ["a different key each time"]),
         (Failing, ["IndexError instead of an ImagechainError: list index"]),
         (Silent, ["no docstring", "gain: its help text must not end", "read-out level is nan"]),

@@ -114,7 +114,7 @@ def test_more_light_than_the_f_number_passes_is_warned_of(tmp_path):
 def test_an_obscuration_that_blurs_alone_is_warned_of(tmp_path):
     own = {"obscuration_ratio": 0.35}
     (said,) = cautions(bench_of(tmp_path, SENSOR, optics=own), "obscuration")
-    assert "the blur uses obscuration_ratio = 0.35 on optics, but the light uses 0" in said
+    assert "the blur uses obscuration_ratio = 0.35 on optics, but the radiometry uses 0" in said
     assert not cautions(bench_of(tmp_path, SENSOR, optics=own, init=own), "obscuration")
     assert not cautions(bench_of(tmp_path, {**SENSOR, **own}), "obscuration")
 

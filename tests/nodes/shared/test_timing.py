@@ -62,4 +62,4 @@ def test_a_line_time_and_the_speed_over_the_ground(tmp_path, integration_time_s,
     )
     assert bool(found) is said
     if said:
-        assert "moves by a pixel (0.15 m across the line of sight) in 0.0015 s" in found[0]
+        assert "moves by one pixel (0.15 m across the line of sight) in 0.0015 s" in found[0]

@@ -137,7 +137,7 @@ CASES = {
     ),
     ("poisson_noise", "scale"): (
         {"percent": 2.0},
-        ("'W/m²/sr'", "as in 1996", "Focal Plane"),
+        ("'W/m²/sr'", "the 1996 model", "Focal Plane"),
         {"percent": 0.0},
     ),
     ("examine_image", "no_temperature"): (
