@@ -308,7 +308,7 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
         if abs(measured - gain) > GAIN_ERROR * max(abs(gain), abs(measured)):
             yield (
                 f"output {name}: a change of the scene is multiplied by {measured:.4g}, but "
-                f"the step states {gain:.4g}: give its linear gain in picture_step"
+                f"the step states a gain of {gain:.4g}: give its linear gain in picture_step"
             )
 
 

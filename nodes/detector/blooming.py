@@ -23,8 +23,8 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
     more than its full well. Charge that reaches the top or bottom edge leaves the detector. The
     anti-blooming drain removes its share of the excess first. The picture may be in any unit
     proportional to electrons. Put this module after Sample Pixels or Combine Pixels and before
-    Focal Plane. There, enter the full well as a radiance: saturation_radiance in Focal Plane's
-    table. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001, Scientific
+    Focal Plane. Before Focal Plane, the full well is a radiance: saturation_radiance in Focal
+    Plane's table. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001, Scientific
     Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
     """
 

@@ -23,7 +23,8 @@ class ChargeTransfer(Module):
     model: Annotated[
         Literal["exact", "published", "leading"],
         Param(
-            "exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term"
+            "exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term "
+            "only"
         ),
     ] = "exact"
     nyquist: Annotated[

@@ -97,7 +97,7 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
             if along is not None and "efficiency" in dict(along.parameters):
                 return Caution(
                     f"incomplete charge transfer along the rows is applied twice: {factor.node} "
-                    "already blurs the picture",
+                    "applies it too",
                     "delete one of the two nodes, or set its efficiency to 1",
                 )
         return None

@@ -75,7 +75,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength.
     Camera also takes a T-number, which includes the transmission, and the sine condition.
-    `dark_doubling_K` scales both dark currents from `dark_reference_K` to `detector_K`.
+    `dark_doubling_K` scales the dark current from `dark_reference_K` to `detector_K`.
 
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
@@ -476,7 +476,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def spectrum(self, image: Image, context: Context) -> Caution | None:
-        """The band is one of reflected light, which has no brightness temperature."""
+        """The band contains reflected light, which has no brightness temperature."""
         band: Band | None = image.band_um or context.band_um
         ends = (self.cut_on_um, None if band is None else band[0])
         shortest = min((end for end in ends if end is not None), default=None)
@@ -582,7 +582,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
         ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
         ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
-        ("weighting_worth_percent", "%", "Spread of the signal between these spectra."),
+        ("weighting_worth_percent", "%", "Signal spread between the choices of photon_weighting."),
         table=_without_saturated,
     )  # fmt: skip
     counts = TableFigures(

@@ -353,7 +353,7 @@ def figures(
         ("snr", snr, "", "signal over temporal noise", why),
         *_at_reference(levels, collection, reading, reference_radiance),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the temporal "
-                                              "noise", why),
+         "noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the temporal dark noise", too_dark),
         *_emva(levels, reading, efficiency, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),

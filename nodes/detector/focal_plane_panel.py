@@ -44,17 +44,18 @@ class FocalPlanePanel(SeededModule):
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
     quantum_efficiency_percent: Annotated[float | None, Param(
-        "quantum efficiency in per cent; empty: quantum_efficiency is used", low=0,
+        "quantum efficiency in per cent; if given, it replaces quantum_efficiency", low=0,
         high=100)] = None  # fmt: skip
     responsivity_A_per_W: Annotated[float | None, Param(
-        "current responsivity; empty: quantum_efficiency is used", low=0, high=1e6,
+        "current responsivity; if given, it replaces quantum_efficiency", low=0, high=1e6,
         slider=(0, 10))] = None  # fmt: skip
     responsivity_um: Annotated[float | None, Param(
         "wavelength of responsivity_A_per_W; the quantum efficiency found there is used over the "
         "whole band",
         low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
     response: Annotated[
-        Path | None, Param("CSV of µm and quantum efficiency; empty: quantum_efficiency is used")
+        Path | None,
+        Param("CSV of µm and quantum efficiency; if given, it replaces quantum_efficiency"),
     ] = None
     cut_on_um: Annotated[
         float | None,
@@ -243,7 +244,7 @@ class FocalPlanePanel(SeededModule):
             ("responsivity_um", self.responsivity_A_per_W,
              "responsivity_A_per_W refers to this wavelength"),
             ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is the wavelength of "
-                                                           "this responsivity"),
+             "this responsivity"),
         ):  # fmt: skip
             if given and getattr(self, needed) is None:
                 raise ParameterError(needed, None, f"a number: {why}")

@@ -53,8 +53,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     ] = 0.0  # fmt: skip
     line_rate_Hz: Annotated[
         float | None,
-        Param("lines per second by which the charge moves; empty: velocity_mismatch_percent is "
-              "used",
+        Param("line rate at which the charge moves; empty: velocity_mismatch_percent is used",
               low=0, slider=(1000, 50000)),
     ] = None  # fmt: skip
     yaw_deg: Annotated[

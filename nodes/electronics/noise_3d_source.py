@@ -38,10 +38,10 @@ class Noise3DSource(
     sequence, v, h and vh are the same in every frame, and the other components are new in each
     frame. `corner_Hz` adds 1/f noise to each sample; at that frequency its temporal spectrum equals
     the spectrum of sigma_tvh. The 1/f noise extends from 1/`longest_period_s` to half the frame
-    rate, and any frame can be computed on its own. All its variance counts as temporal. 3-D Noise
-    uses only some frames, so it measures slower changes as fixed pattern (vh). Without any
-    component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka
-    and Deodatis 1991 (spectral representation).
+    rate, and any frame can be computed on its own. The variance of the 1/f noise is all temporal.
+    3-D Noise uses only some frames, so it measures slower changes as fixed pattern (vh). Without
+    any component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f,
+    Shinozuka and Deodatis 1991 (spectral representation).
     """
 
     formulas = (

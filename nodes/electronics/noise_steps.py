@@ -120,7 +120,7 @@ def figures(
         ("ner", computed.ner, "W/m²/sr", "noise-equivalent radiance of a detector with mean noise"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
         ("netd_detector_K", netd_detector, "K", "NETD of the detectors, from the rms noise over "
-                                                "all detectors"),
+         "all detectors"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
         ("netd_system_K",
          system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector), "K",

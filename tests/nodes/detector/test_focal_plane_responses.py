@@ -185,5 +185,5 @@ def test_a_reference_radiance_that_clips_has_no_snr(tmp_path):
     assert made["snr_at_reference"] is None
     texts = map(str, there.warnings())
     (said,) = (text for text in texts if "snr_at_reference" in text)
-    assert "reference_radiance is" in said
+    assert "reference_radiance reaches" in said
     assert "is clipped: snr_at_reference is left out" in said

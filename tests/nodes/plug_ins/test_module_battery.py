@@ -228,7 +228,7 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
     [
         (Undeclared, ["undeclared does not state how it changes a picture"]),
         (Forgetful, ["output image changes with gain = 1.37, but its key does not"]),
-        (Doubling, ["a change of the scene is multiplied by 2, but the step states 1"]),
+        (Doubling, ["a change of the scene is multiplied by 2, but the step states a gain of 1"]),
         (NoNoise, ["TypeError instead of an ImagechainError: unsupported operand"]),
         (BadNoise, ["output image: noise of variance 1 comes out with a variance of inf"]),
         (Infinite, ["does not run: it: numbers overflow the floating-point range"]),
