@@ -1717,7 +1717,7 @@ def line_of_sight(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     rms_x_mrad : float | Expression
         horizontal rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     rms_y_mrad : float | Expression
@@ -1896,8 +1896,8 @@ def charge_eff_mtf(
     efficiency : float | Expression
         fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term: one of
-        exact, published, leading; default 'exact'
+        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term only:
+        one of exact, published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
         distance between charge packets: one image sample, or one detector pitch: one of image,
         detector; default 'image'
@@ -1934,8 +1934,8 @@ def charge_eff_phase(
     efficiency : float | Expression
         fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term: one of
-        exact, published, leading; default 'exact'
+        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term only:
+        one of exact, published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
         distance between charge packets: one image sample, or one detector pitch: one of image,
         detector; default 'image'
@@ -1984,8 +1984,8 @@ def tdi_mtf(
     velocity_mismatch_percent : float | Expression
         how much faster the image moves than the charge [%]: a number from -99 to 1000; default 0.0
     line_rate_Hz : float | Expression | None
-        lines per second by which the charge moves; empty: velocity_mismatch_percent is used [Hz]: a
-        number of at least 0 or empty; default empty
+        line rate at which the charge moves; empty: velocity_mismatch_percent is used [Hz]: a number
+        of at least 0 or empty; default empty
     yaw_deg : float | Expression
         angle from the stages to the image motion [deg]: a number from -89 to 89; default 0.0
     direction : Literal['y', 'x']
@@ -2022,7 +2022,7 @@ def spectral_response(
     with one band is multiplied by the mean over the band, weighted by the radiance of a black body.
     The temperature of the black body is `source_K`. If `source_K` is empty, the temperature is 5800
     K (sunlight) for a band that begins below 2.5 µm, and otherwise the picture's mean brightness
-    temperature. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
+    temperature. `file`: a CSV of µm and response, interpolated linearly and 0 beyond its points.
     `gaussian`: `width_um` is the full width at half maximum. Enter a response per watt unchanged;
     enter a response per photon as `response` in Focal Plane.
 
@@ -2154,7 +2154,7 @@ def focal_plane(
 
     Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength.
     Camera also takes a T-number, which includes the transmission, and the sine condition.
-    `dark_doubling_K` scales both dark currents from `dark_reference_K` to `detector_K`.
+    `dark_doubling_K` scales the dark current from `dark_reference_K` to `detector_K`.
 
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
@@ -2192,7 +2192,7 @@ def focal_plane(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
         integration time of one stage [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
@@ -2202,17 +2202,17 @@ def focal_plane(
     quantum_efficiency : float | Expression
         electrons per photon within the band: a number above 0 to 1; default 0.7
     quantum_efficiency_percent : float | Expression | None
-        quantum efficiency in per cent; empty: quantum_efficiency is used [%]: a number from 0 to
-        100 or empty; default empty
+        quantum efficiency in per cent; if given, it replaces quantum_efficiency [%]: a number from
+        0 to 100 or empty; default empty
     responsivity_A_per_W : float | Expression | None
-        current responsivity; empty: quantum_efficiency is used [A/W]: a number from 0 to 1e+06 or
-        empty; default empty
+        current responsivity; if given, it replaces quantum_efficiency [A/W]: a number from 0 to
+        1e+06 or empty; default empty
     responsivity_um : float | Expression | None
         wavelength of responsivity_A_per_W; the quantum efficiency found there is used over the
         whole band [µm]: a number from 0 to 1000 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of µm and quantum efficiency; empty: quantum_efficiency is used: a file name or empty;
-        default empty
+        CSV of µm and quantum efficiency; if given, it replaces quantum_efficiency: a file name or
+        empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
         or empty; default empty
@@ -2232,8 +2232,8 @@ def focal_plane(
     cold_shield_efficiency : float | Expression
         fraction of the housing that the cold shield hides: a number from 0 to 1; default 1.0
     housing_K : float | Expression | None
-        temperature of the housing past the cold shield; empty: no emission [K]: a number from 0 to
-        10000 or empty; default empty
+        temperature of the housing outside the cold shield; empty: no emission [K]: a number from 0
+        to 10000 or empty; default empty
     dark_current_e_per_s : float | Expression
         dark current per pixel [e-/s]: a number from 0 to 1e+15; default 0.0
     dark_current_A_per_cm2 : float | Expression
@@ -2374,20 +2374,20 @@ def microbolometer(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     netd_mK : float | Expression
         NETD from the data sheet [mK]: a number from 0 to 1e+06; default 50.0
     reference_f_number : float | Expression
-        F-number at which that NETD was measured: a number from 0.1 to 1000; default 1.0
+        F-number at which the NETD was measured: a number from 0.1 to 1000; default 1.0
     reference_transmission : float | Expression
-        transmission of the optics used when that NETD was measured; 1: a bare detector: a number
+        transmission of the optics used when the NETD was measured; 1: a bare detector: a number
         above 0 to 1; default 1.0
     reference_K : float | Expression
-        background temperature at which that NETD was measured [K]: a number from 1 to 10000;
-        default 300.0
+        background temperature at which the NETD was measured [K]: a number from 1 to 10000; default
+        300.0
     reference_integration_time_s : float | Expression | None
-        integration time at which that NETD was measured; empty: the camera's [s]: a number from 0
-        to 1000 or empty; default empty
+        integration time at which the NETD was measured; empty: the camera's [s]: a number from 0 to
+        1000 or empty; default empty
     f_number : float | Expression | None
         F-number of the camera; empty: from Init & Trans: a number from 0.1 to 1000 or empty;
         default empty
@@ -2453,7 +2453,7 @@ def nuc(
     Put this module after the camera's modules. A black body that fills the field of view replaces
     the input of the first module that adds noise. Its picture is averaged over `reference_frames`
     frames, each with its own noise; the same average corrects every frame. `one_point`: the pattern
-    at `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
+    at `low_K` is subtracted; the residual grows with the difference from `low_K`, because the gains
     differ. `two_point`: gain and offset come from a straight line through both references; the
     residual comes from the noise of the averaged references and from nonlinearity. `drift_K` adds
     the offset drift since the correction: its rms over the pixels, as scene temperature. A pixel
@@ -2467,7 +2467,7 @@ def nuc(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     method : Literal['none', 'one_point', 'two_point']
         number of reference sources: none, one or two: one of none, one_point, two_point; default
         'two_point'
@@ -2582,10 +2582,10 @@ def rolling_shutter(
     The top line is exposed first. Velocities refer to the image on the detector, in pixels per
     second. Put this module before Sample Pixels or Combine Pixels: all samples of a line of pixels
     are exposed together. Put modules that add noise after this one. A windowed sinc interpolates
-    between samples. Detail finer than 70 % of the samples' Nyquist frequency loses contrast, and
-    sharp edges show ringing. The frame continues beyond its edges as in Interpolate. Use Relative
-    Motion MTF for the blur within one exposure. Predicted MTFs and budgets are for an image at
-    rest. Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
+    between samples. Detail above 70 % of the samples' Nyquist frequency loses contrast, and sharp
+    edges show ringing. The frame continues beyond its edges as in Interpolate. Use Relative Motion
+    MTF for the blur within one exposure. Predicted MTFs and budgets are for an image at rest.
+    Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
 
     Parameters
     ----------
@@ -2648,8 +2648,8 @@ def blooming(
     more than its full well. Charge that reaches the top or bottom edge leaves the detector. The
     anti-blooming drain removes its share of the excess first. The picture may be in any unit
     proportional to electrons. Put this module after Sample Pixels or Combine Pixels and before
-    Focal Plane. There, enter the full well as a radiance: saturation_radiance in Focal Plane's
-    table. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001, Scientific
+    Focal Plane. Before Focal Plane, the full well is a radiance: saturation_radiance in Focal
+    Plane's table. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001, Scientific
     Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
 
     Parameters
@@ -2658,8 +2658,8 @@ def blooming(
         sample value of a full pixel, in the picture's unit: W/m²/sr before Focal Plane, not
         electrons; empty: no blooming: a number from 1e-12 to 1e+12 or empty; default empty
     anti_blooming_percent : float | Expression
-        share of the excess that the anti-blooming drain takes [%]: a number from 0 to 100; default
-        0.0
+        share of the excess that the anti-blooming drain removes [%]: a number from 0 to 100;
+        default 0.0
 
     Notes
     -----
@@ -2688,10 +2688,10 @@ def charge_trails(
     Parameters
     ----------
     serial_efficiency : float | Expression
-        share of the charge that a transfer along a row passes on: a number from 0.5 to 1; default
-        1.0
+        fraction of the charge that each transfer along a row passes on: a number from 0.5 to 1;
+        default 1.0
     parallel_efficiency : float | Expression
-        share of the charge that a transfer along a column passes on: a number from 0.5 to 1;
+        fraction of the charge that each transfer along a column passes on: a number from 0.5 to 1;
         default 1.0
     amplifier : Literal['bottom_left', 'bottom_right', 'top_left', 'top_right']
         corner where the amplifier is: one of bottom_left, bottom_right, top_left, top_right;
@@ -2758,10 +2758,10 @@ def poisson_noise(
     """Add photon noise to the picture, with the 1996 model or by counting photons.
 
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
-    mean. `photon` converts radiance to a number of photons and replaces it by a Poisson deviate.
-    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. The
-    1996 noise is also added before the optics that collect the light. For the shot noise of a
-    detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    mean. `photon` converts radiance to a number of photons and replaces that number with a Poisson
+    deviate. The 1996 method has no photon scale, so its relative noise changes with the radiance
+    unit. The 1996 noise is also added before the optics that collect the light. For the shot noise
+    of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
 
     Parameters
     ----------
@@ -2769,7 +2769,7 @@ def poisson_noise(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     width_px : float | Expression
         standard deviation of the Gaussian that weights the local mean [px]: a number of at least 0;
         default 5.0
@@ -2778,7 +2778,7 @@ def poisson_noise(
     photons_per_unit : float | Expression | None
         photons per unit of radiance, for `photon`: a number of at least 0 or empty; default empty
     mode : Literal['published', 'photon']
-        add a Poisson deviate, or replace the sample by one: one of published, photon; default
+        add a Poisson deviate, or replace the sample with one: one of published, photon; default
         'published'
 
     Notes
@@ -2834,7 +2834,7 @@ def electronics_noise(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -2922,8 +2922,8 @@ def periodic_noise(
     """Add sinusoidal noise, such as pick-up from a power supply, optionally modulated in amplitude.
 
     The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
-    are counted from the first sample. Frequencies beyond Nyquist appear as their aliases. An
-    amplitude of 0 changes nothing. Source: Tantalo 1996, chapter 3.
+    are 0 at the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
+    changes nothing. Source: Tantalo 1996, chapter 3.
 
     Parameters
     ----------
@@ -2999,10 +2999,10 @@ def noise_3d_source(
     sequence, v, h and vh are the same in every frame, and the other components are new in each
     frame. `corner_Hz` adds 1/f noise to each sample; at that frequency its temporal spectrum equals
     the spectrum of sigma_tvh. The 1/f noise extends from 1/`longest_period_s` to half the frame
-    rate, and any frame can be computed on its own. All its variance counts as temporal. 3-D Noise
-    uses only some frames, so it measures slower changes as fixed pattern (vh). Without any
-    component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka
-    and Deodatis 1991 (spectral representation).
+    rate, and any frame can be computed on its own. The variance of the 1/f noise is all temporal.
+    3-D Noise uses only some frames, so it measures slower changes as fixed pattern (vh). Without
+    any component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f,
+    Shinozuka and Deodatis 1991 (spectral representation).
 
     Parameters
     ----------
@@ -3010,7 +3010,7 @@ def noise_3d_source(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, if you enter it here: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     sigma_tvh : float | Expression
         random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_tv : float | Expression

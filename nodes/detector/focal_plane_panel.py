@@ -134,7 +134,7 @@ class FocalPlanePanel(SeededModule):
     register_stages: Annotated[int, Param(
         "stages of the EM register", low=1, high=100000, slider=(100, 1000))] = 536  # fmt: skip
     ionization_ratio: Annotated[float, Param(
-        "k: lower over higher ionization rate of electrons and holes; 0: only one carrier ionizes",
+        "k: ratio of the lower to the higher ionization rate; 0: only one type of carrier ionizes",
         low=0, high=1)] = 0.0  # fmt: skip
     nonlinearity_percent: Annotated[
         float,

@@ -383,7 +383,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's."""
+        """The band differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
@@ -405,8 +405,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             return None
         return Caution(
             f"slow changes are approximated: {100 * left:.2g} % of a change remains after "
-            f"{_MOST_FRAMES - 1} frames, and still earlier frames are treated like the earliest of "
-            "them",
+            f"{_MOST_FRAMES - 1} frames, and frames before that are treated like the earliest "
+            "frame kept",
             "lower time_constant_s or frame_rate_Hz if this is not accurate enough",
         )
 

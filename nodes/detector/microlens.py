@@ -20,11 +20,11 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     The detector's data sheet gives the chief ray angle (CRA) at the corner that its microlenses are
     designed for. The lens's data sheet gives the CRA of the lens. If both are equal, nothing
     changes. A difference lowers the response: to half at `half_response_deg`, or along a measured
-    curve. The optical axis is at the middle of the picture, and the corner is a corner of the
-    picture. Only the chief ray counts: the cone of a fast lens is not averaged. Put this module
-    before Focal Plane, which then computes the shot noise of the darkened picture. Signal and SNR
-    use the mean over the field; transfer functions do not change. Source: Catrysse and Wandell
-    2002, J. Opt. Soc. Am. A 19, 1610.
+    curve. The optical axis is at the middle of the picture; the corner is the picture's corner.
+    Only the chief ray counts: the cone of a fast lens is not averaged. Put this module before Focal
+    Plane, which then computes the shot noise of the darkened picture. Signal and SNR use the mean
+    over the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt.
+    Soc. Am. A 19, 1610.
     """
 
     formulas = (

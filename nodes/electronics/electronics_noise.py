@@ -400,7 +400,7 @@ class ElectronicsNoise(
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's."""
+        """The band differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
