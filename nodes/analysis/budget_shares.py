@@ -285,7 +285,7 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
         meaning = f"{words} frequency of these MTFs"
         rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", meaning))
     if blur.before is not None:
-        meaning = "the transfer functions of this stage and those before it are not known"
+        meaning = "the transfer functions of this stage and of the stages before it are unknown"
         rows.append(TableRow("blur_behind", blur.before, "", meaning))
     return rows
 

@@ -132,10 +132,10 @@ def geometry_table(
     if not laid.level:
         finer = laid_footprints(work, camera=camera, ground=ground, strips=FINER * strips)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
-    where = "ground seen, measured from the scene's middle"
-    samples = "scene samples in a camera sample at the middle"
+    where = "edge of the ground covered, from the scene's centre"
+    samples = "scene samples per camera sample at the centre"
     return TableData.of(
-        ("swath_m", swath_m(camera), "m", "ground seen along the middle line"),
+        ("swath_m", swath_m(camera), "m", "ground covered by the middle line"),
         ("left_m", bounds.left, "m", where),
         ("right_m", bounds.right, "m", where),
         ("top_m", bounds.top, "m", where),
@@ -144,7 +144,7 @@ def geometry_table(
          f"{samples}, across the track"),
         ("scene_samples_y", middle.along_m / ground.interval_y_m, "",
          f"{samples}, along the track"),
-        ("strips", laid.strips, "", "strips that each footprint is cut into"),
+        ("strips", laid.strips, "", "strips per footprint"),
         ("footprint_error", error, "",
          "largest change with four times as many strips, as a fraction of the scene's range"),
     )  # fmt: skip
@@ -269,9 +269,9 @@ class CameraSettings(Module):
         step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
         if of_pitch is not None and abs(step / of_pitch - 1.0) > 1e-3:
             allowed = (
-                f"pixel pitch and focal length give samples of {of_pitch:.4g} mrad, but this "
-                f"field gives {step:.4g} mrad: leave pitch_x_um, focal_length_mm or the field "
-                "empty"
+                f"pixel pitch and focal length give a sampling interval of {of_pitch:.4g} mrad, "
+                f"but this field of view gives {step:.4g} mrad: leave pitch_x_um, focal_length_mm "
+                "or fov_x_deg empty"
             )
             raise ParameterError("fov_x_deg", self.fov_x_deg, allowed)
         return step
@@ -283,9 +283,9 @@ class CameraSettings(Module):
         if velocity is None and rate is None:
             return step_y_mrad / 1000.0 * self.altitude_m
         if rate is None:
-            raise ParameterError("line_rate_Hz", None, "velocity_m_per_s needs it")
+            raise ParameterError("line_rate_Hz", None, "give it together with velocity_m_per_s")
         if velocity is None:
-            raise ParameterError("velocity_m_per_s", None, "line_rate_Hz needs it")
+            raise ParameterError("velocity_m_per_s", None, "give it together with line_rate_Hz")
         return velocity / rate
 
     def ground(self, image: Image) -> Ground:
@@ -295,7 +295,10 @@ class CameraSettings(Module):
         if y is None and image.interval_y_mrad is not None:
             y = image.interval_y_mrad / 1000.0 * self.altitude_m
         if x is None or y is None:
-            allowed = "the scene has no angular interval: give its sampling interval on the ground"
+            allowed = (
+                "the scene has no angular sampling interval: give its sampling interval on "
+                "the ground"
+            )
             raise ParameterError("ground_interval_m", None, allowed)
         for name, interval, samples in (
             ("ground_interval_m", x, image.columns),
@@ -303,7 +306,7 @@ class CameraSettings(Module):
         ):
             if not math.isfinite(interval * samples):
                 raise ParameterError(
-                    name, interval, "small enough that the view stays within the scene"
+                    name, interval, "the scene's extent on the ground must be a finite number"
                 )
         return Ground(image.rows, image.columns, x, y)
 
@@ -321,14 +324,14 @@ class CameraGeometry(
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples equal angles, so its samples grow as sec² across the track and as sec along it
-    (panoramic distortion). A pushbroom and a framing camera sample equal steps in the focal plane.
-    The flight runs down the picture, and its lines are equally spaced on the ground. Each sample is
-    the mean of the scene over its whole footprint, so nothing aliases and a uniform scene stays
-    uniform. Blur comes afterwards: choose samples finer than the detector, and combine pixels after
-    the detector's MTF.
+    samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
+    (panoramic distortion). A pushbroom and a framing camera sample at equal steps in the focal
+    plane. The flight direction is down the picture, and scan lines are equally spaced on the
+    ground. Each sample is the mean of the scene over its whole footprint, so nothing aliases and a
+    uniform scene stays uniform. Blur comes afterwards: choose samples finer than the detector, and
+    combine pixels after the detector's MTF.
 
-    Footprints along the scene's rows or columns, as without yaw, are exact. With roll or pitch
+    Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
     are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
     sections 2 and 5.3, for the Salacain camera.
@@ -351,9 +354,7 @@ class CameraGeometry(
         Between,
         Param("interpolation between scene samples: constant areas, straight lines, or parabolas"),
     ] = "area"
-    strips: Annotated[
-        int, Param("strips that an oblique footprint is cut into", low=1, high=64)
-    ] = 4
+    strips: Annotated[int, Param("number of strips per oblique footprint", low=1, high=64)] = 4
     outside: Annotated[
         Literal["refuse", "fill"], Param("what the camera sees beyond the scene")
     ] = "refuse"
@@ -437,7 +438,7 @@ class CameraGeometry(
         )
         return Preview(
             f"field {brief(field_deg(camera=camera))}°, ground sample "
-            f"{pair(*samples[_PREVIEW_POINTS // 2])} m in the middle, "
+            f"{pair(*samples[_PREVIEW_POINTS // 2])} m at the centre, "
             f"{pair(*max(samples[0], samples[-1]))} m at the end",
             (drawn,),
         )
@@ -460,38 +461,38 @@ class CameraGeometry(
         sides = ", ".join(f"{by:.4g} m past its {side} edge" for side, by in past.items())
         raise DataError(
             f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the camera sees "
-            f"{sides}; lower altitude_m, narrow the field, use fewer rows, enlarge "
+            f"{sides}; lower altitude_m, narrow the field of view, use fewer rows, enlarge "
             "ground_interval_m, or set outside = fill"
         )
 
     @readout("m")
     def swath_m(self, image: Image) -> float:
-        """Ground that the middle line shows, from end to end."""
+        """Ground covered by the middle line, from end to end."""
         return swath_m(self.camera(image))
 
     @readout("m")
     def gsd_x_m(self, image: Image) -> float:
-        """Ground sample across the track, in the middle of the frame."""
+        """Ground sample distance across the track, at the centre of the frame."""
         return _sample(self.camera(image), 0.5)[0]
 
     @readout("m")
     def gsd_y_m(self, image: Image) -> float:
-        """Ground sample along the track, in the middle of the frame."""
+        """Ground sample distance along the track, at the centre of the frame."""
         return _sample(self.camera(image), 0.5)[1]
 
     @readout("m")
     def gsd_edge_x_m(self, image: Image) -> float:
-        """Ground sample across the track, at the farther end of the middle line."""
+        """Ground sample distance across the track, at the farther end of the middle line."""
         return max(_sample(self.camera(image), end)[0] for end in (0.0, 1.0))
 
     @readout("m")
     def gsd_edge_y_m(self, image: Image) -> float:
-        """Ground sample along the track, at the farther end of the middle line."""
+        """Ground sample distance along the track, at the farther end of the middle line."""
         return max(_sample(self.camera(image), end)[1] for end in (0.0, 1.0))
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample across the track at the farther end, divided by the one in the middle."""
+        """Ground sample distance across the track: farther end divided by centre."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 
@@ -507,12 +508,12 @@ class CameraGeometry(
 
     @readout("m")
     def line_spacing_m(self, image: Image) -> float | None:
-        """Distance flown from one line to the next; none for a framing camera."""
+        """Distance flown between lines; none for a framing camera."""
         return self.camera(image).line_spacing_m or None
 
     @readout()
     def lines(self, outputs: CameraOutputs) -> int:
-        """Lines of the frame."""
+        """Number of lines in the frame."""
         return outputs.image.rows
 
     figures = TableFigures(

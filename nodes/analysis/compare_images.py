@@ -30,11 +30,12 @@ class CompareOutputs(NamedTuple):
 class CompareImages(Module, key="compare_images", title="Compare Images", group="Analysis"):
     """Measure the difference between a picture and a reference of the same size.
 
-    It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
-    whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
-    the picture's spectrum by the reference's, on both frequency axes. In rings it is the root of
-    the power ratio. Frequencies where the reference has only rounding errors are left out. For a
-    frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF itself.
+    It gives the root mean square, largest and mean differences, and the peak signal-to-noise ratio
+    (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The MTF ratio is the
+    modulus of the picture's spectrum divided by the modulus of the reference's spectrum, along both
+    frequency axes. Averaged in rings, it is the square root of the ratio of the power spectra.
+    Frequencies where the reference contains only rounding errors are left out. For a frame filtered
+    with mirrored edges, set `edges` to `reflect`; the ratio is then the MTF itself.
     """
 
     formulas = (

@@ -50,46 +50,48 @@ class MeritOutputs(NamedTuple):
 
 
 class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
-    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that made a picture.
+    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that took a picture.
 
-    Transfer function and noise are predicted from the picture's chain; no noise is drawn or
-    measured. SNR and background use the mean of the picture without noise and without gain and bias
-    errors. Connect the picture as the sensor samples it, before a frame grabber interpolates it:
-    its samples set the Nyquist frequency and the noise bandwidth.
+    The transfer function and the noise are predicted from the picture's chain; no noise is drawn or
+    measured. The SNR and the background temperature use the picture's mean without noise, gain
+    errors or bias errors. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it: its samples set the Nyquist frequency and the noise bandwidth.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
-    averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
-    limit. `flir92` also uses fixed patterns, which do not average over time. It ends at Nyquist
-    where the sensor samples. The averaging of temporal noise uses its spectrum in the picture. The
-    2-D MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
-    SNR_th·σ divided by the mean of the target's blurred image.
+    averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
+    limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
+    in which the sensor samples, its MRTD ends at the Nyquist frequency. Temporal noise is averaged
+    according to its spectrum in the picture. The frequency of the 2-D MRTD is the geometric mean of
+    the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
+    divided by the mean of the target's blurred image.
 
-    `scanning` sets where the sensor samples. `staring` samples in both directions, `serial_scan`
-    only from line to line, as one detector scans along x. `parallel_scan` samples only from
-    detector to detector; they lie along x on platform `push` and otherwise along y. The noise
-    differs too, and is taken from the picture. One detector instead of n is n times as fast, so
-    bandwidth_Hz rises and the noise with it, by √n. Gain and bias errors leave no pattern on `line`
-    with one detector. On `push` they give σ_h, which hides upright bars, and on `array` σ_vh. 1/f
-    noise of channels (σ_tv) is not simulated.
+    `scanning` sets the directions in which the sensor samples. `staring` samples in both.
+    `serial_scan` samples only from line to line, because one detector scans along x.
+    `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
+    along y. The noise also depends on the scanning; it is taken from the picture. One detector in
+    place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
+    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`
+    they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
+    channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature. It
-    is refused unless `background_K` gives the temperature of the scene's own emission. Use Image
-    Quality for such pictures. All figures in K apply at the camera, behind the air, for the
-    background as it appears there. The ΔT that remains at a range is ΔT·exp(−extinction·range).
-    Behind an Atmospheric Path it follows from the path's τ(R) at each wavelength, weighted by
-    dL/dT.
+    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature.
+    Such a picture is refused unless `background_K` gives the temperature of the scene's own
+    emission. Use Image Quality instead. All figures in K apply at the camera, after the atmosphere,
+    with the background's apparent temperature there. The apparent ΔT at a range is
+    ΔT·exp(−extinction·range). After an Atmospheric Path, it follows from the path's τ(R) at each
+    wavelength, weighted by dL/dT.
 
-    Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
-    ΔT equals the 2-D MRTD, divided by N50.
+    Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
+    resolved is the one where the target's apparent ΔT equals the 2-D MRTD.
 
     TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
-    sum of squares of the eye's threshold through the MTF and the MRTD's contrast. With
-    `system_contrast_threshold` it is the published CTF_eye/MTF·√(1 + α²·σ²/S²), for which V50
-    values are published. There α = 169.6 √Hz, S is the scene contrast, and σ the noise in K·√s that
-    passes the eyeball and the eye's channel at the frequency. `flir92` includes fixed patterns.
-    Display and eye are not part of the MRTD. The defaults are a target of 2.3 m and 2 K, and N50
-    for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; it could not be
-    checked.
+    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` it
+    is the published CTF_eye/MTF·√(1 + α²·σ²/S²); published V50 values belong to it. Here α = 169.6
+    √Hz, S is the scene contrast, and σ is the noise in K·√s that passes the eyeball and the eye's
+    visual channel at that frequency. `flir92` includes fixed patterns. The MRTD includes neither
+    the display nor the eye's contrast threshold. The defaults are a target of 2.3 m with ΔT = 2 K,
+    and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; this value
+    could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -191,21 +193,21 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     n50_detection: Annotated[
         float,
         Param(
-            "cycles for 50 % detection; 1 for the MRTD of one direction",
+            "cycles for 50 % detection; 1 for the MRTD in one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 0.75  # fmt: skip
     n50_recognition: Annotated[
         float,
         Param(
-            "cycles for 50 % recognition; 4 for the MRTD of one direction",
+            "cycles for 50 % recognition; 4 for the MRTD in one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 3.0  # fmt: skip
     n50_identification: Annotated[
         float,
         Param(
-            "cycles for 50 % identification; 6.4 for the MRTD of one direction",
+            "cycles for 50 % identification; 6.4 for the MRTD in one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 6.0  # fmt: skip
@@ -240,14 +242,14 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     display_deg: Annotated[
         float,
         Param(
-            "TTP: angle that the display fills at the eye",
+            "TTP: angle that the display subtends at the eye",
             low=0, above=True, high=180, slider=(1, 60),
         ),
     ] = 15.0  # fmt: skip
     magnification: Annotated[
         float | None,
         Param(
-            "TTP: angle on the display divided by the angle in the scene; empty: the picture "
+            "TTP: magnification, angle on the display / angle in the scene; empty: the picture "
             "fills the display",
             low=0, slider=(0, 20),
         ),
@@ -286,9 +288,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         shortest = (known or band_um)[0]
         if shortest < SHORTEST_THERMAL_UM and self.background_K is None:
             raise DataError(
-                f"the band begins at {shortest:g} µm, where a scene reflects light and shows no "
-                "temperature: NETD, MRTD, MDTD and the ranges from them do not apply; use Image "
-                "Quality, or give background_K for a scene hot enough to emit there"
+                f"the band begins at {shortest:g} µm, where a scene reflects light, which has no "
+                "temperature: NETD, MRTD, MDTD and the ranges derived from them do not apply; use "
+                "Image Quality, or give background_K for a scene hot enough to emit in this band"
             )
         seen = here.step(
             sensitivity,
@@ -325,14 +327,14 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """The picture is not radiance, and its chain does not say how it was converted."""
+        """The picture is not in radiance, and its chain does not include the conversion."""
         if image.interval_x_mrad is not None and transfer_of(image, of_camera=True).levels:
             return None
         return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
 
     @warning
     def extinction(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """An extinction is entered, but an Atmospheric Path before this gives the transmission."""
+        """An extinction is given, but an Atmospheric Path sets the transmission."""
         if "extinction_per_km" not in given or not image.air:
             return None
         paths = [air for air in image.air if air.is_grey and air.range_m]
@@ -343,7 +345,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         return Caution(
             f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the ranges are "
             "computed with the transmission of the Atmospheric Path before this node",
-            "clear it here, or set it on Atmospheric Path",
+            "clear extinction_per_km here, or set the extinction on Atmospheric Path",
         )
 
     @warning
@@ -354,15 +356,15 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             return None
         if image.frame_rate_Hz is not None and not alike(rate, image.frame_rate_Hz):
             return Caution(
-                f"frame_rate_Hz = {rate:g} Hz here, {image.frame_rate_Hz:g} Hz on Microbolometer",
-                "enter the same frame rate on both, or link one to the other",
+                f"frame_rate_Hz = {rate:g} Hz here but {image.frame_rate_Hz:g} Hz on "
+                "Microbolometer",
+                "set both to the same frame rate, or link one to the other",
             )
         if exposure_s is None or context.platform != "array" or exposure_s * rate <= 1 + NEAR:
             return None
         return Caution(
-            f"the exposure does not fit into a frame: integration_time_s is "
-            f"{1000 * exposure_s:.4g} ms, and a frame {1000 / rate:.4g} ms at frame_rate_Hz = "
-            f"{rate:g} Hz",
+            f"the exposure is longer than a frame: integration_time_s is {1000 * exposure_s:.4g} "
+            f"ms, but a frame lasts {1000 / rate:.4g} ms at frame_rate_Hz = {rate:g} Hz",
             "lower frame_rate_Hz or the integration time",
         )
 
@@ -432,7 +434,7 @@ def _air(image: Image, context: Context) -> tuple[AirPath, ...]:
     )
     if any(air.range_m is None for air in paths):
         raise DataError(
-            "Atmospheric Path has a transmission but no range, so the transmission at other ranges "
-            "is not known: give range_m there, on Camera or on Init & Trans"
+            "Atmospheric Path has a transmission but no range, so the transmission at other "
+            "ranges is unknown: give range_m on Atmospheric Path, Camera or Init & Trans"
         )
     return paths

@@ -42,28 +42,30 @@ class QualityOutputs(NamedTuple):
 class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
-    The ground sample distance is the picture's interval times the range, in the plane normal to the
-    line of sight. GIQE 3 uses this distance. GIQE 4 uses the distance on the ground, divided by
-    √sin e, with e the elevation of the line of sight seen from the target. GIQE 5 uses their
-    geometric mean, divided by sin e to the power ¼. The relative edge response (RER) is how far an
-    edge rises within one sample around it; the overshoot H is its height 1 to 3 samples beside it.
-    Both follow from the chain's transfer functions, and the SNR from its signal and temporal noise.
-    No noise is drawn or measured. GSD, RER and H are geometric means of both directions; in GIQE 5
-    the worse RER counts twice. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it.
+    In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
+    sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
+    GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
+    geometric mean of these two, GSD/(sin e)^¼. The relative edge response (RER) is the rise of the
+    edge response from half a sample before the edge to half a sample after it. The overshoot H is
+    the height of the edge response 1 to 3 samples beyond the edge. Both follow from the chain's
+    transfer functions; the SNR follows from its signal and temporal noise. No noise is drawn or
+    measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse RER
+    counts twice. Connect the picture as the sensor samples it, before a frame grabber interpolates
+    it.
 
-    With `snr_of` = `contrast` the SNR is that of a contrast: the difference in signal between
-    surfaces of 15 % and 7 % reflectance, divided by the noise. If the scene is in reflectance and
-    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
-    mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is then 8/15 of the
-    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
+    With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
+    reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
+    it to radiance, the difference follows from the illumination and the atmosphere set there.
+    Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is
+    then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses the mean
+    signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
     first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
     fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
-    130. A warning names values beyond these limits. The limits of the other versions could not be
+    130. A warning lists values outside these limits. The limits of the other versions could not be
     checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
@@ -113,8 +115,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     ] = None  # fmt: skip
     elevation_deg: Annotated[
         float | None,
-        Param("elevation of the line of sight at the target; empty: 90° less off_nadir_deg, or "
-              "from Camera's orbit if that is 0", low=0, high=90, slider=(5, 90)),
+        Param("elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or "
+              "from Camera's orbit if off_nadir_deg is 0", low=0, high=90, slider=(5, 90)),
     ] = None  # fmt: skip
     off_nadir_deg: Annotated[
         float,
@@ -129,7 +131,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     ] = None
     snr_of: Annotated[
         Literal["contrast", "mean"],
-        Param("signal of the SNR: the contrast of 15 % and 7 % reflectance, or the mean"),
+        Param("signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean"),
     ] = "contrast"
     rer_x: Annotated[
         float | None,
@@ -185,7 +187,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             km = given("range_m", self.range_m, context) / 1000.0
             across, along = grid.interval_x_mrad * km, grid.interval_y_mrad * km
         what = (
-            "contrast of 15 % and 7 % reflectance" if self.snr_of == "contrast" else "mean signal"
+            "contrast between 15 % and 7 % reflectance" if self.snr_of == "contrast" else "mean signal"
         )
         words = "as entered" if self.snr is not None else f"{what} divided by temporal noise"
         return {
@@ -207,14 +209,14 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             return None
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so its mean radiance is "
-            "assumed to come from a surface of 15 % reflectance, and the contrast with 7 % is 8/15 "
-            "of it",
+            "assumed to come from a surface of 15 % reflectance; the contrast with a surface of "
+            "7 % is then 8/15 of the mean",
             "give the scene in reflectance with Reflected Light, enter snr, or set snr_of to mean",
         )
 
     @warning
     def view(self, context: Context) -> Caution | None:
-        """A look angle or range is not used, or is not the one of Camera's orbit."""
+        """A look angle or range is not used, or differs from Camera's orbit."""
         if self.elevation_deg is not None and self.off_nadir_deg:
             return Caution(
                 f"off_nadir_deg = {self.off_nadir_deg:g}° is not used: elevation_deg = "
@@ -242,14 +244,14 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         if band is None or band[0] < SHORTEST_THERMAL_UM:
             return None
         return Caution(
-            f"NIIRS may not apply: the picture's band, {band[0]:g} to {band[1]:g} µm, is "
-            "thermal, and these equations are fitted to visible pictures",
+            f"NIIRS may not apply: the picture's band, {band[0]:g} to {band[1]:g} µm, is thermal, "
+            "but these equations were fitted to visible pictures",
             "use Figures of Merit, or use NIIRS only to compare similar cameras",
         )
 
     @warning
     def limits(self, outputs: QualityOutputs) -> Recipe:
-        """A value lies outside the range to which the equations were fitted."""
+        """A value lies outside the range over which the equations were fitted."""
         return Step.of(limits_caution, outputs.table.recipe)
 
     figures = TableFigures(
@@ -329,7 +331,7 @@ def signal_over_noise(
         signal = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
         if not signal > 0.0:
             raise DataError(
-                f"the picture's mean signal is {signal:.6g}; its SNR needs a signal above zero"
+                f"the picture's mean signal is {signal:.6g}, but the SNR needs a signal above zero"
             )
         if snr_of == "contrast":
             signal *= (BRIGHT - DARK) / BRIGHT
@@ -363,7 +365,7 @@ def quality_table(
     rer = _mean("relative edge response", (rer_x, rer_y))
     worse_twice = float(giqe.weighted_rer(rer_x=rer_x, rer_y=rer_y))
     if overshoot is None:
-        overshoot = _mean("largest height of the edge response near the edge", edge.overshoot)
+        overshoot = _mean("largest edge response near the edge", edge.overshoot)
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
     if not isinstance(snr, Unseen):
@@ -378,7 +380,7 @@ def quality_table(
         ("giqe3", third, "NIIRS", "GIQE 3, with overshoot H and noise gain G", why),
         ("gsd_m", gsd_m, "m", "ground sample distance normal to the line of sight (GIQE 3)"),
         ("gsd_ground_m", ground, "m", "ground sample distance on the ground (GIQE 4)"),
-        ("gsd_weighted_m", weighted, "m", "geometric mean of these two (GIQE 5)"),
+        ("gsd_weighted_m", weighted, "m", "geometric mean of these two distances (GIQE 5)"),
         ("gsd_inch", gsd_m / giqe.INCH_M, "in",
          "ground sample distance normal to the line of sight"),
         ("elevation_deg", elevation_deg, "deg",
@@ -410,7 +412,7 @@ def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
         Series(name, _DRAWN, response)
         for name, response in zip(("horizontal", "vertical"), edge.response, strict=True)
     )
-    return CurveData("Edge response", "samples beside the edge", "response", series)
+    return CurveData("Edge response", "distance from the edge (samples)", "response", series)
 
 
 @ends_lineage
@@ -424,6 +426,6 @@ def limits_caution(work: Work, table: TableData) -> Caution | None:
     if not beyond:
         return None
     return Caution(
-        f"beyond the limits of the image quality equations: {', '.join(beyond)}",
+        f"outside the limits of the image quality equations: {', '.join(beyond)}",
         "treat NIIRS as an extrapolation",
     )

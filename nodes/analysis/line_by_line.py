@@ -87,7 +87,7 @@ def difference_table(
          "largest difference, as a fraction of the range"),
         ("max_view_deg", float(degrees[worst]), "deg", "view angle of the largest difference"),
         ("rms_worst_percent", scale * percent, "%",
-         "rms difference at the view angle where it is largest"),
+         "largest rms difference at any view angle"),
         ("rms_worst_view_deg", float(degrees[worst_rms]), "deg",
          "view angle of the largest rms difference"),
         ("rms_difference", total, unit, "line by line minus whole image"),
@@ -102,7 +102,7 @@ def difference_table(
         ("scale_nodes", filtered.nodes, "",
          "sampling intervals at which non-separable factors were computed"),
         ("response_error", filtered.response_error, "",
-         "error of the transfer function caused by the interpolation"),
+         "interpolation error of the transfer function"),
         ("error_percent", filtered.picture_error * percent, "%",
          "estimated error of the interpolation"),
     )  # fmt: skip
@@ -138,27 +138,27 @@ class LineOutputs(NamedTuple):
 
 
 class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analysis"):
-    """Filter a line scanner's frame with its true sampling; use it instead of Back Transform.
+    """Filter a line scanner's frame at its true sampling intervals, in place of Back Transform.
 
     A line scanner samples at equal angles along the scan and at equal distances on the ground along
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale for the frame, factors along the flight one per column. Pupils and other
-    non-separable factors have both. All factors are in angles at the sensor, as in their own
+    scan use one interval for the whole frame, factors along the flight one per column. Pupils and
+    other non-separable factors use both. All factors are in angles at the sensor, as in their own
     modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
     Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
-    estimate of the error, or summed exactly for each interval (`direct`). For a pushbroom or an
-    array, which sample evenly, both outputs agree. The ground is assumed flat, and motion blur has
-    the same angle as at nadir.
+    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
+    arrays sample evenly, so both outputs agree for them. The ground is assumed to be flat, and
+    motion blur to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
     largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
     % in 60°, 5 % in 90° and 10 % in 120°. Its rms is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the
-    thesis' field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to
-    4 times as long (`imagechain bench`, table scanning), `direct` 60 times and more. Source:
-    Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+    thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to
+    4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more.
+    Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
     """
 
     formulas = (
@@ -188,7 +188,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     nadir_column: Annotated[
         float | None,
         Param(
-            "sample of a scan line at nadir, counted from 0; empty: from the look angle",
+            "index of the scan line's sample at nadir, counted from 0; empty: from the look angle",
             unit="px",
             low=-65536,
             high=131072,
@@ -199,8 +199,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     spacing: Annotated[
         Literal["frame", "flight", "typed"],
         Param(
-            "spacing of lines at nadir: the frame's interval, one line per turn at Init & "
-            "Trans's velocity and scan rate, or the value below"
+            "line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate "
+            "(one line per turn), or the value below"
         ),
     ] = "frame"
     line_spacing_m: Annotated[
@@ -227,7 +227,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ),
     ] = None
     tolerance: Annotated[
-        float, Param("largest error of the transfer function from interpolation", low=0, high=1)
+        float, Param("largest interpolation error allowed in the transfer function", low=0, high=1)
     ] = 1e-5
 
     panel = (
@@ -242,7 +242,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def check(self) -> None:
         if self.nadir_column is not None and self.look_angle_deg != 0.0:
             raise ParameterError(
-                "nadir_column", self.nadir_column, "empty where look_angle_deg is given"
+                "nadir_column", self.nadir_column, "must be empty if look_angle_deg is given"
             )
 
     def run(
@@ -306,7 +306,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         except ParameterError as error:
             field = math.degrees(columns * interval * 1e-3)
             allowed = (
-                f"the scan reaches the horizon with a field of view of {field:g}°; use a narrower "
+                f"with a field of view of {field:g}° the scan reaches the horizon; use a narrower "
                 "field, or look closer to nadir"
             )
             raise ParameterError(name, value, allowed) from error

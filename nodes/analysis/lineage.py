@@ -271,8 +271,8 @@ class ImageNoise:
     def require_known(self) -> None:
         if self.unknown:
             raise DataError(
-                f"the noise after {', '.join(self.unknown)} cannot be computed: connect the "
-                "picture before it"
+                f"the noise after {', '.join(self.unknown)} cannot be computed: connect an earlier "
+                "picture"
             )
 
 
@@ -305,7 +305,7 @@ class NoiseOf(Recipe):
 
     @property
     def in_words(self) -> str:
-        return "computing noise that passes filters and patterns"
+        return "propagating noise through filters and patterns"
 
     @property
     def in_blocks(self) -> bool:
@@ -344,9 +344,9 @@ class NoiseOf(Recipe):
         if work.blocks is not None and work.blocks.disk.wants(self.image.shape, np.float64):
             names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))
             raise DataError(
-                f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} "
-                "samples must be computed in one piece, and "
-                f"{amount_text(work.blocks.disk.memory_bytes)} of memory is too little for it",
+                f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} samples "
+                f"must be computed in one piece, but {amount_text(work.blocks.disk.memory_bytes)} "
+                "of memory is not enough",
                 hint="give more with --memory",
             )
         without = noise_free(picture)

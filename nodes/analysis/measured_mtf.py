@@ -93,7 +93,7 @@ def table_of(
         ("largest_difference_at", one and scaled(one.largest_difference_at), unit_of_axis,
          "frequency of the largest difference"),
         ("scene_blur", one and one.scene, "",
-         "the scene's own blur; part of the expected MTF if it is known"),
+         "blur of the scene itself; if known, part of the expected MTF"),
     ]  # fmt: skip
     return TableData.of(*rows)
 
@@ -140,28 +140,29 @@ class MeasuredOutputs(NamedTuple):
 class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analysis"):
     """Measure the MTF from an edge or a line in a picture.
 
-    `slanted_edge` finds the angle of the edge and sorts the samples by their distance from it into
-    bins of a quarter sample. The derivative of the bin means is windowed and Fourier transformed,
-    and corrected for the responses of the bins and of the derivative. Frequencies are along the
-    edge's normal. `row_average` averages the rows, drops the flat ends and Fourier transforms the
-    derivative. The MTF is its modulus divided by the largest value; the response of the derivative,
-    0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
+    `slanted_edge` finds the angle of the edge and sorts the samples into quarter-sample bins by
+    their distance from the edge. The derivative of the bin means is windowed and Fourier
+    transformed, and corrected for the responses of the bins and of the derivative. Frequencies are
+    along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
+    transforms the derivative. The MTF is its modulus divided by the largest value; the response of
+    the derivative, 0.64 at Nyquist, is not corrected. Standard errors are estimated by leaving out
+    rows (jackknife).
 
     `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
-    all stages from the source on, and the blur of a test scene's samples, which are means over
-    their area. The blur of a scene from a file is unknown and not included; a picture straight from
-    a file has no expected MTF. Aliasing in `row_average` is not included. `imagechain measure`
-    finds the edges in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to
-    5.70 and appendix B.
+    all stages from the source on. For a test scene, it also includes the blur of the scene's
+    samples, which are means over their area. The blur of a scene from a file is unknown and not
+    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
+    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
+    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
     """
 
     formulas = (
         Formula(
             r"\mathrm{MTF}(f)=\frac{1}{\mathrm{sinc}(f/4)\,\mathrm{sinc}(f/2)}\;\left|\frac{"
             r"\sum_j w_j\,\ell_j\,e^{-2\pi ifx_j}}{\sum_j w_j\,\ell_j}\right|",
-            where="ℓ: line spread, the central difference of the edge in quarters of a "
-            "sample; w: window; f: cycles per sample along the edge's normal; the sincs "
-            "correct for the quarter-sample bins and the difference",
+            where="ℓ: line spread, the central difference of the edge in quarter-sample steps; "
+            "w: window; f: cycles per sample along the edge's normal; the sincs correct "
+            "for the quarter-sample bins and the finite difference",
             when="slanted_edge",
         ),
         Formula(
@@ -173,15 +174,15 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
 
     method: Annotated[
         Literal["slanted_edge", "row_average"],
-        Param("ISO 12233 for a slanted edge, or the thesis's method for an upright edge"),
+        Param("ISO 12233 for a slanted edge, or the thesis's method for a vertical edge"),
     ] = "slanted_edge"
     target: Annotated[
-        Target, Param("what the region shows; the width of a line counts as blur")
+        Target, Param("feature in the region: an edge, or a line, whose width counts as blur")
     ] = "edge"
     direction: Annotated[
         Direction,
         Param(
-            "direction of the measurement: horizontal (for an upright edge), vertical, or "
+            "direction of the measurement: horizontal (for a vertical edge), vertical, or "
             "automatic: the direction of the larger change"
         ),
     ] = "automatic"

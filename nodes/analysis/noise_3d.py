@@ -30,26 +30,29 @@ class NoiseOutputs(NamedTuple):
 
 
 class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
-    """Split noise into its 3-D components: time (t), rows (v), columns (h), and combinations.
+    """Split noise into its 3-D components: time (t), rows (v), columns (h), and their combinations.
 
     Predicted: the noise of every source in the chain is propagated to this picture through all
-    later transfer functions, combined pixels and interpolation. Measured: frames of the picture are
+    later transfer functions, pixel combining and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
     is subtracted, and unbiased estimates split the variance into the seven components. The
     prediction is an average over all sensors of this kind, but only one pattern is measured. With
-    few rows or columns, the measured fixed components therefore scatter about it. Noise correlated
-    between neighbours also appears in σ tv and σ th. Rounding counts as noise. With `path`, a file
-    of frames, for example from a camera, is measured instead, one frame at a time. Everything that
-    stays from frame to frame, including the scene, then counts as fixed pattern. Use frames of a
-    uniform scene. If a picture is linked too, its prediction is shown beside the measurement.
-    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
-    McCulloch 1992, Variance Components (unbiased estimates).
+    few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
+    correlated between neighbours also appears in σ tv and σ th. Rounding counts as noise. With
+    `path`, a file of frames, for example from a camera, is measured instead, one frame at a time.
+    Everything that stays from frame to frame, including the scene, then counts as fixed pattern.
+    Use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (
         Formula(
             r"N=N_t+N_v+N_h+N_{tv}+N_{th}+N_{vh}+N_{tvh}",
-            where="independent fields that vary with time (t), row (v), column (h), or several",
+            where=(
+                "independent fields that vary with time (t), row (v), column (h), or several "
+                "of these"
+            ),
         ),
         Formula(
             r"\sigma^2=\sigma_t^2+\sigma_v^2+\sigma_h^2+\sigma_{tv}^2+\sigma_{th}^2+\sigma_{"
@@ -84,7 +87,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
     def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
         if image is None and self.path is None:
-            raise ParameterError("path", None, "a file of frames, if no image is linked")
+            raise ParameterError("path", None, "give a file of frames, or link an image")
         noises: tuple[Recipe, ...] = ()
         unit = "" if image is None else image.unit
         if image is not None:
@@ -125,16 +128,16 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
     stamps = stamps_of(file, header_beside(file))
     known = _described(file, stamps)
     if known.frames < 2:
-        raise DataError(f"{file}: only one frame; temporal noise needs 2 or more")
+        raise DataError(f"{file} has only one frame; temporal noise needs 2 or more")
     if image is not None and image.shape != (known.rows, known.columns):
         raise DataError(
             f"{file}: frames of {known.rows} × {known.columns} samples, but the linked picture has "
-            f"{image.rows} × {image.columns}: link a picture of the same camera, or none"
+            f"{image.rows} × {image.columns}: link a picture of the same camera, or no picture"
         )
     if image is not None and known.unit and known.unit != image.unit:
         raise DataError(
             f"{file}: frames in {known.unit!r:.40}, but the linked picture is in "
-            f"{image.unit!r:.40}: link a picture in the same unit, or none"
+            f"{image.unit!r:.40}: link a picture in the same unit, or no picture"
         )
     if known.path != file:
         stamps += stamps_of(known.path)

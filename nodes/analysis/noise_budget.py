@@ -20,13 +20,13 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     """Show how much each source contributes to the noise, and each stage to the blur.
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
-    propagated to the picture through all later filters, combined pixels and interpolation.
+    propagated to the picture through all later filters, pixel combining and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` means the
-    patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
-    as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
-    blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
-    this part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do not
-    blur.
+    patterns that stay the same from frame to frame, averaged over all sensors of this kind.
+    Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
+    of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
+    it recovers that part of the loss. A stage with an MTF of zero is assigned all of the blur.
+    Phases do not count as blur.
     """
 
     formulas = (

@@ -36,15 +36,15 @@ class SpatialOutputs(NamedTuple):
 
 
 class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analysis"):
-    """Blur by convolution with the impulse response; use it instead of Back Transform.
+    """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
-    It takes the inputs of Back Transform: the impulse response is the inverse transform of all
+    It has the same inputs as Back Transform. The impulse response is the inverse transform of all
     collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
     otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
     except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
-    largest deviation from its mean. The bound is the sum of the moduli of what was cut off. The
-    mean does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings
-    and cannot be both short and precise.
+    largest deviation from its mean. The bound is the sum of the moduli of the truncated kernel
+    values. The picture's mean does not change. If a transfer function has not fallen to zero at
+    Nyquist, its kernel rings and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
@@ -75,7 +75,11 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     ] = 16
     error: Annotated[
         float,
-        Param("largest error, as a fraction of the scene's departure from its mean", low=0, high=1),
+        Param(
+            "largest error, as a fraction of the scene's largest deviation from its mean",
+            low=0,
+            high=1,
+        ),
     ] = 0.001
 
     panel = (
@@ -114,7 +118,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     figures = TableFigures(
         ("taps", "", "Multiplications per sample."),
         ("error_bound", "", "Largest error from truncated kernels, as a fraction of the scene's "
-         "largest departure from its mean."),
+         "largest deviation from its mean."),
     )  # fmt: skip
 
 
@@ -177,7 +181,7 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
         ("taps_y", along, "", "for the pass along y"),
         ("taps_plane", sum(k.taps.size for k in planes), "", "for the two-dimensional kernel"),
         ("error_bound", kernels.error_bound, "",
-         "largest error, as a fraction of the scene's largest departure from its mean"),
+         "largest error, as a fraction of the scene's largest deviation from its mean"),
     )  # fmt: skip
 
 
@@ -269,7 +273,7 @@ class Kernels:
 
     @property
     def error_bound(self) -> float:
-        """Largest error of a sample over the scene's largest departure from its mean.
+        """Largest error of a sample over the scene's largest deviation from its mean.
 
         A tap h that is left out changes a sample by |h| times that departure at most. Of passes
         in turn, each one's loss goes through the others.

@@ -131,7 +131,7 @@ def sensitivity(
     if background_K is None:
         if not scene > 0.0:
             raise DataError(
-                f"the picture's mean {seen.mean:.6g} is not the radiance of a background: give "
+                f"the picture's mean {seen.mean:.6g} is not a possible background radiance: give "
                 "background_K"
             )
         background_K = float(brightness_temperature(radiance=scene, **band))
@@ -144,8 +144,8 @@ def sensitivity(
     noise_figures = Sensitivity(mean, background_K, slope, noise, seen.spectrum)
     if not noise_figures.noise_K2.total < _MOST:
         raise DataError(
-            f"a background of {background_K:.6g} K emits almost nothing in this band, so the "
-            "noise cannot be given as a temperature difference: give a warmer background_K"
+            f"a background of {background_K:.6g} K emits almost nothing in this band, so the noise "
+            "cannot be expressed as a temperature difference: give a warmer background_K"
         )
     return noise_figures
 
