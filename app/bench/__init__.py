@@ -17,9 +17,9 @@ PARTS = {
 }
 TITLE = "Imagechain: run time against error"
 LEAD = (
-    "Times are in multiples of T0, the time of irfft2(rfft2(image)) for the same image, type "
-    "and threads. Any Fourier method needs at least T0. The two are timed in turn; the figures are "
-    "medians of the ratios."
+    "Times are in multiples of T0, the time of irfft2(rfft2(image)) for the same image, type and "
+    "threads. Any Fourier method takes at least T0. Each method and T0 are timed alternately; the "
+    "figures are medians of the ratios."
 )
 Measures = Sequence[Callable[[Settings], list[Table]]]
 Measured = Mapping[str, Sequence[Table]]
@@ -47,7 +47,7 @@ def measured(
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, load "
         f"{machine['load']:.1f}; {versions}; transforms by {machine['fft']}\nT0 = "
         "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, type and threads, timed "
-        "in turn with the subject"
+        "alternately with the subject"
     )
     tables: dict[str, list[Table]] = {}
     for name, measures in parts.items():

@@ -69,8 +69,8 @@ def fitting(settings: Settings) -> list[Table]:
         rows.append({**row, **took, **judged(took["seconds"], 5.0)})
     heads = {"subject": "free parameters", "edges": "edges", **TIMES}
     text = (
-        f"A chart of {shape[1]} × {shape[0]} samples. Timed: finding its edges, and fitting to "
-        "them."
+        f"A chart of {shape[1]} × {shape[0]} samples. Timed: finding the edges and fitting the "
+        "network to them."
     )
     return [Table("fit", "Fitting a network to a picture", heads, rows, text)]
 

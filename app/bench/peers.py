@@ -69,11 +69,11 @@ def peers(settings: Settings) -> list[Table]:
     heads = {"program": "program", "version": "version", "size": "size", **T0_HEADS}
     heads |= {"error": "delivered MTF error", "shift": "shift, samples", "note": ""}
     text = (
-        "In every row, T0 is measured on the frame in single precision. `known`: the "
-        "transfer function or PSF has been computed already, and only the frame is new. "
-        "`mirrored`: the frame is mirrored at its edges, so the tails of the point image come "
-        "back into the frame, and the FFT that measures the MTF counts them as error. The extra "
-        "`peers` installs the other programs."
+        "In every row, T0 is measured on the frame in single precision. `known`: the transfer "
+        "function or PSF has been computed already, and only the frame is new. `mirrored`: the "
+        "frame is mirrored at its edges, so the tails of the point spread function fold back into "
+        "the frame, and the FFT that measures the MTF counts them as error. The extra `peers` "
+        "installs the other programs."
     )
     last = ("size", sizes[-1])
     name = f"Aperture and pixel: error of the delivered MTF against time, {sizes[-1]}²"

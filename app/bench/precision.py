@@ -79,8 +79,8 @@ def edges(settings: Settings) -> list[Table]:
     heads = {"choice": "edges", **T0_HEADS, "error": "error / max"}
     heads |= {"border": "difference from reflect", "inside": "the same, 8 samples from the edge"}
     text = (
-        "Reflect is the default: no part of the picture comes from its far side, and the "
-        "frame need not be padded. The columns on the right show what a periodic frame would "
+        "Reflect is the default: nothing wraps around from the opposite side of the picture, and "
+        "the frame needs no padding. The columns on the right show what a periodic frame would "
         "change."
     )
     title = f"Edges: Kodak optics, {settings.small}², single precision, compared with direct sums"
@@ -189,12 +189,12 @@ def pupil_sampling(settings: Settings) -> list[Table]:
     heads = {"shape": "pupil", "method": "method", "choice": "OTF", **T0_HEADS}
     heads["error"] = "largest error"
     text = (
-        "Exact is the default: a sampled pupil never reaches the small error of the closed "
-        "form, however long it takes. Pupils from files and with a wavefront error have no "
-        "closed form and are sampled, by default on 512². Bilinear is the default "
-        "interpolation: it weights the four neighbouring lags the same way in every direction. "
-        "Linear over three has a smaller error with coarse samples, because its facets follow "
-        "the cusp at zero lag. `none` is only for viewing: it filters nothing."
+        "Exact is the default: a sampled pupil never reaches the small error of the closed form, "
+        "however long it takes. Pupils from files and pupils with a wavefront error have no "
+        "closed form and are sampled, by default on 512². Bilinear is the default interpolation: "
+        "it weights the four neighbouring lags the same way in every direction. Linear over three "
+        "has a smaller error with coarse samples, because its facets follow the cusp at zero lag. "
+        "`none` is only for viewing: it does not filter the picture."
     )
     title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
@@ -232,10 +232,10 @@ def wavelengths(settings: Settings) -> list[Table]:
             error = float(np.abs(computed - np.array(means)).max())
             rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
     text = (
-        "The default is 1, the mean wavelength of the band: over the picture's frequencies, "
-        "the OTF of an aperture such as Kodak's is almost a straight line in λ. Use more if "
-        "the cutoff falls among these frequencies, as for the small aperture. The "
-        "reference value is an adaptive integral over the band."
+        "The default is 1, the mean wavelength of the band: over the picture's frequencies, the "
+        "OTF of an aperture such as Kodak's is almost linear in λ. Use more if the cutoff falls "
+        "among these frequencies, as for the small aperture. The reference value is an adaptive "
+        "integral over the band."
     )
     chart = Chart("largest error", "choice", "aperture")
     return [Table("wavelengths", title, heads, rows, text, chart)]
@@ -307,12 +307,12 @@ def poisson(settings: Settings) -> list[Table]:
     heads |= {"error": "Kolmogorov distance", "chance": "by chance"}
     heads["variance"] = "variance / mean − 1"
     text = (
-        "Exact is the default, at every mean up to 1e12. Normal deviates, rounded to counts, "
-        "are least accurate where photons are few; there, exact deviates are also faster, "
+        "Exact deviates are the default, for every mean up to 1e12. Normal deviates, rounded to "
+        "counts, are least accurate where photons are few; there, exact deviates are also faster, "
         "because only the events are drawn. Above a few photons per sample, normal deviates are "
         "faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
-        "difference between the distribution of the deviates and Poisson's; 95 of 100 exact "
-        f"fields of {settings.size}² stay below {chance:.1g}."
+        "difference between the cumulative distributions of the deviates and of Poisson; 95 of "
+        f"100 exact fields of {settings.size}² stay below {chance:.1g}."
     )
     title = f"Poisson deviates, and normal deviates instead: {settings.size}² samples"
     name = f"{title}, against the mean; below {chance:.1g}: chance"
@@ -346,10 +346,10 @@ def skipping(settings: Settings) -> list[Table]:
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
     heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
-        "The default is an eighth of the rounding of the samples: what it leaves out cannot "
-        "be distinguished from rounding. With a larger tolerance the error stays below it too, "
-        "and the run is faster. T0 is "
-        "in single precision in all rows."
+        "The default is one eighth of the samples' rounding error, so the effect of leaving "
+        "stages out cannot be distinguished from rounding. With a larger tolerance, the error "
+        "also stays below the tolerance, and the run is faster. T0 is in single precision in all "
+        "rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"
     name = f"{title}: tolerance (stages left out)"

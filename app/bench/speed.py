@@ -40,8 +40,8 @@ def networks(settings: Settings) -> list[Table]:
     rows += [_unchanged(kodak, settings)]
     title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
     text = (
-        "Cold: only the scene is in memory, and imports are done. Median and quartiles of the "
-        "ratios; the subject and T0 are timed in turn."
+        "Cold: modules are imported, but only the scene is in memory. Median and quartiles of the "
+        "ratios; the subject and T0 are timed alternately."
     )
     name = f"Time of the whole chain and of edits: {title}"
     chart = Chart(title=name, where=("unit", "T0"))
@@ -75,7 +75,7 @@ def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
     edits: list[Subject] = [
         ("edit of an MTF (aberration)", partial(kodak.edited, FINAL, warm, mtf), 2.0, 1.0),
         ("edit of the amplifier's SNR", partial(kodak.edited, FINAL, warm, snr), 0.5, 0.25),
-        ("edit of the bits", partial(kodak.edited, FINAL, warm, bits), 0.5, 0.25),
+        ("edit of the number of bits", partial(kodak.edited, FINAL, warm, bits), 0.5, 0.25),
     ]
     return rows + timed(kodak, edits, settings)
 
@@ -131,7 +131,7 @@ def fresh_process(settings: Settings) -> list[Table]:
     heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
     heads |= {"low": "least", "high": "most"}
     title = f"Fresh process, {settings.size}², median of {starts}"
-    text = "Start of Python, drawing the scene and writing the files are included."
+    text = "Starting Python, drawing the scene and writing the files are included."
     return [Table("fresh_process", title, heads, [row], text)]
 
 

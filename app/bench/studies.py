@@ -29,8 +29,8 @@ HEADS = {
 }  # fmt: skip
 HOW = (
     "The Python loop computes the same points as the study, one after another in one process; "
-    "both give the same rows. The start-up of the processes has its own column and is not "
-    "included in the seconds; processor seconds include all processes and their start-up."
+    "both give the same rows. The processes' start-up time has its own column and is not included "
+    "in the seconds; processor seconds include all processes and their start-up."
 )
 SIDE, LEAST_SIDE = 512, 128
 FIGURES = ("electronics.snr", "electronics.netd_system_K")
@@ -64,8 +64,8 @@ def points_table(side: int, across: int, jobs: Sequence[int]) -> Table:
         variants, lambda n: run_study(network, vary=vary, figures=FIGURES, jobs=n), jobs, 1.3
     )
     text = (
-        "Every value of a Gaussian's width with every signal-to-noise ratio of the amplifier, two "
-        f"figures of merit each. {HOW}"
+        "Every combination of a Gaussian's width and the amplifier's signal-to-noise ratio, with "
+        f"two figures of merit at each point. {HOW}"
     )
     title = f"Study of {across * across} points, {side}², single precision"
     return Table("study_points", title, HEADS, rows, text)

@@ -53,9 +53,8 @@ def transfer_known(image: Image) -> ImageTransfer:
     source = passed.source
     if lineage_of(source) is None:
         raise DataError(
-            f"{source.node or 'a node'}: its effect on a picture is not a known transfer "
-            "function, so an edge cannot be followed through it: mark a picture before it as "
-            "the output, or disable it",
+            f"{source.node or 'a node'} has no known transfer function, so an edge cannot be "
+            "traced through it: mark a picture before it as the output, or disable it",
             hint=HOW_TO_NAME,
         )
     return passed

@@ -32,7 +32,7 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
             "lead",
         ),
         Grid(
-            ("parameter", "value ± standard error", "unit", "value in the network before"),
+            ("parameter", "value ± standard error", "unit", "value before the fit"),
             [_row(result, index) for index in range(len(result.parameters))],
             numbers=(1, 3),
             kind="fitted",
@@ -50,7 +50,7 @@ def _fitted(result: FitResult) -> str:
     count = len(result.fit.patches)
     shape = short(result.fit.misfit.shape_per_degree)
     edges = "1 edge" if count == 1 else f"{count} edges"
-    return f"{edges} (residuals of their shape: {_CHI2}\N{NO-BREAK SPACE}{shape})"
+    return f"{edges} (shape residuals: {_CHI2}\N{NO-BREAK SPACE}{shape})"
 
 
 def _pictures(result: FitResult) -> list[Block]:
@@ -58,17 +58,17 @@ def _pictures(result: FitResult) -> list[Block]:
         Heading(2, "Edges"),
         Drawn(
             patches_png(result),
-            "Patches of the picture, the same patches from the fitted network, and the "
-            "difference in standard deviations of the noise. Where the network is right, the "
-            "difference is only grain; a pattern along the edge means that the network lacks "
-            "something. Above: the direction of the normal.",
+            "Patches of the picture, the same patches from the fitted network, and their "
+            "difference in units of the noise's standard deviation. Where the network is right, "
+            "the difference is only noise; a pattern along the edge means that the network lacks "
+            "an effect. Above each patch: the direction of the normal.",
             "real and simulated patches",
         ),
         Drawn(
             spreads_png(result),
-            "a: samples against their distance from the edge, from the dark level 0 to the "
-            "bright level 1, and the edge spread of the fitted chain. b: mean residuals over "
-            "a quarter of a sample; pure noise lies about 0 within its errors.",
+            "a: samples against distance from the edge, scaled from 0 (dark level) to 1 (bright "
+            "level), and the edge spread of the fitted chain. b: mean residuals in "
+            "quarter-sample bins; pure noise scatters about 0 within its errors.",
             "edges overlaid and residuals",
         ),
         *_table(result),
@@ -135,8 +135,8 @@ def _noise(result: FitResult) -> list[Block]:
         "fitted together with the edges" if result.noise.fitted else "no free parameter changes it"
     )
     caption = (
-        "Variance of a sample in flat areas against the level, with its error, and the "
-        f"prediction from the network's noise budget ({how})."
+        "Sample variance in flat areas against level, with its error, and the prediction from the "
+        f"network's noise budget ({how})."
     )
     return [*blocks, Drawn(noise_png(result.noise), caption, "noise against level")]
 

@@ -94,7 +94,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: its sign has no effect on the edges; it is given as positive"
+            f"{fit.free[i].port}: its sign has no effect on the edges; it is reported as positive"
             for i in fit.unsigned
             if i not in undetermined
         ),
@@ -135,15 +135,15 @@ def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:
         for values in (fit.values, *fit.rivals)
     ]
     return [
-        f"{' and '.join(sets)} fit the edges nearly equally well: none of these is "
+        f"{' and '.join(sets)} fit the edges nearly equally well, so none of these values is "
         "determined; give narrower ranges, or fix one of them"
     ]
 
 
 def _unknown(fit: ChainFit, known: Identified) -> list[str]:
     lines = [
-        f"{fit.free[i].port}: it has no effect on the edges of the picture; it is not "
-        "determined, and keeps its value"
+        f"{fit.free[i].port} has no effect on the edges of the picture: it is not determined and "
+        "keeps its value"
         for i in known.without_effect
     ]
     for members in known.together:
@@ -172,7 +172,7 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
             f"{parameter.port} is at the {'lower' if end == 'low' else 'upper'} end of its range, "
             f"{bound:.6g} {parameter.unit}".rstrip()
             + (
-                ": the standard error says how far from this end the edges allow it to be"
+                ": the standard error is how far from this end the edges still allow it to be"
                 if index in known.limited
                 else ": the best value may lie beyond it, so its standard error means little"
             )
@@ -236,8 +236,8 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
         ]
     left = f"{math.sqrt(excess):.2g} times"
     lines += [
-        f"{fit.free[i].port} is determined by only one of the edges, and the residuals are "
-        f"{left} the noise: its error cannot be found from the scatter between edges, so it is "
+        f"{fit.free[i].port} is determined by only one of the edges, and the residuals are {left} "
+        "the noise: its error cannot be found from the scatter between edges, so the parameter is "
         "treated as not determined"
         for i in lone
     ]

@@ -39,7 +39,9 @@ def free_parameters(
 ) -> tuple[FreeParameter, ...]:
     """The parameters that are named; `option` is what named them, for messages."""
     if not texts:
-        raise UsageError(f"{option}: name what is fitted{_such_as(numbers_of(network, library))}")
+        raise UsageError(
+            f"{option}: name a parameter to fit{_such_as(numbers_of(network, library))}"
+        )
     free = tuple(_one(text, network, library, option) for text in texts)
     seen: set[tuple[str, str]] = set()
     for parameter in free:
@@ -82,7 +84,7 @@ def _given(text: str, network: Network, library: Library, option: str) -> Assign
     raise UsageError(
         f"{option} {text!r:.120}: write {_FORM}{_such_as(like or numbers)}"
         if name or equals
-        else f"{option}: name what is fitted{_such_as(numbers)}"
+        else f"{option}: name a parameter to fit{_such_as(numbers)}"
     )
 
 
@@ -101,7 +103,7 @@ def _one(text: str, network: Network, library: Library, called: str) -> FreePara
     raw = network.nodes[target.node].params.get(target.name, declared.default)
     if isinstance(raw, Mapping) and EXPRESSION in raw:
         raise UsageError(
-            f"{option}: it follows other parameters by an expression; free those instead"
+            f"{option}: an expression computes it from other parameters; fit those instead"
         )
     low, high = _range(declared, target.text, option)
     present = float(raw) if isinstance(raw, int | float) else None

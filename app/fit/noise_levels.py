@@ -92,8 +92,8 @@ class NoiseLevels:
             if not math.isfinite(one) or one < 0.0:
                 one = 0.5 * other
         raise DataError(
-            "no radiance of its source gives the network's final picture a level of "
-            f"{level:.6g}, so its noise at that level is not known"
+            f"no source radiance brings the network's final picture to a level of {level:.6g}, so "
+            "the picture's noise at that level is unknown"
         )
 
     def _field(self, plan: Plan, radiance: float) -> tuple[float, float]:

@@ -47,9 +47,10 @@ class TakenWith:
         own, chain = self.band_um, final.band_um
         if own and chain and (own[0] > chain[1] or chain[0] > own[1]):
             lines.append(
-                f"the picture {self.name} was taken from {own[0]:.4g} to {own[1]:.4g} µm, and "
-                f"the chain works from {chain[0]:.4g} to {chain[1]:.4g} µm: the values are not "
-                "those of its camera; set the chain's band, or fit a picture taken in it"
+                f"the picture {self.name} was taken in the band {own[0]:.4g} to {own[1]:.4g} µm, "
+                f"but the chain covers {chain[0]:.4g} to {chain[1]:.4g} µm: the fitted values do "
+                "not describe the picture's camera; change the chain's band, or fit a picture "
+                "taken in that band"
             )
         for way, mine, other in (
             ("across", self.interval_x_mrad, final.interval_x_mrad),
@@ -57,9 +58,10 @@ class TakenWith:
         ):
             if mine and other and abs(mine / other - 1.0) > _SAME_SIZE:
                 lines.append(
-                    f"a sample of {self.name} is {mine:.4g} mrad {way}, and one of the chain's "
-                    f"final picture {other:.4g} mrad: the values are wrong by about that ratio, "
-                    f"{mine / other:.3g}; set the chain's geometry to the camera's"
+                    f"a sample of {self.name} is {mine:.4g} mrad {way}, but a sample of the "
+                    f"chain's final picture is {other:.4g} mrad: the fitted values are wrong by "
+                    f"about the ratio, {mine / other:.3g}; set the chain's geometry to match the "
+                    "camera"
                 )
         return lines
 
@@ -89,8 +91,8 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
         file = open_picture(path, band=band)
         if file.is_lossy:
             raise DataError(
-                f"{path}: {WITH_LOSS}, so nothing is fitted to it; give a picture that the "
-                "camera stored without loss"
+                f"{path}: {WITH_LOSS}, so it cannot be fitted; give a picture that the camera "
+                "stored without loss"
             )
         refuse_small(str(path), file.rows, file.columns)
         opened.append(file)
@@ -123,8 +125,8 @@ def fit_pictures(
     choice = edges_in(pictures=pictures.samples, clip_levels=pictures.clip_levels, check=work.check)
     if not choice.patches:
         raise DataError(
-            f"{pictures.text}: no edge can be used: {choice.reasons}; imagechain measure shows "
-            "each edge and what would help"
+            f"{pictures.text}: no edge can be used: {choice.reasons}; run imagechain measure to "
+            "see each edge and what would help"
         )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)
@@ -211,8 +213,8 @@ def _notes(choice: "EdgeChoice", final: Image, *, passed_area: bool) -> list[str
         )
     if passed_area:
         lines.append(
-            "the samples of the network's scene are treated as the areas of pixels, because "
-            "pixels are combined from them or no detector averages over an area"
+            "the area of a scene sample is treated as the area of a pixel, because pixels are "
+            "combined from scene samples or no detector averages over an area"
         )
     return lines
 
@@ -232,7 +234,7 @@ class EdgeChoice:
     def reasons(self) -> str:
         """Why candidates were refused, the clearest first, in one line."""
         if not self.refused:
-            return "nothing in it looks like a straight edge"
+            return "no straight edge was found"
         seen = len(self.refused) + len(self.patches)
         return f"of {seen} candidates: {in_words(self.refused)}"
 

@@ -92,10 +92,10 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
             Text(f"No vertical MTF: {measured.reason_y}."),
         ]
     caption = (
-        "MTF of everything from the scene to the stored samples, pooled over the edges used "
-        "and weighted by their errors; grey: edges whose normals lie within 30° of the axis. "
-        "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture contains this contrast "
-        "only as aliasing; slanted edges still show it."
+        "MTF of everything from the scene to the stored samples, pooled over the edges used and "
+        "weighted by their errors; grey: edges whose normals lie within 30° of the axis. Beyond "
+        "the Nyquist frequency, 0.5 cycles/sample, the picture contains this contrast only as "
+        "aliasing, but slanted edges still reveal it."
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
@@ -106,11 +106,11 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
         return []
     heads = ("component", "σ", "unit", "meaning")
     return [
-        Heading(2, "Noise from frame to frame"),
+        Heading(2, "Temporal noise"),
         Grid(heads, frame_rows(measured), numbers=(1,)),
         Text(
-            "What stays from frame to frame includes the scene: to measure fixed patterns, "
-            "give frames of a uniform field to imagechain photon-transfer."
+            "The pattern that stays the same from frame to frame includes the scene. To measure "
+            "fixed patterns, give frames of a uniform field to imagechain photon-transfer."
         ),
     ]
 
@@ -129,9 +129,9 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, those near ±90° "
-                "the vertical one. The standard error is what the pooled MTF in this direction "
-                "would have if only this edge were used. Edges in other directions show how the "
-                "blur changes with direction."
+                "the vertical one. The standard error is the one that the pooled MTF in this "
+                "direction would have if only this edge were used. Edges in other directions show "
+                "how the blur changes with direction."
             ),
         ]
     if refused:
@@ -141,7 +141,7 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
         blocks += [
             Heading(2, "Edges not used"),
             Grid(("edges", "why not"), [(str(n), kind) for kind, n in kinds], numbers=(0,)),
-            Text("imagechain handbook edge_pictures says what helps."),
+            Text("For advice, run imagechain handbook edge_pictures."),
             Grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
         ]
         if len(refused) > len(shown):

@@ -23,8 +23,8 @@ TEMPORAL = {
     "th": "of whole columns, new in every frame",
 }
 _GAMMA = {
-    "usual": "8-bit numbers in this format usually have a gamma",
-    "possible": "8-bit numbers may have a gamma",
+    "usual": "8-bit values in this format are usually gamma-encoded",
+    "possible": "8-bit values may be gamma-encoded",
 }
 NYQUIST = 0.5  # cycles per sample
 _MOST_REASONS = 8
@@ -105,7 +105,7 @@ def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
                 "read_noise",
                 read,
                 unit or "DN",
-                f"noise without light, at {noise.offset_dn:.6g}",
+                f"dark noise, at level {noise.offset_dn:.6g}",
             )
         )
     return rows
@@ -141,7 +141,7 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
 
 def remarks(measured: PictureMeasurement) -> list[str]:
     """What was measured of files with bands, and what could not be measured, and why."""
-    lines = [f"measured in {file.name}: {file.taken}" for file in measured.files if file.taken]
+    lines = [f"measured from {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]
     for words, curve, reason in (
@@ -163,7 +163,8 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             others = sum(edge.used for edge in measured.edges) - curve.edges
             lines.append(
                 f"warning: only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words}: "
-                "the MTF also depends on edges in other directions, and few edges check its error"
+                "the MTF also depends on edges in other directions, and only a few edges confirm "
+                "its error"
                 if others > 0
                 else f"warning: the {words} MTF comes from only {many}, so its error could not be "
                 "checked"
@@ -184,7 +185,7 @@ def remarks(measured: PictureMeasurement) -> list[str]:
         if None in known:
             lines.append(
                 "to get gain and read noise, give `imagechain photon-transfer` frames of flat "
-                "fields at several levels, and frames without light"
+                "fields at several levels, and dark frames"
             )
     if measured.picture_count > 1 and measured.frames is None:
         lines.append(f"temporal noise not measured: {measured.frames_reason}")
@@ -195,7 +196,7 @@ def refused_lines(measured: PictureMeasurement) -> list[str]:
     kinds = counted(edge.why_not for edge in measured.edges if not edge.used)
     lines = [f"{count} not used: {kind}" for kind, count in kinds[:_MOST_REASONS]]
     if lines and not any(edge.used for edge in measured.edges):
-        lines.append("what helps: imagechain handbook edge_pictures")
+        lines.append("for advice, run imagechain handbook edge_pictures")
     return lines
 
 

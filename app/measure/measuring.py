@@ -166,7 +166,7 @@ def refuse_small(name: str, rows: int, columns: int) -> None:
     if min(rows, columns) >= _LEAST:
         return
     colours = (
-        "; from an array (rows, columns, colours) give one colour, (rows, columns)"
+        "; from an array (rows, columns, colours), give a single colour (rows, columns)"
         if columns <= _MOST_COLOURS < rows
         else ""
     )
@@ -180,8 +180,8 @@ def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
     mean = float(picture.mean())
     if not offset < mean:
         raise DataError(
-            f"{name}: its mean level, {mean:.6g}, is not above the dark level, {offset:.6g}: "
-            "give frames without light as --dark, or the number as --offset-dn"
+            f"{name}: its mean level, {mean:.6g}, is not above the dark level, {offset:.6g}: give "
+            "dark frames with --dark, or the dark level with --offset-dn"
         )
 
 
@@ -308,7 +308,7 @@ def with_frames(
         frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
         frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
         frames.step, frames.levels,
-        ("noise means changes from frame to frame, without fixed patterns",), missing,
+        ("noise means temporal noise, without fixed patterns",), missing,
     ), ""  # fmt: skip
 
 
@@ -395,13 +395,13 @@ def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
     words = "horizontal" if direction == "x" else "vertical"
     if not near:
         return (
-            f"no straight edge was found whose normal lies within {LARGEST_ANGLE_DEG:g}° of the "
+            f"no straight edge was found with its normal within {LARGEST_ANGLE_DEG:g}° of the "
             f"{words}"
         )
     if removed := sum(edge.why_not == BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"
-        return f"{many} that would give it {'is' if removed == 1 else 'are'} {BY_HAND}"
+        return f"{many} that would give this MTF {'is' if removed == 1 else 'are'} {BY_HAND}"
     if len(near) == 1:
-        return f"the one edge that would give it cannot be used: {near[0].why_not}"
+        return f"the only edge that would give this MTF cannot be used: {near[0].why_not}"
     reasons = in_words(edge.why_not for edge in near)
-    return f"none of the {len(near)} edges that would give it can be used: {reasons}"
+    return f"none of the {len(near)} edges that would give this MTF can be used: {reasons}"

@@ -162,7 +162,7 @@ def _rows(measured: NetdMeasurement) -> list[Row]:
                 "wavelength_um",
                 wavelength,
                 "µm",
-                "effective wavelength: Planck's law fits the means",
+                "effective wavelength, from fitting Planck's law to the means",
             ),
             ("wavelength_error_um", error, "µm", "its standard error"),
         ]
@@ -173,7 +173,7 @@ def _rows(measured: NetdMeasurement) -> list[Row]:
             "K",
             "middle of the range, where SiTF and NETD apply",
         ),
-        ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with the temperature"),
+        ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with temperature"),
         (
             "sitf_error",
             middle.sitf_error,
@@ -223,8 +223,8 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
     response, files = measured.response, measured.files
     if len(response.levels) == 2:
         lines.append(
-            "with two temperatures, SiTF is known only midway between them and is used for both: "
-            "give three or more to get its change with temperature"
+            "with two temperatures, SiTF is known only midway between them, and this value is "
+            "used for both: give three or more to see how SiTF changes with temperature"
         )
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
@@ -249,15 +249,15 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
         if random < (_COARSE * step) ** 2:
             lines.append(
                 f"warning: {path.name}: the noise is {math.sqrt(max(random, 0.0)) / step:.2g} "
-                "of the converter's step: rounding adds to it or hides it, so NETD is wrong; raise "
-                "the gain before the converter"
+                "times the converter's step: rounding adds to the noise or hides it, so NETD is "
+                "wrong; raise the gain before the converter"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(
                 f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of the "
-                "differences between pixels is structure of 8 pixels or more, as in a field that "
-                "is not uniform: the fixed components vh, v and h include it; give frames of a "
-                "uniform field"
+                "differences between pixels is structure of 8 pixels or more, as in a non-uniform "
+                "field: the fixed components vh, v and h include it; give frames of a uniform "
+                "field"
             )
     return lines
 

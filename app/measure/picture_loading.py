@@ -20,7 +20,7 @@ from nodes.files.read import check_finite, read_info, read_pixels
 
 Matrix = NDArray[np.float64]
 
-NO_DATA = "replace them by one number, such as 0: areas of one number are left out"
+NO_DATA = "replace them by one number, such as 0: constant areas are left out"
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Shares of red, green and blue in luminance (ITU-R BT.709)."""
 _COLOURS = ("R", "G", "B")
@@ -159,7 +159,7 @@ def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None
         )
         return None, f"luminance, {shares}"
     if info.bands == _WITH_ALPHA and not info.channels and info.kind not in _STACKS:
-        return 0, "grey, without its transparency"
+        return 0, "grey, without the transparency channel"
     raise BandsError(path, info.bands)
 
 
@@ -186,7 +186,7 @@ def same_size(files: Sequence[PictureFile]) -> None:
     for file in files:
         if (file.rows, file.columns) != (first.rows, first.columns):
             raise DataError(
-                f"{file.path} has {file.columns} × {file.rows} samples, and {first.path} "
+                f"{file.path} has {file.columns} × {file.rows} samples, but {first.path} has "
                 f"{first.columns} × {first.rows}: give pictures of one camera"
             )
 
@@ -198,8 +198,7 @@ def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
         first, ends = known[0]
         if (low, high) != ends:
             raise DataError(
-                f"{path} has whole numbers from {low:g} to {high:g}, and {first} from "
-                f"{ends[0]:g} to {ends[1]:g}: give pictures of one camera, all stored the same "
-                "way"
+                f"{path} stores whole numbers from {low:g} to {high:g}, but {first} from "
+                f"{ends[0]:g} to {ends[1]:g}: give pictures of one camera, all stored the same way"
             )
     return known[0][1] if len(known) == len(files) else None

@@ -58,7 +58,7 @@ def _noise_facts(evaluation: Evaluation) -> Fact:
     port, image, work = _final(evaluation)
     if evaluation.work.blocks is not None:
         raise DataError(
-            "the pictures are computed in blocks, but noise can be traced only through whole "
+            "the pictures are computed in blocks, but noise can only be traced through whole "
             "pictures"
         )
     predicted = noise_shares(work, work.value(NoiseOf(image)), kind="all")
@@ -105,7 +105,7 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
         before=unknown_before(passed),
     )
     if not blur.shares and blur.before is not None:
-        raise DataError(f"the effect of {blur.before} is not a known transfer function")
+        raise DataError(f"{blur.before} has no known transfer function")
     if not blur.shares:
         raise DataError(f"every transfer function before {port} is 1")
     return {
@@ -243,8 +243,8 @@ def _noise(noise: Fact) -> list[Block]:
     unit = f" ({noise['unit']})" if noise["unit"] else ""
     heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
     text = (
-        f"Predicted for {noise['port']} from the chain, for all sensors of this kind: "
-        "temporal noise changes from frame to frame, fixed patterns stay. "
+        f"Predicted for {noise['port']} from the chain, averaged over all sensors of this kind. "
+        "Temporal noise changes from frame to frame; fixed patterns stay the same. "
         f"{_beside(noise)}"
     )
     heading = Heading(3, "Noise in the final picture")
@@ -259,7 +259,7 @@ def _beside(noise: Fact) -> str:
     unit = f" {noise['unit']}" if noise["unit"] else ""
     return (
         f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture; the noise "
-        f"changes its mean by {number(noise['together_mean'])}{unit}."
+        f"changes the picture's mean by {number(noise['together_mean'])}{unit}."
     )
 
 
@@ -281,8 +281,8 @@ def _blur(blur: Fact) -> list[Block]:
     text = f"At {xi} cyc/mrad horizontally and {eta} vertically."
     if blur["behind"] is not None:
         text += (
-            f" The effect of {blur['behind']} is not a known transfer function: only the "
-            "stages after it are listed."
+            f" {blur['behind']} has no known transfer function, so only the stages after it are "
+            "listed."
         )
-    heading = Heading(3, "Blur of the stages")
+    heading = Heading(3, "Blur by stage")
     return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]

@@ -67,13 +67,13 @@ _FOCAL_PLANE: Rows = (
     ("Dark electrons", "dark_e", "e-"),
     ("Well fill", "well_fill_percent", "%"),
     ("Dynamic range", "dynamic_range_dB", "dB"),
-    ("Dynamic range by EMVA 1288", "emva_dynamic_range_dB", "dB"),
+    ("Dynamic range (EMVA 1288)", "emva_dynamic_range_dB", "dB"),
     ("SNR", "snr", ""),
     ("Largest SNR (shot noise at saturation)", "snr_max", ""),
     ("Largest SNR", "snr_max_dB", "dB"),
     ("Absolute sensitivity threshold", "sensitivity_threshold_photons", "photons"),
     ("Radiance at saturation", "saturation_radiance", "W/m²/sr"),
-    *((f"SNR at {p} % of it", f"snr_at_{p}_percent", "") for p in SNR_AT_PERCENT),
+    *((f"SNR at {p} % of saturation", f"snr_at_{p}_percent", "") for p in SNR_AT_PERCENT),
     ("Reference radiance", "reference_radiance", "W/m²/sr/µm"),
     ("SNR at the reference radiance", "snr_at_reference", ""),
     ("NETD", "netd_K", "K"),
@@ -94,14 +94,14 @@ _MICROBOLOMETER: Rows = (
     ("SNR", "snr", ""),
 )
 _LIGHT: Rows = (
-    ("Illuminance of the ground", "illuminance", "lx"),
-    ("Irradiance of the ground, in the band", "irradiance", "W/m²"),
+    ("Ground illuminance", "illuminance", "lx"),
+    ("Ground irradiance in the band", "irradiance", "W/m²"),
 )
 _AIR: Rows = (("Transmission", "transmission", ""), ("Optical depth", "optical_depth", ""))
 _RANGES: Rows = (
-    ("Size of the target", "target_size_m", "m"),
+    ("Target size", "target_size_m", "m"),
     ("Target minus background", "target_delta_K", "K"),
-    ("Extinction of the air", EXTINCTION, "1/km"),
+    ("Atmospheric extinction", EXTINCTION, "1/km"),
     ("NETD of the chain", "netd_K", "K"),
     ("Detection (Johnson)", "detection_range_km", "km"),
     ("Recognition (Johnson)", "recognition_range_km", "km"),
@@ -356,4 +356,4 @@ def _figure(evaluation: Evaluation, nyquist: Mapping[str, float], name: str, whe
     known = [
         f"{node}.{readout}" for node, values in evaluation.readouts.items() for readout in values
     ]
-    raise NetworkError(f"{where}: there is no figure {name!r:.80}{close(name, known)}")
+    raise NetworkError(f"{where}: no figure is called {name!r:.80}{close(name, known)}")

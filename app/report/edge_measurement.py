@@ -90,7 +90,7 @@ def _reason(evaluation: Evaluation) -> str | None:
     chain = evaluation.chain
     if evaluation.work.blocks is not None:
         return (
-            "the pictures are computed in blocks, but edges can be measured only in whole pictures"
+            "the pictures are computed in blocks, but edges can only be measured in whole pictures"
         )
     if chain.final is None:
         return "the network has no final picture"
@@ -99,15 +99,15 @@ def _reason(evaluation: Evaluation) -> str | None:
     if len(chain.sources) != 1:
         sources = ", ".join(chain.sources)
         return (
-            f"{chain.final} comes from more than one picture ({sources}): one edge cannot "
-            "replace them all"
+            f"{chain.final} comes from more than one picture ({sources}): one edge cannot replace "
+            "all of them"
         )
     source = chain.sources[0]
     bands = evaluation.plan.output(source).bands
     if bands is not None:
         return (
-            f"{source} has {bands.count} wavelength bands, but the edge that would replace "
-            "it has one"
+            f"{source} has {bands.count} wavelength bands, but the edge that would replace it has "
+            "only one"
         )
     return None
 
@@ -119,10 +119,7 @@ class _Chain:
         self._silenced = silenced
         passed = transfer_of(self.picture(0.0))
         if passed.source.key != self.edge(0.0).key:
-            raise DataError(
-                f"the effect of {passed.source.node or 'a node'} on the picture is not a known "
-                "transfer function"
-            )
+            raise DataError(f"{passed.source.node or 'a node'} has no known transfer function")
 
     def edge(self, angle_deg: float) -> Step:
         """The edge, its normal turned by this from across towards along."""
@@ -290,7 +287,7 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
     while recipe.key != source.key:
         lineage = lineage_of(recipe)
         if lineage is None or lineage.picture is None:
-            raise DataError(f"the effect of {recipe.node} on the picture is not known")
+            raise DataError(f"the effect of {recipe.node} on the picture is unknown")
         changes.append(lineage.linear)
         recipe = lineage.picture
     row = np.clip(np.arange(samples) + 1.0 - samples / 2, 0.0, 1.0)
@@ -319,8 +316,8 @@ def judged(facts: Fact) -> list[Block]:
 
 def _introduction(edges: Fact) -> str:
     text = (
-        f"An edge from the lowest to the highest value of {edges['source']} replaces it and "
-        f"passes through the whole chain; the MTF is measured in {edges['picture']}"
+        f"An edge between the lowest and the highest value of {edges['source']} replaces this "
+        f"picture and passes through the whole chain. The MTF is measured in {edges['picture']}"
     )
     if edges["silenced"]:
         text += f", without the noise of {', '.join(edges['silenced'])}"
@@ -329,19 +326,18 @@ def _introduction(edges: Fact) -> str:
 
 def _caption(published: str | None) -> str:
     text = (
-        "MTF measured (marks, with their standard errors) and expected (lines). For the "
-        "slanted edge, the expected MTF is the product of the stages and the blur of the "
-        "samples themselves: their area in the scene, combined pixels, and interpolation "
-        "along the edge. Aliasing, from samples that are too far apart, scatters the marks about "
-        "it. The row average sees a vertical edge at a single position relative to the pixels, so "
-        "frequencies beyond the pixels' Nyquist frequency are aliased. It also takes differences "
-        "between neighbours, which reduce the MTF to 0.64 at Nyquist. Its expected MTF is "
-        "computed along one row and includes this aliasing."
+        "MTF measured (marks, with their standard errors) and expected (lines). For the slanted "
+        "edge, the expected MTF is the product of the MTFs of the stages and of sampling: the "
+        "samples' area in the scene, pixel combining, and interpolation along the edge. Aliasing "
+        "scatters the marks about this line. The row average samples a vertical edge at a single "
+        "position relative to the pixels, so frequencies beyond the pixels' Nyquist frequency are "
+        "aliased. It also takes differences between neighbours, which multiply the MTF by 0.64 at "
+        "Nyquist. Its expected MTF is computed along one row and includes this aliasing."
     )
     if published:
         text += (
-            " The row average is the method of the thesis. Its curves for pictures of real "
-            "cameras are printed without numbers, so they are not drawn here."
+            " The row average is the method of the thesis. The thesis prints its curves for "
+            "pictures of real cameras without numbers, so they are not drawn here."
         )
     return named(text, published)
 

@@ -249,7 +249,9 @@ def _pupils(evaluation: Evaluation) -> list[Block]:
         return []
     titles = {
         "samples": "amplitude transmission of the exit pupils (axes in samples)",
-        "cyc/mrad": "autocorrelations of pupils at their own frequencies (axes in cyc/mrad)",
+        "cyc/mrad": (
+            "autocorrelations of the pupils, each on its own frequency grid (axes in cyc/mrad)"
+        ),
     }
     kinds = [text for unit, text in titles.items() if any(panel.unit == unit for panel in panels)]
     caption = "; ".join(kinds).capitalize() + (". Grey levels are linear from minimum to maximum.")
@@ -263,7 +265,7 @@ def _curves(evaluation: Evaluation) -> list[Block]:
     curves = node_curves(evaluation)
     if not curves:
         return []
-    caption = "Curves of nodes; a gap means that there is no value."
+    caption = "Curves of the nodes; a gap means that there is no value there."
     caption += _not_shown([port for port, _ in curves[MOST:]])
     return [Heading(2, "Curves"), Drawn(curves_png(curves[:MOST]), caption, "curves of nodes")]
 
@@ -334,8 +336,8 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
     seconds = facts["run"]["seconds"]
     words = (
         "Parameters that are not listed have their defaults. A node that only multiplies the "
-        "spectrum takes no time itself: the product is applied where the picture is "
-        f"computed. Input pictures {seconds['sources']:.3f} s, evaluation "
+        "spectrum takes no time of its own: its factor is applied in the node that computes the "
+        f"picture. Input pictures {seconds['sources']:.3f} s, evaluation "
         f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report."
     )
     heads = ("node", "module", "set", "", "time")
@@ -437,14 +439,17 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
         blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
-        caption = "Transfer functions outside the path to the output shown."
+        caption = "Transfer functions that are not on the path to the output shown."
         blocks += _stages(evaluation, alone, caption, "further stages")
     return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
 
 
 def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
     blocks: list[Block] = []
-    captions: tuple[tuple[Part, str], ...] = (("mtf", caption), ("ptf", "Their PTFs in radians."))
+    captions: tuple[tuple[Part, str], ...] = (
+        ("mtf", caption),
+        ("ptf", "PTFs of these stages, in radians."),
+    )
     for part, text in captions:
         acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
         if acting:
@@ -466,7 +471,14 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
         )
         for stage in (*responses.stages, *responses.beside, *responses.products)
     ]
-    heads = ("at Nyquist of the FFT", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
+    heads = (
+        "at the FFT's Nyquist frequency",
+        "node",
+        "MTF x",
+        "PTF x (rad)",
+        "MTF y",
+        "PTF y (rad)",
+    )
     return Grid(heads, rows, numbers=(2, 3, 4, 5))
 
 
@@ -475,7 +487,7 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
 # Of each kind: what is saved, why, and what is told of each node.
 _KINDS = {
     "disabled": ("the node", "it is disabled", ""),
-    "identity": ("the node", "its settings make it change nothing", ""),
+    "identity": ("the node", "its settings leave the picture unchanged", ""),
     "below_budget": (
         "a stage",
         "it changes less than the error budget, {budget} of the range",
@@ -488,7 +500,7 @@ _KINDS = {
     ),
     "pupil_centre": (
         "the pupil's OTF beyond the band",
-        "it does not affect the picture",
+        "this part does not affect the picture",
         "{share} % of it evaluated",
     ),
     "mirrored_edges": (
@@ -528,7 +540,7 @@ def economy(facts: Fact) -> list[Block]:
     if not rows:
         return []
     heads = ("not computed", "because", "where")
-    return [Heading(2, "What was not computed, and why"), Grid(heads, rows, kind="economy")]
+    return [Heading(2, "Skipped computations"), Grid(heads, rows, kind="economy")]
 
 
 def state(listed: list[Fact]) -> str:

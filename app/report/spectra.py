@@ -80,9 +80,9 @@ def spectrum(facts: Fact) -> list[Block]:
     spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
     if not spectra:
         return []
-    caption = "Left: mean of every band of the pictures."
+    caption = "Left: mean of each band of the pictures."
     if responses:
-        caption += " Right: response at every wavelength, from 0 to 1."
+        caption += " Right: response at each wavelength, from 0 to 1."
     drawn = Drawn(
         spectra_png(spectra, responses),
         caption + of_many(len(spectra), "spectra"),

@@ -82,7 +82,9 @@ class Save(Assignment):
         if bottom > rows or right > columns:
             raise UsageError(f"{self.shown}: the picture has {rows} rows and {columns} columns")
         if bottom <= top or right <= left:
-            raise UsageError(f"{self.shown}: rows {top}:{bottom}, columns {left}:{right} are empty")
+            raise UsageError(
+                f"{self.shown}: the region is empty: rows {top}:{bottom}, columns {left}:{right}"
+            )
         from core.evaluation.region import Region
 
         return Region(top, left, bottom - top, right - left)
@@ -95,7 +97,10 @@ def save_target(text: str) -> Save:
         port, _, bounds = port.rpartition("[")
         bounds, bracket, rest = bounds.partition("]")
         if not (_BOUNDS.fullmatch(bounds) and bracket and not rest and "." in port):
-            form = "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, each bound a whole number or left out"
+            form = (
+                "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, where each bound is a whole number or "
+                "left out"
+            )
             raise UsageError(f"--save {text!r:.120}: write {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
@@ -111,15 +116,15 @@ def file_at_temperature(option: str, text: str) -> tuple[Path, float]:
     number, unit = words[:-1].removesuffix("°").strip(), words[-1:]
     if not (equals and name and unit in _ZERO_K and _NUMBER.fullmatch(number)):
         raise UsageError(
-            f"{option} {text!r:.120}: give a file and its black body's temperature, "
+            f"{option} {text!r:.120}: give a file and the temperature of its black body, such as "
             "FILE=293.15K or FILE=20C"
         )
     path = file_path(option, name)
     kelvin = float(number) + _ZERO_K[unit]
     if not 0.0 < kelvin <= _HOTTEST_K:
         raise UsageError(
-            f"{option} {text!r:.120}: {kelvin:.6g} K is not a possible temperature; allowed: "
-            f"above 0 to {_HOTTEST_K:g} K"
+            f"{option} {text!r:.120}: {kelvin:.6g} K is not a possible temperature; allowed: above "
+            f"0 K and up to {_HOTTEST_K:g} K"
         )
     return path, kelvin
 
@@ -138,7 +143,7 @@ def low_high(option: str, text: str) -> tuple[float, float]:
     except ValueError:
         low = high = math.nan
     if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
-        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, LOW below HIGH")
+        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, with LOW below HIGH")
     return low, high
 
 
@@ -154,7 +159,7 @@ def ending_in(*formats: Format) -> Callable[[str, str], Path]:
         if not any(file_format.matches(path) for file_format in formats):
             *words, last = suffixes(*formats)
             ends = f"{', '.join(words)} or {last}" if words else last
-            raise UsageError(f"{option} {text!r:.120}: the file's name must end in {ends}")
+            raise UsageError(f"{option} {text!r:.120}: the file name must end in {ends}")
         return path
 
     return read
@@ -176,7 +181,7 @@ def whole_number(option: str, text: str, largest: int | None = None) -> int:
 def tolerance(option: str, text: str) -> float:
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not 0 <= number < 1:
-        raise UsageError(f"{option} {text!r:.80}: give a number from 0 to below 1")
+        raise UsageError(f"{option} {text!r:.80}: give a number of at least 0 and below 1")
     return number
 
 

@@ -160,7 +160,9 @@ def named_parameter(
         own = [name for macro, _, name in by_macro if macro == setting.node]
         if own:
             known = near(setting.name, own)
-            raise UsageError(f"{option} {setting.port}: the macro shows no such parameter{known}")
+            raise UsageError(
+                f"{option} {setting.port}: the macro has no such parameter on its panel{known}"
+            )
         nodes = dict.fromkeys([*network.nodes, *(macro for macro, _, _ in by_macro)])
         known = near(setting.node, nodes)
         raise UsageError(f"{option} {setting.port}: there is no node {shown(setting.node)}{known}")

@@ -78,7 +78,7 @@ class OwnScene:
             raise UsageError(f"{self._named('band_um')} {low:g} {high:g}: {what}")
         if self.fov_deg is not None and self.sample_m is not None:
             names = f"{self._named('fov_deg')} and {self._named('sample_m')}"
-            raise UsageError(f"{names} both give the field of view: leave one of them out")
+            raise UsageError(f"{names} both give the field of view: leave one of the two out")
 
     def _named(self, name: str) -> str:
         return f"{self.option}{name.replace('_', '-') if self.option else name}"
@@ -128,7 +128,7 @@ def _chosen(network: Network, library: Library, node: str | None, option: str) -
     scenes = scene_nodes(network, library)
     if node is not None:
         if node not in scenes:
-            hint = close(node, scenes) or f": there are {', '.join(scenes) or 'none'}"
+            hint = close(node, scenes) or f"; its scenes: {', '.join(scenes) or 'none'}"
             raise UsageError(f"{shown(node)} is not a scene of the network{hint}")
         return node
     seen = [name for name in scenes if name in delivering(network, library)]
@@ -272,8 +272,8 @@ class _Replacing:
         if before is None:
             reason = self._plan.nodes[self._name].error
             raise UsageError(
-                f"{self._info.path}: the file gives no unit, and its samples cannot be scaled to "
-                f"the range of the network's own scene, which cannot be read ({reason}): give "
+                f"{self._info.path}: the file gives no unit, and the network's own scene cannot be "
+                f"read ({reason}), so the samples cannot be scaled to its range: give "
                 f"{self._option('unit')}"
             )
         if before.rows * before.columns > _MOST_SAMPLES:
@@ -380,7 +380,7 @@ class _Replacing:
         angle = step * wide, step * high
         side = "as wide" if math.isclose(angle[0], before[0]) else "as high"
         self._where.append(
-            f"field of view {_deg(angle)}, {side} as before{self._hint('fov_deg', 'gives another')}"
+            f"field of view {_deg(angle)}, {side} as before{self._hint('fov_deg', 'sets another')}"
         )
         return angle
 
@@ -501,10 +501,12 @@ def grey(array: Array) -> Array:
     if array.ndim == 3 and array.shape[-1] in (3, 4):
         return np.asarray(array[..., :3] @ np.array(LUMINANCE))
     if array.ndim == 0:
-        raise DataError(f"{array.item()!r:.80} is not a picture: give a file, or (rows, columns)")
+        raise DataError(
+            f"{array.item()!r:.80} is not a picture: give a file or an array (rows, columns)"
+        )
     if array.ndim != 2:
         shape = " × ".join(map(str, array.shape))
-        raise DataError(f"an array of {shape}: give (rows, columns), or (rows, columns, 3)")
+        raise DataError(f"an array of shape {shape}: give (rows, columns), or (rows, columns, 3)")
     return array
 
 

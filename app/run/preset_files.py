@@ -103,7 +103,7 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     except OSError as error:
         raise FileError(f"cannot write {shown(str(path))}: {error.strerror or error}") from None
     if there:
-        raise FileError(f"a preset {shown(node.id)} exists already ({path}): rename the node first")
+        raise FileError(f"a preset {shown(node.id)} already exists ({path}): rename the node first")
     macro = as_new(node)
     assert macro.macro is not None
     macro = replace(macro, macro=replace(macro.macro, name=macro.macro.name or node.id))
@@ -191,7 +191,7 @@ def sets_of(module: str, folder: Path) -> Sets:
     if not (
         of_kind and isinstance(sets, dict) and all(isinstance(one, dict) for one in sets.values())
     ):
-        raise NetworkError(f"{path}: contains no parameter sets of the module {shown(module)}")
+        raise NetworkError(f"{path}: contains no parameter sets for the module {shown(module)}")
     return dict(sets)
 
 
@@ -202,7 +202,7 @@ def save_set(name: str, node: Node, folder: Path) -> None:
             f"{shown(parameter)} follows {shown(text)}, so there is no value to save", node=node.id
         )
     if not name.strip() or not name.isprintable():
-        raise NetworkError(f"{name!r:.80} is not a name for a set: it must not be blank")
+        raise NetworkError(f"{name!r:.80} cannot be the name of a set: a name must not be blank")
     sets = sets_of(node.module, folder)
     if name not in sets and len(sets) >= MOST:
         raise NetworkError(f"this module already has {MOST} sets; no more are allowed")

@@ -66,10 +66,10 @@ def find_network(text: str) -> Place:
         raise FileError(f"{shown_path(text)}: a folder, not a network file")
     if text in _networks("presets/*.json"):
         raise FileError(
-            f"{text} is a preset, a part of a chain, not a network: in Python add "
-            f"ic.preset({text!r}) after a scene; in the editor take it from the library"
+            f"{text} is a preset (part of a chain), not a network: in Python, add "
+            f"ic.preset({text!r}) after a scene; in the editor, take it from the library"
         )
-    hint = alike(text, every) or f"; there are {', '.join(shipped_networks()) or 'none'}"
+    hint = alike(text, every) or f"; shipped networks: {', '.join(shipped_networks()) or 'none'}"
     raise FileError(f"{shown_path(text)} is neither a file nor the name of a shipped network{hint}")
 
 

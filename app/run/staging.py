@@ -230,7 +230,7 @@ def _check_existing(real: Path, target: Path) -> None:
         unfit = (
             ""
             if is_store(real)
-            else ("a file that is not a Zarr store has this name; allowed: a new name")
+            else ("a file that is not a Zarr store already has this name; choose another name")
         )
     if unfit:
         raise FileError(f"cannot write {target}: {unfit}")

@@ -89,10 +89,10 @@ def way_in_words(facts: dict[str, Any]) -> str:
     largest = f"{facts['largest_rows']} × {facts['largest_columns']} samples"
     needed, allowed = amount_text(facts["in_memory_bytes"]), amount_text(facts["memory_bytes"])
     if facts["way"] == "in memory":
-        return f"in memory: pictures of {largest} take up to {needed}, {allowed} are allowed"
+        return f"in memory: pictures of {largest} take up to {needed}; the limit is {allowed}"
     return (
-        f"in blocks: pictures of {largest} would take up to {needed} in memory, but {allowed} "
-        f"are allowed; up to {amount_text(facts['scratch_bytes'])} were on disk in "
+        f"in blocks: pictures of {largest} would take up to {needed} in memory, but the limit is "
+        f"{allowed}; up to {amount_text(facts['scratch_bytes'])} were on disk in "
         f"{facts['scratch_arrays']} arrays, transformed by rows and columns"
     )
 
@@ -170,9 +170,9 @@ def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: 
         plane = isinstance(value, SpectrumWire | Transfer)
         if plane and disk.wants(value.grid.shape, policy.dtype):
             raise UsageError(
-                f"--save {port}: a {value.port_type} of {value.grid.rows} × "
-                f"{value.grid.columns} samples must be computed all at once, and does not fit into "
-                f"--memory {amount_text(disk.memory_bytes)}"
+                f"--save {port}: a {value.port_type} of {value.grid.rows} × {value.grid.columns} "
+                "samples must be computed all at once but does not fit into --memory "
+                f"{amount_text(disk.memory_bytes)}"
             )
 
 
@@ -185,6 +185,6 @@ def _refuse_without_room(needed: int, scratch: Path) -> None:
     if needed > free:
         raise FileError(
             f"the scratch folder {scratch} has {amount_text(free)} free, and a run in blocks "
-            f"needs at least {amount_text(needed)}: choose another one",
+            f"needs at least {amount_text(needed)}: choose another folder",
             hint="give it with --scratch",
         )

@@ -41,7 +41,7 @@ class _Cluster(Workers):
 
     lanes = 1  # whoever is free takes the next points: each worker keeps what neighbours share
     most_ends = 2  # of what the scheduler gives up, each time after several workers
-    why = "the workers that computed it stopped again and again"
+    why = "the workers computing this point stopped repeatedly"
 
     def __init__(self, client: Any, setting: Setting, key: str) -> None:
         self._client, self._words = client, (pickle.dumps(setting), key)

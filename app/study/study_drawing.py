@@ -144,7 +144,13 @@ def _nothing(result: StudyRows, *_: object) -> bytes:
         panel = drawn.subplots()
         panel.set_axis_off()
         count = len(result.rows)
-        panel.text(0.5, 0.5, f"none of the {count} points has a figure", ha="center", va="center")
+        panel.text(
+            0.5,
+            0.5,
+            f"no figure has a value at any of the {count} points",
+            ha="center",
+            va="center",
+        )
     return out.getvalue()
 
 
@@ -207,8 +213,8 @@ def write_summary(result: StudyRows, path: Path) -> None:
 def summary_page(result: StudyRows) -> str:
     study = result.study
     caption = (
-        f"Figures of {len(result.rows)} points; a cross, or white on a map, marks a point "
-        "at which the figure has no value."
+        f"Figures at {len(result.rows)} points; a cross, or white on a map, marks a point at which "
+        "the figure has no value."
     )
     blocks: list[Block] = [
         Heading(1, f"{study.name or 'Image chain'}: study"),

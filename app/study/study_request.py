@@ -174,9 +174,7 @@ def order_of(axes: Sequence[Variation], points: Sequence[Point], network: Networ
 
 def _check_number(count: int) -> None:
     if not 1 <= count <= MOST_POINTS:
-        raise UsageError(
-            f"the study would have {count} points: from 1 to {MOST_POINTS} are allowed"
-        )
+        raise UsageError(f"the study would have {count} points; allowed: 1 to {MOST_POINTS}")
 
 
 def _read(axis: Variation, cell: str, where: str) -> Any:
@@ -274,7 +272,7 @@ class _FileName(string.Formatter):
 
     def get_field(self, field_name: str, _: Any, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
         if field_name not in kwargs:
-            hint = close(field_name, kwargs) or f"; there are {', '.join(kwargs)}"
+            hint = close(field_name, kwargs) or f"; its fields: {', '.join(kwargs)}"
             raise ValueError(f"the study has no field {shown(field_name)}{hint}")
         return (field_name, kwargs[field_name]), field_name
 
@@ -316,8 +314,8 @@ def file_names(
                 whose = f"points {other} and {number}" if other != number else f"point {number}"
                 fields = ", ".join(f"{{{field}}}" for field in values)
                 raise UsageError(
-                    f"{save.shown}: two files of {whose} would be {shown(name)}; "
-                    f"name more of {fields}"
+                    f"{save.shown}: two files of {whose} would both be named {shown(name)}; add "
+                    f"more of the fields {fields}"
                 )
             taken[name] = number
             row.append(name)
@@ -464,7 +462,7 @@ def make_study(
     across = grid_points(overs)
     if len(across) * len(inner_points) > MOST_POINTS:
         raise UsageError(
-            f"the study would have {len(across)} × {len(inner_points)} points, at most "
+            f"the study would have {len(across)} × {len(inner_points)} points; at most "
             f"{MOST_POINTS} are allowed"
         )
     every = tuple((*outer, *inner) for outer, inner in itertools.product(across, inner_points))

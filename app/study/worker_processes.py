@@ -152,7 +152,7 @@ def process_rows(
 
 class _Processes(Workers):
     most_ends = 3
-    why = f"the process that computed it stopped {most_ends} times"
+    why = f"the process computing this point stopped {most_ends} times"
 
     def __init__(self, first: bytes, count: int) -> None:
         self.lanes = count

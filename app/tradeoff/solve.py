@@ -353,7 +353,8 @@ class _Words:
         first, last = solution.seen[0], solution.seen[-1]
         text = (
             f"no value of {self.port} from {self._value(first[0])} to {self._value(last[0])} makes "
-            f"{name} {self._figure(self.wanted)}: it is {self._at(first)} and {self._at(last)}"
+            f"{name} equal to {self._figure(self.wanted)}: the figure is {self._at(first)} and "
+            f"{self._at(last)}"
         )
         by_figure = sorted(solution.seen, key=lambda sample: sample[1])
         least, most = by_figure[0], by_figure[-1]

@@ -381,8 +381,8 @@ class PointEvaluator:
             module = plan.nodes[node].module
             if name == "seed" and getattr(module, "seed_mode", "") == "automatic":
                 lines.append(
-                    f"{node}: seed is varied, but seed_mode is automatic and does not use it: "
-                    f"all points have the same noise; set {node}.seed_mode to typed"
+                    f"{node}: seed is varied, but seed_mode = automatic ignores seed, so all "
+                    f"points have the same noise; set {node}.seed_mode to typed"
                 )
         return tuple(dict.fromkeys(lines))
 

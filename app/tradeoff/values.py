@@ -105,7 +105,7 @@ def variation(
     parts = setting.text.split(",")
     if len(parts) > most:
         raise UsageError(
-            f"{OPTION} {setting.port}: {len(parts)} values, at most {most} are allowed"
+            f"{OPTION} {setting.port}: {len(parts)} values; at most {most} are allowed"
         )
     values = tuple(dict.fromkeys(_value(part.strip(), parameter, setting) for part in parts))
     return Variation(setting.node, parameter, values)
@@ -126,8 +126,8 @@ def variations(
         raise UsageError(f"{OPTION} {second.text} is given twice: vary another parameter")
     if len(first.values) * len(second.values) > MOST:
         raise UsageError(
-            f"{OPTION} {second.text}: {len(first.values)} × {len(second.values)} values, "
-            f"at most {MOST} are allowed"
+            f"{OPTION} {second.text}: {len(first.values)} × {len(second.values)} values; at most "
+            f"{MOST} are allowed"
         )
     return first, second
 
@@ -160,7 +160,7 @@ def _range(setting: Assignment, parameter: Parameter, most: int, *, drawn: bool)
         return Variation(setting.node, parameter, (), log, span=span)
     if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= most:
         raise UsageError(
-            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {most}"
+            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: give 2 to {most}"
         )
     values = spaced(low, high, int(parts[2]), log=log, whole=whole)
     return Variation(setting.node, parameter, values, log)
@@ -186,7 +186,7 @@ def taken_value(parameter: Parameter, value: Any) -> Any:
     """A value as a network file has it, once the parameter takes it, and not as none."""
     coerced = parameter.coerce(value)
     if coerced is None and value is not None:
-        why = "this value means an empty parameter, like null"
+        why = "this value stands for an empty parameter, as null does"
         raise ParameterError(parameter.name, value, why)
     return plain(coerced)
 

@@ -187,7 +187,9 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             km = given("range_m", self.range_m, context) / 1000.0
             across, along = grid.interval_x_mrad * km, grid.interval_y_mrad * km
         what = (
-            "contrast between 15 % and 7 % reflectance" if self.snr_of == "contrast" else "mean signal"
+            "contrast between 15 % and 7 % reflectance"
+            if self.snr_of == "contrast"
+            else "mean signal"
         )
         words = "as entered" if self.snr is not None else f"{what} divided by temporal noise"
         return {

@@ -290,7 +290,7 @@ def drawn_as(network: Network) -> dict[str, str]:
         raise NetworkError("drawn_as must be an object of figures")
     for name, text in given.items():
         if name not in FIGURES:
-            hint = close(name, FIGURES) or f"; there are {', '.join(FIGURES)}"
+            hint = close(name, FIGURES) or f"; allowed: {', '.join(FIGURES)}"
             raise NetworkError(f"drawn_as has an unknown figure {name!r:.80}{hint}")
         if not isinstance(text, str):
             raise NetworkError(f"drawn_as: {name} must be a string")
