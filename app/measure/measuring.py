@@ -250,7 +250,7 @@ def _offset(plan: MeasurePlan, size: tuple[int, int], check: Callable[[], None])
     dark = open_frames(plan.dark)
     if (dark.rows, dark.columns) != size:
         raise DataError(
-            f"{plan.dark} has {dark.columns} × {dark.rows} samples, and {plan.pictures[0]} "
+            f"{plan.dark} has {dark.columns} × {dark.rows} samples, but {plan.pictures[0]} has "
             f"{size[1]} × {size[0]}: give frames of one camera"
         )
     means = []

@@ -62,7 +62,7 @@ def cameras(settings: Settings) -> list[Table]:
             ("camera alone, all noise", partial(_after, camera, OPTICS, optics), 4.0, 2.0),
             ("edit of the read noise", partial(edited, noises), 0.5, None),
             ("edit of the integration time", partial(edited, times), None, None),
-            ("edit of the bits", partial(edited, bits), 0.5, 0.25),
+            ("edit of the number of bits", partial(edited, bits), 0.5, 0.25),
         ]
         rows += [row | {"t0": row["value"]} for row in timed(camera, subjects, settings)]
     heads = {"subject": "subject", "threads": "threads", "t0": "T0", "low": "25 %"}

@@ -134,7 +134,7 @@ def test_the_satellite_is_compared_by_the_figures_of_emva_1288(shipped_report):
     for percent in (1, 10, 90):
         signal = percent / 100 * (30000 - dark)
         expected = signal / math.sqrt(signal + in_the_dark**2)
-        assert rows[f"SNR at {percent} % of it", ""] == pytest.approx(expected, rel=1e-9)
+        assert rows[f"SNR at {percent} % of saturation", ""] == pytest.approx(expected, rel=1e-9)
     signal = rows["Signal electrons from the scene", "e-"]
     (scene,) = (p["mean"] for p in facts["pictures"] if p["port"] == "scene.image")
     radiance = rows["Radiance at saturation", "W/m²/sr"]
@@ -186,4 +186,4 @@ def test_the_ranges_of_a_picture_through_air_name_no_extinction_of_their_own(shi
     groups = {g["title"]: g for g in shipped_report("dirsig_cube").facts["data_sheet"]["groups"]}
     rows = {row["label"]: row["values"][0] for row in groups["Air"]["rows"]}
     assert rows["Optical depth"] == pytest.approx(-math.log(rows["Transmission"]))
-    assert "Extinction of the air" not in [row["label"] for row in groups["Range"]["rows"]]
+    assert "Atmospheric extinction" not in [row["label"] for row in groups["Range"]["rows"]]

@@ -12,10 +12,10 @@ USAGE = {
     "command like another": (["chekc", "net.json"], "chekc; did you mean check?"),
     "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
     "no network": (["run"], "NETWORK (imagechain run --help)"),
-    "run a preset": (["run", "light_sunlit"], "in Python add ic.preset('light_sunlit') after a"),
+    "run a preset": (["run", "light_sunlit"], "in Python, add ic.preset('light_sunlit') after a"),
     "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
     "negative seed": (["run", "net.json", "--seed", "-1"], "seed = -1"),
-    "tolerance of all": (["run", "net.json", "--tolerance", "1"], "from 0 to below 1"),
+    "tolerance of all": (["run", "net.json", "--tolerance", "1"], "of at least 0 and below 1"),
     "one file of three for TLS": (
         [
             "study",

@@ -117,7 +117,7 @@ def test_the_end_of_a_range_is_pointed_out(works, crossed):
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        ((), "--free: name what is fitted, such as blur.sigma_x_mrad, blur.sigma_y_mrad, "),
+        ((), "--free: name a parameter to fit, such as blur.sigma_x_mrad, blur.sigma_y_mrad, "),
         (("--free", "blur.sigma_x_mrad=2:1"), "LOW below HIGH"),
         (("--free", "init.platform"), "only a parameter with a range of numbers"),
         (("--free", "blur.sigma_x_mrad", "--output", "net.png"), "must end in .json"),

@@ -55,7 +55,10 @@ def test_a_run_gives_the_same_picture_and_figures(given, networks, imagechain, t
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("camera.f_numbr=2", "the macro shows no such parameter; did you mean f_number?"),
+        (
+            "camera.f_numbr=2",
+            "the macro has no such parameter on its panel; did you mean f_number?",
+        ),
         ("camera/init.f_numbr=2", "Init & Trans has no parameter f_numbr; did you mean f_number?"),
         ("camera.f_number=-2", "camera/init: f_number = -2 is not allowed: a number of at least 0"),
     ],

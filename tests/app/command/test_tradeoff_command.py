@@ -98,7 +98,7 @@ USAGE = {
     ),
     "too many together": (
         [SIGMA, "--vary=jitter.sigma_mrad=0:1:999"],
-        "3 × 999 values, at most 1000",
+        "3 × 999 values; at most 1000",
     ),
     "unknown figure": (
         [SIGMA, "--figure=electronics.netd"],

@@ -50,8 +50,8 @@ def fitted(files, works, name):
 def test_bands_that_do_not_overlap_are_warned_of(files, works):
     warnings, printed = fitted(files, works, "lwir.img")
     words = (
-        "the picture lwir.img was taken from 8 to 12 µm, and the chain works from 3 to 5 µm: the "
-        "values are not those of its camera"
+        "the picture lwir.img was taken in the band 8 to 12 µm, but the chain covers 3 to 5 µm: "
+        "the fitted values do not describe the picture's camera"
     )
     assert any(line.startswith(words) for line in warnings)
     assert "from 8 to 12 µm" in printed

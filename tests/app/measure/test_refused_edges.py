@@ -62,7 +62,7 @@ def test_what_helps_is_named_where_no_edge_is_used():
         file = MeasuredFile("p.npy", 1, "")
         return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
 
-    told = ["1 not used: not slanted enough", "what helps: imagechain handbook edge_pictures"]
+    told = ["1 not used: not slanted enough", "for advice, run imagechain handbook edge_pictures"]
     assert lines(edge(0.0)) == told
     both = np.concatenate([edge(0.0), edge()], axis=1)
     assert lines(both)

@@ -191,7 +191,7 @@ def test_an_own_preset_is_saved_listed_and_put_in(lens, tmp_path):
     name, operation = placed(preset, lens, LIBRARY, None)
     copy = operation.apply(lens).nodes[name].macro
     assert copy.nodes == lens.nodes["lens"].macro.nodes
-    with pytest.raises(ImagechainError, match="a preset lens exists already"):
+    with pytest.raises(ImagechainError, match="a preset lens already exists"):
         save_preset(lens, "lens", folder, LIBRARY)
     save_preset(Rename("lens", "other").apply(lens), "other", folder, LIBRARY)
     assert len(own_presets(folder, LIBRARY)) == 2

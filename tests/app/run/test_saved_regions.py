@@ -12,14 +12,14 @@ BOUNDS = {
     "39:,:1": (slice(39, ROWS), slice(0, 1)),
     "007:9,00:48": (slice(7, 9), slice(None)),
 }
-FORM = "write NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, each bound a whole number or left out"
+FORM = "write NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, where each bound is a whole number or left out"
 FAULTS = {
     "beyond right": (
         "back.image[:,40:49]=a.npy",
         "--save back.image[:,40:49]=a.npy: the picture has 40 rows and 48 columns",
     ),
     "of the smaller picture": ("pixels.image[0:21,:]=a.npy", "has 20 rows and 24 columns"),
-    "no columns": ("back.image[:,48:]=a.npy", "rows 0:40, columns 48:48 are empty"),
+    "no columns": ("back.image[:,48:]=a.npy", "the region is empty: rows 0:40, columns 48:48"),
     "negative": ("back.image[-3:,:]=a.npy", FORM),
     "a step": ("back.image[0:9:2,:]=a.npy", FORM),
     "too many digits": (f"back.image[{'9' * 5000}:,:]=a.npy", FORM),

@@ -19,7 +19,7 @@ def skipped(report, kind):
 
 def economy(page):
     """The rows of the section on what was not computed."""
-    section = page.partition("<h2>What was not computed, and why</h2>")[2].partition("</table>")[0]
+    section = page.partition("<h2>Skipped computations</h2>")[2].partition("</table>")[0]
     return [re.findall(r"<td>(.*?)</td>", row) for row in section.split("<tr>")[2:]]
 
 

@@ -137,7 +137,7 @@ def test_a_store_is_refused_unless_written_before(network, run, refused, tmp_pat
     (store / "c" / "0" / "0").write_bytes(b"other")
     assert CHANGED in refused(path)
     (store / "zarr.json").unlink()
-    assert "a file that is not a Zarr store has this name" in refused(path)
+    assert "a file that is not a Zarr store already has this name" in refused(path)
 
 
 def test_another_network_s_file_is_refused(network, run, refused, tmp_path):

@@ -129,7 +129,7 @@ USAGE = {
     "out of range": (["--vary=blur.sigma_x_mrad=-1:1:3"], "blur: sigma_x_mrad = -1.0 mrad"),
     "too many": (
         ["--vary=blur.sigma_x_mrad=0:1:1001", "--vary=jitter.sigma_mrad=0:1:1000"],
-        "the study would have 1001000 points: from 1 to 1000000",
+        "the study would have 1001000 points; allowed: 1 to 1000000",
     ),
     "points of a grid": ([SIGMA, "--points=3"], "works only with --sample latin"),
     "latin by steps": (

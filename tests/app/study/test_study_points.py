@@ -133,7 +133,7 @@ def test_files_are_named_by_fields(network, tmp_path, monkeypatch):
     assert names("{point:03d}_{blur.sigma_x_mrad}.tif") == ["001_0.5.tif", "002_1.0.tif"]
     assert names("{blur.sigma_x_mrad:.2f}.tif") == ["0.50.tif", "1.00.tif"]
     for pattern, why in (
-        ("all.tif", "two files of points 1 and 2 would be"),
+        ("all.tif", "two files of points 1 and 2 would both be named"),
         ("{point:0999999999}.tif", "at most 999 characters or digits"),
         ("{blur.sigma_x_mrad:.0e}{poin}.tif", "no field poin; did you mean point"),
         ("{point.tif", "back.image="),

@@ -112,7 +112,7 @@ def test_a_point_that_ends_its_process_is_a_row_and_costs_no_other(sensor, image
     assert done.returncode == 2
     assert done.stderr == (
         "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
-        "the process that computed it stopped 3 times\n"
+        "the process computing this point stopped 3 times\n"
     )
     expected, rows = rows_of("a.csv"), rows_of("b.csv")
     assert rows[11]["error"]

@@ -30,7 +30,7 @@ def test_an_exposure_longer_than_a_frame(tmp_path):
     """20 ms at 200 Hz; 5 ms fill a frame and are fine, and a still frame has no rate."""
     long = ("focal_plane", {"integration_time_s": 0.02})
     (said,) = cautions(tmp_path, "timing", detector=long, merit={"frame_rate_Hz": 200})
-    assert "integration_time_s is 20 ms, and a frame 5 ms at frame_rate_Hz = 200 Hz" in said
+    assert "integration_time_s is 20 ms, but a frame lasts 5 ms at frame_rate_Hz = 200 Hz" in said
     short = ("focal_plane", {"integration_time_s": 0.005})
     assert not cautions(tmp_path, "timing", detector=short, merit={"frame_rate_Hz": 200})
     assert not cautions(tmp_path, "timing", detector=long, merit={"frame_rate_Hz": None})
@@ -39,7 +39,7 @@ def test_an_exposure_longer_than_a_frame(tmp_path):
 def test_two_frame_rates(tmp_path):
     bolometer = ("microbolometer", {"frame_rate_Hz": 60})
     (said,) = cautions(tmp_path, "timing", detector=bolometer, merit={"frame_rate_Hz": 30})
-    assert "frame_rate_Hz = 30 Hz here, 60 Hz on Microbolometer" in said
+    assert "frame_rate_Hz = 30 Hz here but 60 Hz on Microbolometer" in said
     assert not cautions(tmp_path, "timing", detector=bolometer, merit={"frame_rate_Hz": 60})
 
 

@@ -84,7 +84,7 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     view.choose(first)
     view.switch()
     texts = [text for _, text in view.notices.left]
-    assert "No horizontal MTF: 2 edges that would give it are removed by you." in texts
+    assert "No horizontal MTF: 2 edges that would give this MTF are removed by you." in texts
     view.switch()
     view.choose(second)
     qtbot.keyClick(view.table, Qt.Key.Key_Space)

@@ -241,7 +241,7 @@ def test_an_own_macro_becomes_a_preset(grouped, window, settings):
     grouped.focus()
     window.session.select(["lens"])
     window.actions_by_name["save_preset"].trigger()
-    assert "a preset lens exists already" in window.status.error
+    assert "a preset lens already exists" in window.status.error
     assert [path.name for path in folder.iterdir()] == ["lens.json"]
 
 
