@@ -3051,10 +3051,10 @@ def mtf_slices(
 ) -> Part:
     """Plot the MTF of each stage and of the total along a line, from zero to Nyquist.
 
-    Stages are evaluated only on that line, so the plot is fast. A magnitude shows its MTFs, not the
-    picture's spectrum; a PTF shows the phases and their sum. The plot ends at the Nyquist frequency
-    of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch, is marked if Init
-    & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
+    Stages are evaluated only on that line, so the plot is fast. For a magnitude, the MTFs are
+    plotted, not the picture's spectrum; for a PTF, the phases and their sum. The plot ends at the
+    Nyquist frequency of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch,
+    is marked if Init & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
 
     Parameters
     ----------
@@ -3093,29 +3093,31 @@ def measured_mtf(
 ) -> Part:
     """Measure the MTF from an edge or a line in a picture.
 
-    `slanted_edge` finds the angle of the edge and sorts the samples by their distance from it into
-    bins of a quarter sample. The derivative of the bin means is windowed and Fourier transformed,
-    and corrected for the responses of the bins and of the derivative. Frequencies are along the
-    edge's normal. `row_average` averages the rows, drops the flat ends and Fourier transforms the
-    derivative. The MTF is its modulus divided by the largest value; the response of the derivative,
-    0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
+    `slanted_edge` finds the angle of the edge and sorts the samples into quarter-sample bins by
+    their distance from the edge. The derivative of the bin means is windowed and Fourier
+    transformed, and corrected for the responses of the bins and of the derivative. Frequencies are
+    along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
+    transforms the derivative. The MTF is its modulus divided by the largest value; the response of
+    the derivative, 0.64 at Nyquist, is not corrected. Standard errors are estimated by leaving out
+    rows (jackknife).
 
     `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
-    all stages from the source on, and the blur of a test scene's samples, which are means over
-    their area. The blur of a scene from a file is unknown and not included; a picture straight from
-    a file has no expected MTF. Aliasing in `row_average` is not included. `imagechain measure`
-    finds the edges in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to
-    5.70 and appendix B.
+    all stages from the source on. For a test scene, it also includes the blur of the scene's
+    samples, which are means over their area. The blur of a scene from a file is unknown and not
+    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
+    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
+    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
 
     Parameters
     ----------
     method : Literal['slanted_edge', 'row_average']
-        ISO 12233 for a slanted edge, or the thesis's method for an upright edge: one of
+        ISO 12233 for a slanted edge, or the thesis's method for a vertical edge: one of
         slanted_edge, row_average; default 'slanted_edge'
     target : Literal['edge', 'line']
-        what the region shows; the width of a line counts as blur: one of edge, line; default 'edge'
+        feature in the region: an edge, or a line, whose width counts as blur: one of edge, line;
+        default 'edge'
     direction : Literal['automatic', 'horizontal', 'vertical']
-        direction of the measurement: horizontal (for an upright edge), vertical, or automatic: the
+        direction of the measurement: horizontal (for a vertical edge), vertical, or automatic: the
         direction of the larger change: one of automatic, horizontal, vertical; default 'automatic'
     region_x : int | Expression
         first column of the region [px]: a whole number of at least 0; default 0
@@ -3177,46 +3179,48 @@ def figures_of_merit(
     magnification: float | Expression | None = None,
     range_max_km: float | Expression | None = None,
 ) -> Part:
-    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that made a picture.
+    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that took a picture.
 
-    Transfer function and noise are predicted from the picture's chain; no noise is drawn or
-    measured. SNR and background use the mean of the picture without noise and without gain and bias
-    errors. Connect the picture as the sensor samples it, before a frame grabber interpolates it:
-    its samples set the Nyquist frequency and the noise bandwidth.
+    The transfer function and the noise are predicted from the picture's chain; no noise is drawn or
+    measured. The SNR and the background temperature use the picture's mean without noise, gain
+    errors or bias errors. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it: its samples set the Nyquist frequency and the noise bandwidth.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
-    averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
-    limit. `flir92` also uses fixed patterns, which do not average over time. It ends at Nyquist
-    where the sensor samples. The averaging of temporal noise uses its spectrum in the picture. The
-    2-D MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
-    SNR_th·σ divided by the mean of the target's blurred image.
+    averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
+    limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
+    in which the sensor samples, its MRTD ends at the Nyquist frequency. Temporal noise is averaged
+    according to its spectrum in the picture. The frequency of the 2-D MRTD is the geometric mean of
+    the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
+    divided by the mean of the target's blurred image.
 
-    `scanning` sets where the sensor samples. `staring` samples in both directions, `serial_scan`
-    only from line to line, as one detector scans along x. `parallel_scan` samples only from
-    detector to detector; they lie along x on platform `push` and otherwise along y. The noise
-    differs too, and is taken from the picture. One detector instead of n is n times as fast, so
-    bandwidth_Hz rises and the noise with it, by √n. Gain and bias errors leave no pattern on `line`
-    with one detector. On `push` they give σ_h, which hides upright bars, and on `array` σ_vh. 1/f
-    noise of channels (σ_tv) is not simulated.
+    `scanning` sets the directions in which the sensor samples. `staring` samples in both.
+    `serial_scan` samples only from line to line, because one detector scans along x.
+    `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
+    along y. The noise also depends on the scanning; it is taken from the picture. One detector in
+    place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
+    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`
+    they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
+    channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature. It
-    is refused unless `background_K` gives the temperature of the scene's own emission. Use Image
-    Quality for such pictures. All figures in K apply at the camera, behind the air, for the
-    background as it appears there. The ΔT that remains at a range is ΔT·exp(−extinction·range).
-    Behind an Atmospheric Path it follows from the path's τ(R) at each wavelength, weighted by
-    dL/dT.
+    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature.
+    Such a picture is refused unless `background_K` gives the temperature of the scene's own
+    emission. Use Image Quality instead. All figures in K apply at the camera, after the atmosphere,
+    with the background's apparent temperature there. The apparent ΔT at a range is
+    ΔT·exp(−extinction·range). After an Atmospheric Path, it follows from the path's τ(R) at each
+    wavelength, weighted by dL/dT.
 
-    Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
-    ΔT equals the 2-D MRTD, divided by N50.
+    Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
+    resolved is the one where the target's apparent ΔT equals the 2-D MRTD.
 
     TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
-    sum of squares of the eye's threshold through the MTF and the MRTD's contrast. With
-    `system_contrast_threshold` it is the published CTF_eye/MTF·√(1 + α²·σ²/S²), for which V50
-    values are published. There α = 169.6 √Hz, S is the scene contrast, and σ the noise in K·√s that
-    passes the eyeball and the eye's channel at the frequency. `flir92` includes fixed patterns.
-    Display and eye are not part of the MRTD. The defaults are a target of 2.3 m and 2 K, and N50
-    for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; it could not be
-    checked.
+    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` it
+    is the published CTF_eye/MTF·√(1 + α²·σ²/S²); published V50 values belong to it. Here α = 169.6
+    √Hz, S is the scene contrast, and σ is the noise in K·√s that passes the eyeball and the eye's
+    visual channel at that frequency. `flir92` includes fixed patterns. The MRTD includes neither
+    the display nor the eye's contrast threshold. The defaults are a target of 2.3 m with ΔT = 2 K,
+    and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; this value
+    could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -3264,13 +3268,13 @@ def figures_of_merit(
         extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
         from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles for 50 % detection; 1 for the MRTD of one direction: a number above 0 to 1000;
+        cycles for 50 % detection; 1 for the MRTD in one direction: a number above 0 to 1000;
         default 0.75
     n50_recognition : float | Expression
-        cycles for 50 % recognition; 4 for the MRTD of one direction: a number above 0 to 1000;
+        cycles for 50 % recognition; 4 for the MRTD in one direction: a number above 0 to 1000;
         default 3.0
     n50_identification : float | Expression
-        cycles for 50 % identification; 6.4 for the MRTD of one direction: a number above 0 to 1000;
+        cycles for 50 % identification; 6.4 for the MRTD in one direction: a number above 0 to 1000;
         default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
         TTP: contrast threshold from the eye and the MRTD, or the published one from MTF and noise:
@@ -3284,9 +3288,9 @@ def figures_of_merit(
     display_cd_m2 : float | Expression
         TTP: mean luminance of the display [cd/m²]: a number above 0 to 1e+06; default 34.0
     display_deg : float | Expression
-        TTP: angle that the display fills at the eye [deg]: a number above 0 to 180; default 15.0
+        TTP: angle that the display subtends at the eye [deg]: a number above 0 to 180; default 15.0
     magnification : float | Expression | None
-        TTP: angle on the display divided by the angle in the scene; empty: the picture fills the
+        TTP: magnification, angle on the display / angle in the scene; empty: the picture fills the
         display: a number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
         longest range of the curve; empty: where detection becomes unlikely [km]: a number from 0 to
@@ -3310,13 +3314,13 @@ def noise_budget(
     """Show how much each source contributes to the noise, and each stage to the blur.
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
-    propagated to the picture through all later filters, combined pixels and interpolation.
+    propagated to the picture through all later filters, pixel combining and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` means the
-    patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
-    as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
-    blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
-    this part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do not
-    blur.
+    patterns that stay the same from frame to frame, averaged over all sensors of this kind.
+    Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
+    of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
+    it recovers that part of the loss. A stage with an MTF of zero is assigned all of the blur.
+    Phases do not count as blur.
 
     Parameters
     ----------
@@ -3343,20 +3347,20 @@ def noise_3d(
     frames: int | Expression = 16,
     path: str | PathLike[str] | None = None,
 ) -> Part:
-    """Split noise into its 3-D components: time (t), rows (v), columns (h), and combinations.
+    """Split noise into its 3-D components: time (t), rows (v), columns (h), and their combinations.
 
     Predicted: the noise of every source in the chain is propagated to this picture through all
-    later transfer functions, combined pixels and interpolation. Measured: frames of the picture are
+    later transfer functions, pixel combining and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
     is subtracted, and unbiased estimates split the variance into the seven components. The
     prediction is an average over all sensors of this kind, but only one pattern is measured. With
-    few rows or columns, the measured fixed components therefore scatter about it. Noise correlated
-    between neighbours also appears in σ tv and σ th. Rounding counts as noise. With `path`, a file
-    of frames, for example from a camera, is measured instead, one frame at a time. Everything that
-    stays from frame to frame, including the scene, then counts as fixed pattern. Use frames of a
-    uniform scene. If a picture is linked too, its prediction is shown beside the measurement.
-    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
-    McCulloch 1992, Variance Components (unbiased estimates).
+    few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
+    correlated between neighbours also appears in σ tv and σ th. Rounding counts as noise. With
+    `path`, a file of frames, for example from a camera, is measured instead, one frame at a time.
+    Everything that stays from frame to frame, including the scene, then counts as fixed pattern.
+    Use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
@@ -3384,11 +3388,12 @@ def compare_images(
 ) -> Part:
     """Measure the difference between a picture and a reference of the same size.
 
-    It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
-    whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
-    the picture's spectrum by the reference's, on both frequency axes. In rings it is the root of
-    the power ratio. Frequencies where the reference has only rounding errors are left out. For a
-    frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF itself.
+    It gives the root mean square, largest and mean differences, and the peak signal-to-noise ratio
+    (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The MTF ratio is the
+    modulus of the picture's spectrum divided by the modulus of the reference's spectrum, along both
+    frequency axes. Averaged in rings, it is the square root of the ratio of the power spectra.
+    Frequencies where the reference contains only rounding errors are left out. For a frame filtered
+    with mirrored edges, set `edges` to `reflect`; the ratio is then the MTF itself.
 
     Parameters
     ----------
@@ -3413,15 +3418,15 @@ def spatial_blur(
     half_width_px: int | Expression = 16,
     error: float | Expression = 0.001,
 ) -> Part:
-    """Blur by convolution with the impulse response; use it instead of Back Transform.
+    """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
-    It takes the inputs of Back Transform: the impulse response is the inverse transform of all
+    It has the same inputs as Back Transform. The impulse response is the inverse transform of all
     collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
     otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
     except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
-    largest deviation from its mean. The bound is the sum of the moduli of what was cut off. The
-    mean does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings
-    and cannot be both short and precise.
+    largest deviation from its mean. The bound is the sum of the moduli of the truncated kernel
+    values. The picture's mean does not change. If a transfer function has not fallen to zero at
+    Nyquist, its kernel rings and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
@@ -3435,8 +3440,8 @@ def spatial_blur(
     half_width_px : int | Expression
         samples kept on each side [px]: a whole number from 0 to 65536; default 16
     error : float | Expression
-        largest error, as a fraction of the scene's departure from its mean: a number from 0 to 1;
-        default 0.001
+        largest error, as a fraction of the scene's largest deviation from its mean: a number from 0
+        to 1; default 0.001
 
     Notes
     -----
@@ -3458,27 +3463,27 @@ def line_by_line(
     nodes: int | Expression | None = None,
     tolerance: float | Expression = 1e-05,
 ) -> Part:
-    """Filter a line scanner's frame with its true sampling; use it instead of Back Transform.
+    """Filter a line scanner's frame at its true sampling intervals, in place of Back Transform.
 
     A line scanner samples at equal angles along the scan and at equal distances on the ground along
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale for the frame, factors along the flight one per column. Pupils and other
-    non-separable factors have both. All factors are in angles at the sensor, as in their own
+    scan use one interval for the whole frame, factors along the flight one per column. Pupils and
+    other non-separable factors use both. All factors are in angles at the sensor, as in their own
     modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
     Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
-    estimate of the error, or summed exactly for each interval (`direct`). For a pushbroom or an
-    array, which sample evenly, both outputs agree. The ground is assumed flat, and motion blur has
-    the same angle as at nadir.
+    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
+    arrays sample evenly, so both outputs agree for them. The ground is assumed to be flat, and
+    motion blur to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
     largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
     % in 60°, 5 % in 90° and 10 % in 120°. Its rms is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the
-    thesis' field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to
-    4 times as long (`imagechain bench`, table scanning), `direct` 60 times and more. Source:
-    Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+    thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to
+    4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more.
+    Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3488,11 +3493,11 @@ def line_by_line(
         view angle from nadir at the middle of the frame [deg]: a number above -90 below 90; default
         0.0
     nadir_column : float | Expression | None
-        sample of a scan line at nadir, counted from 0; empty: from the look angle [px]: a number
-        from -65536 to 131072 or empty; default empty
+        index of the scan line's sample at nadir, counted from 0; empty: from the look angle [px]: a
+        number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
-        spacing of lines at nadir: the frame's interval, one line per turn at Init & Trans's
-        velocity and scan rate, or the value below: one of frame, flight, typed; default 'frame'
+        line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate (one line
+        per turn), or the value below: one of frame, flight, typed; default 'frame'
     line_spacing_m : float | Expression | None
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
@@ -3505,7 +3510,7 @@ def line_by_line(
         intervals to interpolate between; empty: as many as the tolerance needs: a whole number from
         0 to 32 or empty; default empty
     tolerance : float | Expression
-        largest error of the transfer function from interpolation: a number from 0 to 1; default
+        largest interpolation error allowed in the transfer function: a number from 0 to 1; default
         1e-05
 
     Notes
@@ -3544,14 +3549,14 @@ def camera_geometry(
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples equal angles, so its samples grow as sec² across the track and as sec along it
-    (panoramic distortion). A pushbroom and a framing camera sample equal steps in the focal plane.
-    The flight runs down the picture, and its lines are equally spaced on the ground. Each sample is
-    the mean of the scene over its whole footprint, so nothing aliases and a uniform scene stays
-    uniform. Blur comes afterwards: choose samples finer than the detector, and combine pixels after
-    the detector's MTF.
+    samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
+    (panoramic distortion). A pushbroom and a framing camera sample at equal steps in the focal
+    plane. The flight direction is down the picture, and scan lines are equally spaced on the
+    ground. Each sample is the mean of the scene over its whole footprint, so nothing aliases and a
+    uniform scene stays uniform. Blur comes afterwards: choose samples finer than the detector, and
+    combine pixels after the detector's MTF.
 
-    Footprints along the scene's rows or columns, as without yaw, are exact. With roll or pitch
+    Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
     are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
     sections 2 and 5.3, for the Salacain camera.
@@ -3606,7 +3611,7 @@ def camera_geometry(
         interpolation between scene samples: constant areas, straight lines, or parabolas: one of
         area, bilinear, cubic; default 'area'
     strips : int | Expression
-        strips that an oblique footprint is cut into: a whole number from 1 to 64; default 4
+        number of strips per oblique footprint: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
         what the camera sees beyond the scene: one of refuse, fill; default 'refuse'
     fill_value : float | Expression
@@ -3637,28 +3642,30 @@ def image_quality(
 ) -> Part:
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
-    The ground sample distance is the picture's interval times the range, in the plane normal to the
-    line of sight. GIQE 3 uses this distance. GIQE 4 uses the distance on the ground, divided by
-    √sin e, with e the elevation of the line of sight seen from the target. GIQE 5 uses their
-    geometric mean, divided by sin e to the power ¼. The relative edge response (RER) is how far an
-    edge rises within one sample around it; the overshoot H is its height 1 to 3 samples beside it.
-    Both follow from the chain's transfer functions, and the SNR from its signal and temporal noise.
-    No noise is drawn or measured. GSD, RER and H are geometric means of both directions; in GIQE 5
-    the worse RER counts twice. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it.
+    In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
+    sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
+    GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
+    geometric mean of these two, GSD/(sin e)^¼. The relative edge response (RER) is the rise of the
+    edge response from half a sample before the edge to half a sample after it. The overshoot H is
+    the height of the edge response 1 to 3 samples beyond the edge. Both follow from the chain's
+    transfer functions; the SNR follows from its signal and temporal noise. No noise is drawn or
+    measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse RER
+    counts twice. Connect the picture as the sensor samples it, before a frame grabber interpolates
+    it.
 
-    With `snr_of` = `contrast` the SNR is that of a contrast: the difference in signal between
-    surfaces of 15 % and 7 % reflectance, divided by the noise. If the scene is in reflectance and
-    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
-    mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is then 8/15 of the
-    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
+    With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
+    reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
+    it to radiance, the difference follows from the illumination and the atmosphere set there.
+    Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is
+    then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses the mean
+    signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
     first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
     fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
-    130. A warning names values beyond these limits. The limits of the other versions could not be
+    130. A warning lists values outside these limits. The limits of the other versions could not be
     checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
@@ -3673,8 +3680,8 @@ def image_quality(
         ground sample distance normal to the line of sight, if you know it; empty: from the
         picture's interval and the range [m]: a number of at least 0 or empty; default empty
     elevation_deg : float | Expression | None
-        elevation of the line of sight at the target; empty: 90° less off_nadir_deg, or from
-        Camera's orbit if that is 0 [deg]: a number from 0 to 90 or empty; default empty
+        elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or from Camera's
+        orbit if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
         look angle off nadir along the track over flat ground, if elevation_deg is empty [deg]: a
         number from 0 to 89; default 0.0
@@ -3682,8 +3689,8 @@ def image_quality(
         SNR, if you know it; empty: signal divided by temporal noise: a number of at least 0 or
         empty; default empty
     snr_of : Literal['contrast', 'mean']
-        signal of the SNR: the contrast of 15 % and 7 % reflectance, or the mean: one of contrast,
-        mean; default 'contrast'
+        signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean: one of
+        contrast, mean; default 'contrast'
     rer_x : float | Expression | None
         horizontal RER, if you know it; empty: from the chain: a number of at least 0 or empty;
         default empty

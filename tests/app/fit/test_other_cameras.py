@@ -54,6 +54,6 @@ def test_bands_that_do_not_overlap_are_warned_of(files, works):
         "the fitted values do not describe the picture's camera"
     )
     assert any(line.startswith(words) for line in warnings)
-    assert "from 8 to 12 µm" in printed
+    assert "band 8 to 12 µm" in printed
     for name in ("mwir.img", "touching.img", "plain.npy"):
         assert not any("µm" in line for line in fitted(files, works, name)[0]), name

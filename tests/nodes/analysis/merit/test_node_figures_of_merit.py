@@ -237,6 +237,6 @@ def test_reflected_light_is_refused():
     _, plan, _ = sensor(scene=VISIBLE, noisy=False)
     assert [str(error) for error in plan.errors()] == [
         "merit: the band begins at 0.4 µm, where a scene reflects light, which has no temperature: "
-        "NETD, MRTD, MDTD and the ranges derived from them do not apply; use Image Quality, or give "
-        "background_K for a scene hot enough to emit in this band"
+        "NETD, MRTD, MDTD and the ranges derived from them do not apply; use Image Quality, or "
+        "give background_K for a scene hot enough to emit in this band"
     ]
