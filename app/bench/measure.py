@@ -48,7 +48,8 @@ def measuring(settings: Settings) -> list[Table]:
     heads = {"subject": "picture", "edges": "edges", "used": "used", **TIMES}
     text = (
         "A picture in memory: tilted squares (7°), blurred by 0.8 samples, with noise. Timed: "
-        "finding the edges, the MTF of each, pooling, and the noise of the flat areas."
+        "finding the edges, measuring and pooling their MTFs, and measuring the noise of flat "
+        "areas."
     )
     title = "Measuring a picture, double precision"
     return [Table("measure", title, heads, rows, text)]

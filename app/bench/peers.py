@@ -72,8 +72,8 @@ def peers(settings: Settings) -> list[Table]:
         "In every row, T0 is measured on the frame in single precision. `known`: the transfer "
         "function or PSF has been computed already, and only the frame is new. `mirrored`: the "
         "frame is mirrored at its edges, so the tails of the point spread function fold back into "
-        "the frame, and the FFT that measures the MTF counts them as error. The extra `peers` "
-        "installs the other programs."
+        "the frame, and the FFT that measures the MTF counts them as error. Install the other "
+        "programs with the extra `peers`."
     )
     last = ("size", sizes[-1])
     name = f"Aperture and pixel: error of the delivered MTF against time, {sizes[-1]}²"

@@ -53,11 +53,10 @@ def precision(settings: Settings) -> list[Table]:
         row = _of_picture(kodak, quiet, expected, scene, settings)
         rows.append({"choice": kind, **row, "mean_error": wrong})
     heads = {"choice": "precision", **T0_HEADS, "error": "error / max"}
-    heads["mean_error"] = "error of the mean, relative"
+    heads["mean_error"] = "relative error of the mean"
     text = (
-        "Single is the default: its error is far below the noise and the step of any "
-        "quantizer in use, and it takes half the memory. T0 is in single precision in both "
-        "rows."
+        "Single is the default: its error is far below the noise and the step of any quantizer in "
+        "use, and it takes half the memory. T0 is measured in single precision in both rows."
     )
     title = f"Precision: Kodak optics, {settings.small}², mirrored, compared with a direct sum"
     return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]
@@ -348,8 +347,8 @@ def skipping(settings: Settings) -> list[Table]:
     text = (
         "The default is one eighth of the samples' rounding error, so the effect of leaving "
         "stages out cannot be distinguished from rounding. With a larger tolerance, the error "
-        "also stays below the tolerance, and the run is faster. T0 is in single precision in all "
-        "rows."
+        "also stays below the tolerance, and the run is faster. T0 is measured in single "
+        "precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"
     name = f"{title}: tolerance (stages left out)"

@@ -496,28 +496,28 @@ _KINDS = {
     "wavelengths": (
         "Fourier transforms of every band",
         "a few wavelengths represent all bands",
-        "{share} % of them, at most {bound} of the contrast",
+        "{share} % of the transforms, at most {bound} of the contrast",
     ),
     "pupil_centre": (
         "the pupil's OTF beyond the band",
         "this part does not affect the picture",
-        "{share} % of it evaluated",
+        "{share} % of the OTF evaluated",
     ),
     "mirrored_edges": (
         "padding of the frame's edges",
         "cosine transforms mirror the frame already",
-        "{share} % of its samples transformed",
+        "{share} % of the padded samples transformed",
     ),
     "folded": (
         "the picture before its pixels are combined",
         "the spectrum is folded instead",
-        "inverse of {share} % of its samples",
+        "inverse of {share} % of the samples",
     ),
     "region": ("pictures outside a region", "only the region is used", "{share} % computed"),
     "unchanged": (
         "values computed before",
         "their inputs have not changed",
-        "{share} % of its steps computed",
+        "{share} % of the steps computed",
     ),
     "unseen": ("whole output arrays", "they are not used", "{ports}"),
 }

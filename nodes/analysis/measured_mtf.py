@@ -86,7 +86,7 @@ def table_of(
         ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
         ("noise", measured.noise, unit, "standard deviation of a sample"),
         ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
-         "where the chain's own MTF falls to 0.5"),
+         "frequency at which the chain's own MTF falls to 0.5"),
         ("expected_at_nyquist", one and one.at_nyquist, "", "the chain's own MTF at Nyquist"),
         ("largest_difference", one and one.largest_difference, "",
          "measured minus expected, up to Nyquist"),

@@ -197,7 +197,7 @@ def _crossing(frequency: Vector, mtf: Vector, replicas: Array, level: float) -> 
 # What a measured MTF is expected to be: the chain's own, along the same direction.
 
 _FINE = 513
-_AREA, _UNKNOWN = "area of its samples", "not known"
+_AREA, _UNKNOWN = "area of the scene's samples", "not known"
 
 
 @dataclass(frozen=True)

@@ -239,7 +239,7 @@ def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> Tabl
     elif measured is not None:
         rows += [
             TableRow("mean", measured.mean, unit, "mean of all frames"),
-            TableRow("frames", measured.frames, "", "frames of the file"),
+            TableRow("frames", measured.frames, "", "frames in the file"),
         ]
     return TableData(tuple(rows))
 

@@ -39,8 +39,8 @@ def test_says_what_was_not_computed(imagechain, write, small, tmp_path):
     assert [where for _, _, where in economy(page)] == [
         "blur",
         "jitter",
-        "back (25 % of its samples transformed)",
-        "pixels (inverse of 25 % of its samples)",
+        "back (25 % of the padded samples transformed)",
+        "pixels (inverse of 25 % of the samples)",
         "init (magnitude, phase), back (image)",
     ]
     assert "neutral: skipped" in page

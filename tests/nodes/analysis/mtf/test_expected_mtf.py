@@ -68,7 +68,7 @@ def test_without_noise_the_shipped_chain_measures_what_is_expected():
     fine = np.linspace(0, 2, 200_001)
     half = fine[np.argmax(shipped_truth(fine, table["edge_angle_deg"]) < 0.5)]
     assert table["expected_mtf50"] == pytest.approx(half, abs=1e-4)
-    assert table["scene_blur"] == "area of its samples"
+    assert table["scene_blur"] == "area of the scene's samples"
 
 
 def chain(*, scene, measured, combine=None, blur=(0.3, 0.5)):
