@@ -3470,7 +3470,7 @@ def line_by_line(
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
     scan use one interval for the whole frame, factors along the flight one per column. Pupils and
-    other non-separable factors use both. All factors are in angles at the sensor, as in their own
+    other non-separable factors use both. All factors use angles at the sensor, as in their own
     modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
     Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
     estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
@@ -3480,10 +3480,10 @@ def line_by_line(
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
     largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
-    % in 60°, 5 % in 90° and 10 % in 120°. Its rms is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the
-    thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to
-    4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more.
-    Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+    % in 60°, 5 % in 90° and 10 % in 120°. The rms error is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %.
+    In the thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes
+    1.3 to 4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or
+    more. Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
 
     Parameters
     ----------

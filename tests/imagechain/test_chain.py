@@ -449,7 +449,7 @@ def test_a_file_takes_the_place_of_the_scene(tmp_path, monkeypatch):
     np.testing.assert_array_equal(again, ours)
     with pytest.raises(ic.UsageError, match="fov_deg 0: give above 0°"):
         chain.replace_scene("own.npy", fov_deg=(0.0, 1.0))
-    with pytest.raises(ic.ImagechainError, match="7 is not a picture: give a file, or"):
+    with pytest.raises(ic.ImagechainError, match="7 is not a picture: give a file or"):
         chain.scene = 7
 
 

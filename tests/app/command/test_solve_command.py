@@ -61,7 +61,7 @@ def test_no_value_does_it_and_what_the_ends_give(imagechain, camera):
         math.sqrt(SIGNAL_E_PER_S * t + CONSTANT) / (RESPONSE_E_PER_K_S * t) for t in (0.001, 0.01)
     ]
     assert "no value of fpa.integration_time_s from 0.001 s to 0.01 s" in line
-    assert "makes fpa.netd_K 0.001 K" in line
+    assert "makes fpa.netd_K equal to 0.001 K" in line
     found = [float(text) for text in re.findall(r"([0-9.]+) K at", line)]
     assert found == pytest.approx(ends, rel=2e-3)
 
