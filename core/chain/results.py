@@ -94,7 +94,7 @@ class CameraSheet:
     is as the radiometry takes it, `aperture_mm` the diameter of the entrance pupil, as diffraction
     takes it. `obscuration_ratio` is the inner over the outer diameter of the aperture, `t_number`
     the F-number of a clear, lossless lens that gives the same light, `irradiance` how the light
-    goes with either. `range_m` is the distance of the scene.
+    goes with either. `range_m` is the distance to the scene.
     """
 
     pixels_x: int | None = None

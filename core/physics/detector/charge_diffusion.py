@@ -53,7 +53,7 @@ def diffusion_mtf(
         Light enters through the depletion region into a deep substrate, or through the back of a
         thinned detector.
     thickness_um : float, optional
-        Of a detector lit from the back, above `depletion_um`.
+        Of a back-illuminated detector, above `depletion_um`.
 
     Returns
     -------
