@@ -25,20 +25,21 @@ def read_image(
 ) -> Part:
     """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
-    Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
-    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um`, if you give both. For
-    every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
-    spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
+    Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives wavelengths
+    and you set both `cut_on_um` and `cut_off_um`, its bands are integrated between them. For any
+    other file, these two are the band of the samples. The radiance is in W/m²/sr, or in W/m²/sr/µm
+    for one spectral band. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
     `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
     unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
-    are left out. K, DN and similar units are kept. Without `bands` all, photons are not converted
-    to watts. An unknown radiance unit is an error.
+    are left out. K, DN and similar units are kept. Photons are converted to watts only with `bands`
+    all. An unknown radiance unit is an error.
 
-    A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
-    weights them. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
-    a cube whose header names wavelengths gives every band between `cut_on_um` and `cut_off_um`.
-    Each comes in W/m²/sr/µm; photons are converted by their energy at that wavelength. Optics and
-    atmosphere then act on each band separately, until a detector sums them. The cube stays on disk.
+    A colour picture gives one channel or, with `bands` luminance, all three, weighted by the eye's
+    sensitivity. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
+    a cube with wavelengths in its header gives every band between `cut_on_um` and `cut_off_um`.
+    Each is in W/m²/sr/µm; photons are converted with their energy at the band's wavelength. Optics
+    and atmosphere then act on each band separately, until a detector sums them. The cube stays on
+    disk.
 
     An empty field of view is taken from the header. FITS pictures have their first row at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
@@ -48,8 +49,8 @@ def read_image(
     ----------
     path : str | PathLike[str] | None
         picture file, relative to the network file's folder: Zarr, .npy, EXR, TIFF, PNG, JPEG, JPEG
-        2000, BMP, FITS, ENVI, HDR, plain text and others by their content: a file name or empty;
-        default empty
+        2000, BMP, FITS, ENVI, HDR, plain text and others by content: a file name or empty; default
+        empty
     band : int | Expression
         band or channel, counted from 0: a whole number of at least 0; default 0
     bands : Literal['one', 'all', 'luminance']
@@ -102,19 +103,20 @@ def test_scene(
 ) -> Part:
     """Draw a radiometric test scene.
 
-    Planck's law converts temperatures and emissivities to band radiance. Edges are sampled by area
-    and do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
+    Planck's law converts temperatures and emissivities to band radiance. Edges are area-sampled, so
+    they do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
     ground. The airfield is seen from above, with straight roads, for Camera Geometry.
 
-    With `bands` the scene has that many bands of equal width. Optics and atmosphere treat each at
-    its own wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves,
-    soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They emit at their
-    temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
-    2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
-    its single emissivity; the sum of all bands is then the picture without bands, except for
-    sunlight. `quantity` reflectance gives what the surfaces reflect instead of their radiance, for
-    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun. Targets
-    then have `target_reflectance` on `background_reflectance` at all wavelengths.
+    `bands` divides the scene's band into that many bands of equal width. Optics and atmosphere
+    treat each at its own wavelength, until a detector sums them. Surfaces then have the spectra of
+    grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They
+    emit at their temperature and reflect the sky. With `sun_elevation_deg` they also reflect
+    sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all bands. With
+    `emissivity` grey every surface keeps its single emissivity; the sum of all bands is then the
+    picture without bands, except for sunlight. `quantity` reflectance gives what the surfaces
+    reflect instead of their radiance, for Reflected Light; shade and sky get the reflectance that
+    would look as bright in sunlight. Targets then have `target_reflectance`, and their background
+    `background_reflectance`, at all wavelengths.
 
     Parameters
     ----------
@@ -139,20 +141,20 @@ def test_scene(
         spectra of the surfaces, if there are bands: from their materials, or grey: one of spectra,
         grey; default 'spectra'
     quantity : Literal['radiance', 'reflectance']
-        what the samples are: radiance, or reflectance to be lit: one of radiance, reflectance;
-        default 'radiance'
+        quantity of the samples: radiance, or reflectance for Reflected Light: one of radiance,
+        reflectance; default 'radiance'
     background_reflectance : float | Expression
-        reflectance of a target's background, with quantity reflectance: a number from 0 to 1;
+        reflectance of a target's background, for quantity reflectance: a number from 0 to 1;
         default 0.07
     target_reflectance : float | Expression
-        reflectance of a target, with quantity reflectance: a number from 0 to 1; default 0.15
+        reflectance of a target, for quantity reflectance: a number from 0 to 1; default 0.15
     sun_elevation_deg : float | Expression
         elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
         0.0
     temperature_K : float | Expression
         background temperature [K]: a number above 0; default 303.15
     delta_K : float | Expression
-        how much warmer the target is [K]: a number; default 10.0
+        target temperature minus the background's [K]: a number; default 10.0
     angle_deg : float | Expression
         direction of the edge's normal or of the wave [deg]: a number; default 5.0
     frequency : float | Expression
@@ -172,16 +174,17 @@ def write_image(
     range_low: float | Expression | None = None,
     range_high: float | Expression | None = None,
 ) -> Part:
-    """Write the picture to a file, only when a run asks for outputs.
+    """Write the picture to a file, only in runs that save outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
     to the full range of the type. If both are empty, a picture in digital numbers (DN) is not
-    stretched: 12 bits stay 0 to 4095 in the file. `automatic` uses the precision of the computation
-    if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
+    stretched: 12-bit samples stay 0 to 4095 in the file. `automatic` uses the precision of the
+    computation if the format allows it, and 16-bit integers for PNG and for digital numbers up to
+    65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm. They are written one after the other, so the whole cube is never in memory. Every
-    other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
+    in W/m²/sr/µm. Bands are written one at a time, so the whole cube is never in memory. Every
+    other format stores the sum of the bands. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
     ----------
@@ -209,10 +212,10 @@ def write_matrix(
 ) -> Part:
     """Write values as plain text, one row per line, readable by MathCad's READPRN.
 
-    A .csv file separates them by commas and names the columns of curves; .txt and .prn files use
-    blanks. Bars have their names in the first column of a .csv file, and their number from 0 in
-    other files. A transfer function is written in FFT order, zero frequency first. Files are
-    written only when a run asks for outputs.
+    A .csv file separates values with commas and names the columns of curves; .txt and .prn files
+    use spaces. For bars, the first column holds their names in a .csv file, and their numbers from
+    0 in other files. A transfer function is written in FFT order, zero frequency first. Files are
+    written only in runs that save outputs.
 
     Parameters
     ----------
@@ -236,8 +239,8 @@ def examine_image(
 
     For radiance in a known band it also gives the apparent temperature, at which a black body has
     the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
-    histogram uses the displayed values. The centred spectrum of a picture is the logarithm of its
-    modulus.
+    histogram uses the displayed values. A picture's centred spectrum is shown as the logarithm of
+    its modulus.
 
     Parameters
     ----------
@@ -279,9 +282,9 @@ def init_trans(
 ) -> Part:
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
-    Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 is treated as empty. Values entered here take priority; if the two differ, a warning says
-    so. Source: Tantalo 1996, section 4.1.
+    Empty parameters are taken from a Camera before this module, otherwise from the image's header.
+    A fill factor of 1 is treated as empty. Values entered here take priority; a warning reports any
+    difference. Source: Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -333,8 +336,8 @@ def back_transform(
 ) -> Part:
     """Compute the image from a magnitude and a phase.
 
-    The two may come from different images of one size: the result is then |A|·exp(i·∠B), with
-    periodic edges. Source: Tantalo 1996, section 4.1.
+    Magnitude and phase may come from different images of the same size: the result is then
+    |A|·exp(i·∠B), with periodic edges. Source: Tantalo 1996, section 4.1.
 
     Notes
     -----
@@ -351,10 +354,11 @@ def combine_pixels(
 ) -> Part:
     """Combine each block of samples into one pixel.
 
-    Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
-    after Back Transform, if the factors divide the size, the spectrum is folded instead. Taking the
-    mean of a block acts as the pixel's averaging over its area. After Detector MTF, which already
-    averages over the pixel, use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
+    170 pixels. Directly after Back Transform, if the factors divide the size, the spectrum is
+    folded instead. The mean of a block represents the pixel's averaging over its area. After
+    Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source: Tantalo
+    1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -381,9 +385,9 @@ def sample_pixels(
 ) -> Part:
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again: behind Detector MTF it leaves only 0.64 of
-    the contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not
-    move. For even ratios, and ratios that are not whole, the centres lie between samples. There the
+    Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
+    contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
+    For even ratios, and ratios that are not whole, the centres lie between samples. There the
     picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
     in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
     in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
@@ -421,17 +425,17 @@ def anti_alias(
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
     No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
-    a detector MTF. `box` is the centred mean of `factor` samples (for an even number, interpolated
-    by its transfer function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos`
-    is a sinc with its cutoff there, in a window of three lobes. The frame is mirrored at its edges.
-    A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    a detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
+    its transfer function). `gaussian` halves the contrast at the new Nyquist frequency. `lanczos`
+    is a sinc with its cutoff there and a three-lobe window. The frame is mirrored at its edges. A
+    factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
 
     Parameters
     ----------
     kernel : Literal['box', 'gaussian', 'lanczos']
-        shape of the low-pass: one of box, gaussian, lanczos; default 'box'
+        shape of the low-pass filter: one of box, gaussian, lanczos; default 'box'
     factor : int | Expression
-        samples combined into one [samples]: a whole number from 1 to 1024; default 1
+        factor of the later decimation [samples]: a whole number from 1 to 1024; default 1
 
     Notes
     -----
@@ -453,7 +457,7 @@ def interpolate(
     Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
     wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
-    0 takes the nearest sample (the later one of two equally near), 1 is bilinear, 3 is cubic
+    0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
     convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
     (bilinear); Keys 1981 (cubic, a = −1/2).
 
@@ -562,19 +566,19 @@ def reflected_light(
     """Convert a picture of reflectances to radiance under sun and sky.
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
-    band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is the standard solar spectrum (ASTM G173, continued beyond 4 µm by a black body), a black
-    body of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a CSV by wavelength.
-    The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with
-    `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
+    band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
+    is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
+    of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
+    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
+    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with `bands`
+    above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera.
 
-    `illuminance_lux` scales sun and sky until they light the ground with so many lux: 100 000 in
+    `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
-    starlight. The spectrum keeps its shape. Moonlight is close to sunlight, starlight is not:
-    airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4 µm. Give the
-    spectrum of the night sky in `path`.
+    starlight. The spectrum keeps its shape. Moonlight has nearly the spectrum of sunlight.
+    Starlight does not: airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4
+    µm. For starlight, give the spectrum of the night sky in `path`.
 
     Sources: Lambert 1760; Kasten and Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar
     Energy 76, 423); nominal solar radius of the IAU, 2015 (black body); CIE 018:2019, V(λ); RCA
@@ -586,20 +590,19 @@ def reflected_light(
         spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K: one of
         standard, black_body; default 'standard'
     solar_irradiance : float | Expression | None
-        solar irradiance above the air, normal to the sun, used instead of the spectrum; empty: by
-        sun [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
+        solar irradiance above the air, normal to the sun, used instead of the spectrum; empty: from
+        `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
     path : str | PathLike[str] | None
-        CSV of µm and W/m²/µm, used instead of the number, or empty: a file name or empty; default
-        empty
+        CSV of wavelength (µm) and W/m²/µm, used instead of the number; or empty: a file name or
+        empty; default empty
     sun_elevation_deg : float | Expression
         elevation of the sun above the horizon [deg]: a number from 0 to 90; default 45.0
     optical_depth : float | Expression
-        optical depth of the air towards the sun, for a vertical path: a number from 0 to 1000;
-        default 0.0
+        zenith optical depth of the air, for sunlight: a number from 0 to 1000; default 0.0
     sky : float | Expression
         radiance of the sky [W/m²/sr/µm]: a number from 0 to 1e+12; default 0.0
     illuminance_lux : float | Expression | None
-        illuminance of the ground to which sun and sky are scaled; empty: as they are [lx]: a number
+        illuminance on the ground to which sun and sky are scaled; empty: no scaling [lx]: a number
         above 0 to 1e+09 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
@@ -634,26 +637,28 @@ def atmospheric_path(
 ) -> Part:
     """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
-    `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
-    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 or
-    the JSON output of MODTRAN (FREQ, TOT TRANS and the path's radiances, by name; W/cm²/sr per cm⁻¹
-    become W/m²/sr/µm by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance
-    (W/m²/sr/µm). The path radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
+    `transmission`: a number, or a CSV of wavelength (µm) and transmission. `extinction_per_km`:
+    exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a
+    tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the path radiances; 10⁸/λ²
+    converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um, transmission,
+    path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L of a black
+    body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
-    mid-latitude summer, the sun at 40°. Between the tables −ln τ/R and L/(1 − τ) are interpolated
-    over height and ground range. With every second table left out, a band's transmission is off by
-    0.007 rms, at most 0.06. A camera above 24.5 km sees the air below that: at nadir, from 0.5 to
-    0.8 µm, 0.688 instead of 0.681. Install the extra `atmosphere` for it.
+    mid-latitude summer, the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are interpolated
+    over height and ground range. If every second table is left out, a band's transmission is off by
+    0.007 rms, at most 0.06. For a camera above 24.5 km, only the air below that height counts: at
+    nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. This model needs the
+    extra `atmosphere`.
 
     A picture with one band is multiplied by the band's mean transmission. The mean weights
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
-    of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit after
-    this module use its transmission at each range, by Beer's law at every wavelength. Two of these
-    modules in a row represent two constituents of the same air. Put the module after Camera to use
-    Camera's range and orbit; before it, enter `range_m` here.
+    of Read Image) has each band multiplied by its own transmission. Absorption and scattering both
+    count as attenuation here; for the blur from scattering, use Atmosphere MTF. Figures of Merit,
+    if placed after this module, uses its transmission at each range, by Beer's law at every
+    wavelength. Two of these modules in a row represent two constituents of the same air. Put the
+    module after Camera to use Camera's range and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
@@ -666,8 +671,8 @@ def atmospheric_path(
     transmission : float | Expression
         transmission of the path: a number from 0 to 1; default 1.0
     path : str | PathLike[str] | None
-        CSV of µm and transmission, used instead of the number; for modtran: a tape7, JSON or CSV: a
-        file name or empty; default empty
+        CSV of wavelength (µm) and transmission, used instead of the number; for modtran: a tape7,
+        JSON or CSV: a file name or empty; default empty
     extinction_per_km : float | Expression
         extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
         0.2
@@ -676,13 +681,13 @@ def atmospheric_path(
     angstrom_q : float | Expression
         exponent with which the extinction falls with wavelength: a number from -5 to 5; default 0.0
     haze : Literal['rural_23_km', 'rural_5_km']
-        haze and visibility of MODTRAN's tables: one of rural_23_km, rural_5_km; default
+        haze type and visibility of MODTRAN's tables: one of rural_23_km, rural_5_km; default
         'rural_23_km'
     altitude_m : float | Expression | None
         height of the camera above the ground, for MODTRAN's tables; empty: from Camera's orbit [m]:
         a number from 0 to 1e+08 or empty; default empty
     range_m : float | Expression | None
-        length of the path; empty: from a Camera before this node, or from Init & Trans through its
+        length of the path; empty: from a Camera before this node, or from Init & Trans through
         context [m]: a number from 0 to 1e+09 or empty; default empty
     air_K : float | Expression | None
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
@@ -721,14 +726,14 @@ def atmosphere_mtf(
 ) -> Part:
     """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure.
-    Its r0 is entered, or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
-    exp(−τ(ρ/ρc)²), and beyond ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from
-    a number, or from the scattering coefficient along the path. Looking down or up, the coefficient
-    falls exponentially with height. Absorption attenuates all frequencies alike and does not blur:
-    use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near
-    the aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ. A spectral picture is
-    blurred at each band's own wavelength.
+    Turbulence is a Gaussian blur of given width, or Fried's long- or short-exposure MTF, with r0
+    entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
+    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateaus 0.99, 0.975, 0.955), a
+    number, or the scattering coefficient along the path. On a path down or up, this coefficient
+    falls exponentially with height. Absorption attenuates all frequencies equally and does not
+    blur: use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is
+    near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. A spectral
+    picture is blurred at each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -810,8 +815,8 @@ def camera(
 ) -> Part:
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
-    for Init & Trans and all modules after it, aperture and obscuration for Diffraction MTF, the
+    The image passes unchanged and carries the data: pitch, focal length, F-number, fill factor and
+    range for Init & Trans and all modules after it; aperture and obscuration for Diffraction MTF;
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
     one from the pixels' angle on the axis. So does an image with the same field of view as the
@@ -819,18 +824,18 @@ def camera(
     values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
-    across the line of sight. The orbit is circular and the Earth a sphere. Its rotation is left
-    out: in a low orbit it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of
-    TDI MTF), in a high one by more. Above 2000 km a warning gives the share.
+    across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
+    neglected: in a low orbit it changes the speed by up to 7 % or the direction by up to 4°
+    (`yaw_deg` of TDI MTF), in a high orbit by more. Above 2000 km a warning states the error.
 
-    The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
-    share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
-    transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how light depends
-    on either: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from the axis and usual in
-    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and infrared
-    lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical
-    Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983,
-    Optical System Design, chapter 6 (sine condition, T-number);
+    The obscuration blocks light: electrons, NETD and SNR use the open share of the aperture, 1 −
+    ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
+    transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
+    depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
+    the axis and usual in infrared work, `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    such as a fast photographic or infrared lens. They differ by 25 % at F/1 and by 1.6 % at F/4.
+    Sources: Holst 2008, Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle,
+    f-number, GSD); Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number);
     Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
 
     Parameters
@@ -861,21 +866,21 @@ def camera(
         obscuration: inner diameter of the aperture divided by the outer: a number from 0 below 1;
         default 0.0
     t_number : float | Expression | None
-        T-number: F-number of a clear lens without losses that gives the same light; empty: from
+        T-number: F-number of a lossless, unobscured lens that passes as much light; empty: from
         F-number, obscuration and transmission: a number of at least 0 or empty; default empty
     irradiance : Literal['disc', 'sine']
         how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine condition,
         π/(4F²): one of disc, sine; default 'disc'
     range_m : float | Expression | None
-        distance of the scene [m]: a number of at least 0 or empty; default empty
+        distance to the scene [m]: a number of at least 0 or empty; default empty
     altitude_km : float | Expression | None
         altitude of a circular orbit; empty: not on a satellite [km]: a number above 0 to 100000 or
         empty; default empty
     look_angle_deg : float | Expression
         angle of the line of sight off nadir [deg]: a number from 0 to 89; default 0.0
     look_direction : Literal['across', 'along']
-        direction of the look angle: beside the track, or ahead on it: one of across, along; default
-        'across'
+        direction of the look angle: across the track, or ahead along it: one of across, along;
+        default 'across'
 
     Notes
     -----
@@ -906,21 +911,22 @@ def diffraction_mtf(
 ) -> Part:
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
-    Aperture and obscuration come from Camera. Without one, the aperture is the focal length over
-    the F-number from Init & Trans. No pupil array is needed. Over a band, each wavelength's OTF is
-    weighted by the photons or the energy of a black body, or all alike as in 1996. The black body
-    has `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm,
-    and otherwise the temperature of the picture's mean radiance. `response`, and a Spectral
-    Response before this module, also weight the light as a detector behind the optics would.
-    `wavelengths` auto uses as many wavelengths as `tolerance` needs, placed between the kinks of
-    the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle. With
-    auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by the
-    picture's own light.
+    Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
+    divided by the F-number, from Init & Trans. No pupil array is needed. Over a band, each
+    wavelength's OTF is weighted by the photons or the energy of a black body, or all equally as in
+    Tantalo 1996. The black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for
+    a band that begins below 2.5 µm, and otherwise at the brightness temperature of the picture's
+    mean radiance. `response`, and a Spectral Response before this module, also weight the light,
+    like a detector behind the optics. `wavelengths` auto uses as many wavelengths as `tolerance`
+    requires, placed between the kinks of the OTF. A number sets how many wavelengths sample the
+    band; 1 uses the band's middle. With auto, a spectral picture is blurred band by band, and the
+    MTF shown is the mean weighted by the picture's own light.
 
-    `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
-    `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of
-    any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill 1956 (annulus, with
-    its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I, chapter 35.
+    `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
+    negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
+    for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill
+    1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I,
+    chapter 35.
 
     Parameters
     ----------
@@ -943,12 +949,12 @@ def diffraction_mtf(
         black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
         or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of µm and detector response, an additional weight of the light, or empty: a file name or
-        empty; default empty
+        CSV of wavelength (µm) and detector response, which also weights the light; or empty: a file
+        name or empty; default empty
     wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
-        auto: as many wavelengths as the tolerance needs; a number sets how many sample the band; 1
-        uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48,
-        64; default 'auto'
+        auto: as many wavelengths as the tolerance requires; a number sets how many sample the band;
+        1 uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32,
+        48, 64; default 'auto'
     tolerance : float | Expression
         largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of many
         points 1e-6: a number from 0 to 1; default 0.0
@@ -988,22 +994,22 @@ def exit_pupil(
 ) -> Part:
     """Make an exit pupil: 1 transparent, 0 opaque.
 
-    Lengths are in samples and centred; Exit Pupil MTF sets their scale. `clear` and `half_moon` (x
-    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height.
-    `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with vanes at 360°/n from
-    +x.
+    Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
+    `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
+    over the full height. `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with
+    vanes at 360°/n from +x.
 
     The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
     It is centred on the array if that makes its radius at most one sample larger. A `radius` that
     you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
-    A wavefront map (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike
+    A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus and Zernike
     terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
-    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a path
-    in µm is the same at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at
-    its own wavelength only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to
-    the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976;
-    Mahajan 1994 (the disc of the wavefront).
+    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a map in
+    µm is an optical path difference, the same at all wavelengths. A complex `.npy` in `path`
+    contains amplitude and phase, valid only at its own wavelength. Row 0 is at the top. W enters as
+    exp(2πiW), so a W that increases to the right moves the picture to the left. Sources: Tantalo
+    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -1015,7 +1021,7 @@ def exit_pupil(
     size_y : int | Expression
         samples per column of the pupil array: a whole number from 2 to 8192; default 512
     radius : float | Expression | None
-        radius of the aperture; empty: 75, or for a file the circle around it [samples]: a number of
+        radius of the aperture; empty: 75, or for a file its enclosing circle [samples]: a number of
         at least 0 or empty; default empty
     obscuration_radius : float | Expression
         radius of the central obscuration [samples]: a number of at least 0; default 25.0
@@ -1039,8 +1045,8 @@ def exit_pupil(
     defocus_waves : float | Expression
         defocus W20 at the rim [waves]: a number from -100 to 100; default 0.0
     zernike_waves : Sequence[float]
-        Zernike coefficients from Noll's 1 (piston) on [waves rms]: a list of numbers from -100 to
-        100; default ()
+        Zernike coefficients in Noll's order, from 1 (piston) [waves rms]: a list of numbers from
+        -100 to 100; default ()
 
     Notes
     -----
@@ -1065,15 +1071,15 @@ def exit_pupil_mtf(
 ) -> Part:
     """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
-    Geometric shapes are exact, for one wavelength or a band. Files and wavefront errors are
-    autocorrelated from their samples. `weighting` counts all wavelengths alike, or by the photons
-    or the energy of a black body; the detector's `response` counts too. The black body has
-    `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm, and
-    otherwise the temperature of the picture's mean radiance. A spectral picture is blurred band by
-    band, each at its own wavelength. Interpolation `none` shows the raw autocorrelation at the
-    pupil's own frequency intervals and does not blur the picture. Sizes refer to the whole pupil
-    array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 of
-    eq. 4.21 is the array's half width over λ.
+    The OTF of a geometric shape is exact, for one wavelength or a band. Pupils from files or with
+    wavefront errors are autocorrelated from their samples. Wavelengths are weighted equally, or by
+    the photons or the energy of a black body (`weighting`), and by the detector's `response`. The
+    black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for a band that begins
+    below 2.5 µm, and otherwise at the brightness temperature of the picture's mean radiance. A
+    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
+    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
+    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
+    cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
 
     Parameters
     ----------
@@ -1094,17 +1100,17 @@ def exit_pupil_mtf(
         interpolation from the sampled pupil to the image's frequencies: one of none, linear,
         bilinear; default 'bilinear'
     wavelengths : int | Expression
-        number of wavelengths over the band; 1 uses the band's mean: a whole number from 1 to 256;
+        number of wavelengths that sample the band; 1 uses its mean: a whole number from 1 to 256;
         default 1
     weighting : Literal['uniform', 'photons', 'energy']
-        weight of the wavelengths: equal, as in 1996, by photons, or by energy: one of uniform,
+        weight of the wavelengths: equal (as in 1996), by photons, or by energy: one of uniform,
         photons, energy; default 'uniform'
     source_K : float | Expression | None
         black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
         or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of µm and detector response, an additional weight of the light, or empty: a file name or
-        empty; default empty
+        CSV of wavelength (µm) and detector response, which also weights the light; or empty: a file
+        name or empty; default empty
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -1128,19 +1134,20 @@ def vignetting(
     coefficients: Sequence[float] = (),
     focal_length_mm: float | Expression | None = None,
 ) -> Part:
-    """Darken the picture away from the optical axis, which is at its middle.
+    """Darken the picture with distance from the optical axis, at the picture's middle.
 
     `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
-    middle times the sampling interval, which is pitch/f for a picture from Camera. `measured` adds
-    a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴ + …. `against`
-    says what the heights are: field angle, image height, or the share of the picture's half
-    diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off. Put the module
-    before Focal Plane, so that shot noise follows from the vignetted light. Transfer functions do
-    not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to the scene
-    before the vignetting. Focal Plane counts the photons of a thermal picture of one band at the
-    brightness temperature before the mean loss: where a sample gets half the mean, it counts 0.3 %
-    too many (3.7 to 4.8 µm). Spectral pictures, and `photon_weighting` other than scene, do not
-    have this error. Source: Kingslake 1983, Optical System Design, chapter 6.
+    middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
+    `measured` adds a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴
+    + …. `against` sets what the heights are: field angle, image height, or the fraction of the
+    picture's half diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off.
+    Put the module before Focal Plane, so that shot noise follows from the vignetted light. Transfer
+    functions do not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to
+    the scene before the vignetting. For a thermal picture with one band, Focal Plane converts
+    radiance to photons at the brightness temperature before the mean loss: a sample with half the
+    mean light gets 0.3 % too many photons (3.7 to 4.8 µm). Spectral pictures, and
+    `photon_weighting` other than scene, do not have this error. Source: Kingslake 1983, Optical
+    System Design, chapter 6.
 
     Parameters
     ----------
@@ -1149,7 +1156,7 @@ def vignetting(
     measured : Literal['none', 'file', 'polynomial']
         measured relative illumination: one of none, file, polynomial; default 'none'
     against : Literal['field_deg', 'height_mm', 'half_diagonal']
-        heights of the curve: field angle, image height, or share of the half diagonal: one of
+        heights of the curve: field angle, image height, or fraction of the half diagonal: one of
         field_deg, height_mm, half_diagonal; default 'field_deg'
     path : str | PathLike[str] | None
         CSV of height and relative illumination, 1 on the axis: a file name or empty; default empty
@@ -1181,19 +1188,19 @@ def distortion(
     width: int | Expression | None = None,
     height: int | Expression | None = None,
 ) -> Part:
-    """Distort the picture as a lens does, by Brown–Conrady or fisheye coefficients.
+    """Distort the picture like a lens, with Brown–Conrady or fisheye coefficients.
 
-    The incoming picture is that of a lens without distortion: distances from the axis are tangents
-    of angles. Coefficients, centre and signs are those of OpenCV, for lengths divided by the focal
-    length. `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds
-    its ray (to 1e-11) and interpolates the picture there with 8 × 8 samples: waves of up to 0.2
-    cycles per sample move by less than 1e-3 sample from their true place. Nothing is filtered: if
-    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion sees
-    beyond the frame: give the scene more samples at the same interval (its field is samples times
-    interval, and not the lens' 2·arctan), and set `width` and `height` to the camera's samples; the
-    warning has the numbers. Where the scene ends, its outermost samples continue. MTF and noise
-    continue as on the axis, where nothing is stretched. Sources: Brown 1966; Kannala and Brandt
-    2006; OpenCV, camera calibration.
+    The incoming picture must be free of distortion: distances from the axis are tangents of field
+    angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
+    `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds its ray
+    (to 1e-11) and interpolates the picture there with 8 × 8 samples: sinusoids of up to 0.2 cycles
+    per sample are displaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
+    well above 1, sample the scene more finely. A lens with barrel distortion sees beyond the frame:
+    give the scene more samples at the same interval (its field is samples times interval, not the
+    lens's 2·arctan), and set `width` and `height` to the camera's samples; the warning gives the
+    numbers. Beyond the scene, its outermost samples are repeated. MTF and noise apply to the axis,
+    where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera
+    calibration.
 
     Parameters
     ----------
@@ -1212,10 +1219,11 @@ def distortion(
     p2 : float | Expression
         tangential coefficient, mostly along x: a number from -1e+06 to 1e+06; default 0.0
     centre_x_mrad : float | Expression
-        optical axis to the right of the picture's middle [mrad]: a number from -10000 to 10000;
-        default 0.0
+        offset of the optical axis to the right of the picture's middle [mrad]: a number from -10000
+        to 10000; default 0.0
     centre_y_mrad : float | Expression
-        optical axis below the picture's middle [mrad]: a number from -10000 to 10000; default 0.0
+        offset of the optical axis below the picture's middle [mrad]: a number from -10000 to 10000;
+        default 0.0
     width : int | Expression | None
         samples per row; empty: unchanged: a whole number from 1 to 65536 or empty; default empty
     height : int | Expression | None
@@ -1244,30 +1252,31 @@ def field_psf(
 ) -> Part:
     """Blur the picture by a PSF that changes over the field.
 
-    `positions` are distances from the picture's middle, as shares of the half diagonal. At each you
-    give a Gaussian (rms tangential, along the radius, and sagittal, across it), or a file that MTF
-    File or PSF File reads: made for a point straight above the middle, with `mtf_y` the tangential
-    curve and the top of the PSF's picture away from the axis. A listing of Zemax in `path_1` alone
-    gives each position its own field. Between positions the widths of Gaussians, or the OTFs of
-    files, are interpolated linearly in the square of the position; beyond the last they stay.
-    Everything turns with the direction of the point.
+    `positions` are distances from the picture's middle, as fractions of the half diagonal. For
+    each, give a Gaussian (rms widths: tangential, along the radius, and sagittal, across it), or a
+    file that MTF File or PSF File can read. A file describes a point straight above the middle:
+    `mtf_y` is the tangential curve, and the top of a PSF's picture points away from the axis. A
+    single Zemax listing in `path_1` supplies a field for each position. Between positions, the
+    widths of Gaussians or the OTFs of files are interpolated linearly in the square of the
+    position; beyond the last position they stay constant. The PSF rotates with the direction of the
+    point from the middle.
 
     The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
-    them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
-    of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error
-    of blending. Around a tile the blur takes half a tile, at least 16 samples, and up to 1024 where
-    more than 0.5 % of a PSF's light would be lost; a tile is at least a quarter of that wide.
-    Beyond the frame the picture is mirrored, or repeated if it came so from Back Transform.
-    Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM
-    J. Sci. Comput. 19, 1063.
+    them. `error_percent` is an upper limit of the error of any sample, compared with a sum over its
+    own PSF, in percent of the picture's range; in real scenes the error is about ten times smaller.
+    Smaller tiles reduce the blending error. The blur uses a margin around each tile: half a tile,
+    at least 16 samples, and up to 1024 where more than 0.5 % of a PSF's light would be lost. A tile
+    is at least a quarter as wide as its margin. Beyond the frame the picture is mirrored, or
+    repeated if Back Transform made it periodic. Budgets, MTFs and figures use the PSF of the first
+    position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
 
     Parameters
     ----------
     kind : Literal['gaussian', 'mtf', 'psf']
-        Gaussians, or files of MTF or PSF: one of gaussian, mtf, psf; default 'gaussian'
+        Gaussians, or MTF or PSF files: one of gaussian, mtf, psf; default 'gaussian'
     positions : Sequence[float]
-        positions, as shares of the half diagonal; rising: a list of numbers from 0 to 10; default
-        [0.0, 0.5, 1.0]
+        positions, as fractions of the half diagonal; rising: a list of numbers from 0 to 10;
+        default [0.0, 0.5, 1.0]
     tangential_mrad : Sequence[float]
         rms width along the radius, at each position [mrad]: a list of numbers from 0 to 1e+06;
         default ()
@@ -1275,13 +1284,17 @@ def field_psf(
         rms width across the radius; empty: equal to tangential_mrad [mrad]: a list of numbers from
         0 to 1e+06; default ()
     path_1 : str | PathLike[str] | None
-        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+        MTF or PSF file of one position, in the order of positions: a file name or empty; default
+        empty
     path_2 : str | PathLike[str] | None
-        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+        MTF or PSF file of one position, in the order of positions: a file name or empty; default
+        empty
     path_3 : str | PathLike[str] | None
-        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+        MTF or PSF file of one position, in the order of positions: a file name or empty; default
+        empty
     path_4 : str | PathLike[str] | None
-        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+        MTF or PSF file of one position, in the order of positions: a file name or empty; default
+        empty
     sample_pitch_um : float | Expression | None
         sampling interval of PSF files; empty: from the file [µm]: a number of at least 0 or empty;
         default empty
@@ -1309,18 +1322,18 @@ def veiling_glare(
 ) -> Part:
     """Spread a share of the light widely, as scatter and ghosts in the lens do.
 
-    The point spread function has two parts: 1 − g of the light stays where the other modules put
-    it, and g falls off around it as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to
-    1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail
-    loses g of its contrast. Enter the veiling glare index of the lens, if no other is known; ISO
+    The point spread function has two parts: a share 1 − g of the light is not spread, and the share
+    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to 1 −
+    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses g
+    of its contrast. If g is not known otherwise, enter the veiling glare index of the lens; ISO
     9358 measures it in a small black area within an evenly bright field. Light that leaves the
     frame is mirrored or repeated, as for all filters.
 
-    `harvey` takes the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2), with
-    β − β₀ the difference of the sines of scattered and direct ray. Its integral over the half space
-    is the total scatter of a surface, which the direct light loses. The angles are those in front
-    of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l = B^(1/g) and s = −g: it
-    agrees near the direct ray and far from it.
+    `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. Its integral
+    over the hemisphere is the total scatter of a surface, and is lost from the direct light. Angles
+    refer to the space in front of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l
+    = B^(1/g) and s = −g: the two models agree near the direct ray and far from it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -1332,8 +1345,8 @@ def veiling_glare(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     form : Literal['length', 'harvey']
-        share and length of the spread, or Harvey's scatter of surfaces: one of length, harvey;
-        default 'length'
+        share and length of the spread, or Harvey's surface scatter: one of length, harvey; default
+        'length'
     share_percent : float | Expression
         share of the light that is spread [%]: a number from 0 to 100; default 0.0
     length_mrad : float | Expression
@@ -1342,13 +1355,13 @@ def veiling_glare(
     b_per_sr : float | Expression
         BSDF of a surface at the direct ray [1/sr]: a number from 0 to 1e+12; default 0.0
     s : float | Expression
-        slope of the BSDF: its power of β far from the direct ray: a number from -5 to 0; default
+        slope of the BSDF: exponent of β far from the direct ray: a number from -5 to 0; default
         -1.5
     l_mrad : float | Expression
         shoulder of the BSDF, 1000 times Harvey's l [mrad]: a number from 0.001 to 1000; default
         10.0
     surfaces : int | Expression
-        number of such surfaces: a whole number from 1 to 1000; default 1
+        number of scattering surfaces: a whole number from 1 to 1000; default 1
 
     Notes
     -----
@@ -1404,16 +1417,17 @@ def mtf_file(
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
     unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
     enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
-    Zemax's text of MTF against frequency is read too, with its tangential curve along y.
-    `direction` sets the direction of a column `mtf`, or selects one of several curves; radial means
-    equal in all directions. Between points the curve is a monotone cubic (PCHIP). A table that
-    begins above 0 gets MTF 1 at 0. Beyond the last point the MTF is 0; it is never extrapolated. A
-    phase is odd in frequency and takes the shorter way from point to point.
+    Zemax's text listing of MTF against frequency is read too; its tangential curve acts along y.
+    `direction` sets the direction in which a column `mtf` acts, or selects one of several curves;
+    radial means equal in all directions. Between points the curve is a monotone cubic (PCHIP). A
+    table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the MTF is 0;
+    it is never extrapolated. The phase is odd in frequency and is interpolated the shorter way
+    round.
 
-    Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
-    the pixel (by pitch and focal length). `imagechain measure` writes such a table from a camera's
-    pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
-    Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    Frequencies are per mm at the focal plane (converted with the focal length), per mrad, or per
+    pixel (converted with pitch and focal length). `imagechain measure` writes such a table from a
+    camera's pictures; its MTF includes the pixel. Without a file nothing changes. Source: Fritsch
+    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
     ----------
@@ -1424,13 +1438,13 @@ def mtf_file(
         unit of the frequencies; `file`: from the file's header line: one of file, cyc/mm, cyc/mrad,
         cyc/pixel; default 'file'
     direction : Literal['file', 'x', 'y', 'radial']
-        axis on which the curve acts; `file`: from its column's name; `mtf` is radial: one of file,
-        x, y, radial; default 'file'
+        axis along which the curve acts; `file`: from its column's name; `mtf` is radial: one of
+        file, x, y, radial; default 'file'
     normalise : Literal['refuse', 'at_zero']
         what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value: one of
         refuse, at_zero; default 'refuse'
     field : int | Expression
-        field position in a Zemax listing, counted from 0 without the diffraction limit: a whole
+        field position in a Zemax listing, counted from 0, skipping the diffraction limit: a whole
         number from 0 to 1000; default 0
     focal_length_mm : float | Expression | None
         focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans [mm]: a number of at least
@@ -1469,13 +1483,13 @@ def psf_file(
     """Blur by a point spread function from a picture: measured, or from a lens design.
 
     Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
-    the right in the file is a tail to the right in the picture. The file may have any format of
-    Read Image, `.npy`, text, or Zemax's listing, whose spacing is used if `sample_pitch` is empty.
+    the right in the file is a tail to the right in the picture. The file may be in any format of
+    Read Image, `.npy`, text, or a Zemax listing, whose spacing is used if `sample_pitch` is empty.
     Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
     (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
     With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
-    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that
-    was measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
+    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF
+    measured with a detector includes the pixel: leave out Detector MTF. Without a file nothing
     changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
 
     Parameters
@@ -1497,8 +1511,8 @@ def psf_file(
         focal length, for µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
         default empty
     centroid : Literal['kept', 'removed']
-        whether the picture shifts if the centroid is away from the file's middle: one of kept,
-        removed; default 'kept'
+        whether the picture shifts if the centroid is off the file's middle: one of kept, removed;
+        default 'kept'
     background : float | Expression
         background to subtract from every sample, in the file's unit: a number; default 0.0
     apply : Literal['multiply', 'filter_only']
@@ -2065,11 +2079,11 @@ def microlens(
     The detector's data sheet gives the chief ray angle (CRA) at the corner that its microlenses are
     designed for. The lens's data sheet gives the CRA of the lens. If both are equal, nothing
     changes. A difference lowers the response: to half at `half_response_deg`, or along a measured
-    curve. The optical axis is at the middle of the picture, and the corner is a corner of the
-    picture. Only the chief ray counts: the cone of a fast lens is not averaged. Put this module
-    before Focal Plane, which then computes the shot noise of the darkened picture. Signal and SNR
-    use the mean over the field; transfer functions do not change. Source: Catrysse and Wandell
-    2002, J. Opt. Soc. Am. A 19, 1610.
+    curve. The optical axis is at the middle of the picture; the corner is the picture's corner.
+    Only the chief ray counts: the cone of a fast lens is not averaged. Put this module before Focal
+    Plane, which then computes the shot noise of the darkened picture. Signal and SNR use the mean
+    over the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt.
+    Soc. Am. A 19, 1610.
 
     Parameters
     ----------
@@ -2270,7 +2284,7 @@ def focal_plane(
     register_stages : int | Expression
         stages of the EM register: a whole number from 1 to 100000; default 536
     ionization_ratio : float | Expression
-        k: lower over higher ionization rate of electrons and holes; 0: only one carrier ionizes: a
+        k: ratio of the lower to the higher ionization rate; 0: only one type of carrier ionizes: a
         number from 0 to 1; default 0.0
     nonlinearity_percent : float | Expression
         signal loss at the full well; the loss grows with the square of the number of electrons [%]:
@@ -2503,9 +2517,10 @@ def dual_gain(
     up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
     seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
     set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
-    dynamic range. Noise budgets and figures use the noise of `high`, which is the noise of the
-    picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range: saturation over dark
-    noise), applied to the two read-outs.
+    dynamic range, and a warning if `low_factor` does not fit. A Focal Plane whose high gain is
+    clipped warns of it, as it should. Noise budgets and figures use the noise of `high`, which is
+    the noise of the picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range:
+    saturation over dark noise), applied to the two read-outs.
 
     Parameters
     ----------

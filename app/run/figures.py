@@ -64,6 +64,10 @@ _MERITS: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
         ),
         (("ttp_range_km",), "TTP range"),
     ),
+    "dual_gain": (
+        (("dynamic_range_dB",), "Dynamic range, joined"),
+        (("low_percent",), "From the low gain"),
+    ),
     "image_quality": ((("gsd_m",), "GSD"), (("giqe5",), "NIIRS by GIQE 5")),
 }
 """Read-outs in one line and their caption, of the modules that measure and judge."""
@@ -115,7 +119,13 @@ def figure_rows(
 
 def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:
     """The node whose figures are shown: the preferred, else the last that leads to the output."""
-    named = [name for name, node in plan.network.nodes.items() if node.module in SENSOR_FIGURES]
+    nodes, links = plan.network.nodes, plan.network.links
+    named = [name for name, node in nodes.items() if node.module in SENSOR_FIGURES]
+    # Budgets behind a Dual Gain count the noise of its high gain: so do these figures.
+    low = {
+        one.source for one in links if (nodes[one.target].module, one.input) == ("dual_gain", "low")
+    }
+    named = [name for name in named if name not in low] or named
     if not named or preferred in named:
         return preferred if named else None
     leading = set(named)

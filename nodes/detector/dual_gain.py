@@ -15,6 +15,8 @@ from core.physics.detector.charge_gain import low_gain_share
 from nodes.shared.module_ports import figure
 from nodes.shared.steps import PictureRange, picture_range
 
+_NEAR = 0.05  # of the factor
+
 
 class DualGainOutputs(NamedTuple):
     image: Image
@@ -29,9 +31,10 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
     seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
     set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
-    dynamic range. Noise budgets and figures use the noise of `high`, which is the noise of the
-    picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range: saturation over dark
-    noise), applied to the two read-outs.
+    dynamic range, and a warning if `low_factor` does not fit. A Focal Plane whose high gain is
+    clipped warns of it, as it should. Noise budgets and figures use the noise of `high`, which is
+    the noise of the picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range:
+    saturation over dark noise), applied to the two read-outs.
     """
 
     formulas = (
@@ -96,6 +99,21 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
         seen = [Step.of(picture_range, one.recipe) for one in (high, low)]
         return Step.of(switch_caution, *seen, level=self.switch_level, factor=self.low_factor)
 
+    @warning
+    def factor(
+        self, high: Image, high_table: Table | None = None, low_table: Table | None = None
+    ) -> Recipe | None:
+        """The factor does not bring the low gain to the level of the high gain."""
+        if self.switch_level is None or high_table is None or low_table is None:
+            return None
+        per = "gain_e_per_dn" if high.unit == "DN" else None
+        figures = [
+            Step.of(figure, table.recipe, name=name)
+            for name in ("signal_e", *([per] if per else []))
+            for table in (high_table, low_table)
+        ]
+        return Step.of(factor_caution, *figures, factor=self.low_factor, unit=high.unit)
+
     @readout("%")
     def low_percent(self, outputs: DualGainOutputs) -> Recipe:
         """Share of the picture that is taken from the low gain."""
@@ -126,13 +144,33 @@ def joined_decibels(
 
 
 @ends_lineage
+def factor_caution(
+    work: Work, signal: float, of_low: float, *gains: float, factor: float, unit: str
+) -> Caution | None:
+    """By the electrons of both read-outs; a radiance needs no factor."""
+    right = 1.0
+    if unit in ("e-", "DN") and signal and of_low:
+        right = signal / of_low
+    if gains:
+        right *= gains[1] / gains[0]
+    if abs(factor - right) <= _NEAR * right:
+        return None
+    return Caution(
+        f"the picture jumps at switch_level: low_factor = {factor:g}, but the tables give "
+        f"{right:.4g}, the signal of high over that of low",
+        f"set low_factor to {right:.4g}",
+    )
+
+
+@ends_lineage
 def switch_caution(
     work: Work, high: PictureRange, low: PictureRange, *, level: float, factor: float
 ) -> Caution | None:
-    if high.mean > level:
+    mean = max(high.mean, factor * low.mean)  # that of high may be clipped
+    if mean > level:
         return Caution(
             "budgets and figures use the noise of high, but a pixel at the picture's mean is "
-            f"taken from low: the mean of high is {high.mean:.4g}, above switch_level = {level:g}",
+            f"taken from low: the mean is {mean:.4g}, above switch_level = {level:g}",
             "connect budgets and figures to the read-out that you want to judge",
         )
     if high.high <= level < factor * low.high:

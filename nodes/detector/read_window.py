@@ -13,12 +13,12 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, NodeContext, Param, Section, readout
+from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
 from core.transfer.factors import Grid
-from nodes.shared.module_ports import ImageOutput, OfPixels
+from nodes.shared.module_ports import ImageOutput
 
 
-class ReadWindow(OfPixels, key="read_window", title="Read-out Window", group="Detector"):
+class ReadWindow(Module, key="read_window", title="Read-out Window", group="Detector"):
     """Read a window of the detector, its region of interest (ROI), and drop all other pixels.
 
     An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the

@@ -104,11 +104,10 @@ def test_dark_pixels_are_of_the_high_gain_and_bright_ones_of_the_low(tmp_path, b
 
 
 @pytest.mark.parametrize(("level", "scale", "warned"), [
-    (350, 1, []), (500, 1, ["never used"]), (380, 2, []), (120, 0.2, []),
-    (150, 4, ["noise of high"]),
+    (350, 1, ["noise of high"]), (600, 1, ["never used"]), (380, 0.4, []), (120, 0.2, []),
 ])  # fmt: skip
 def test_a_switch_at_the_wrong_place_is_warned_of(tmp_path, level, scale, warned):
-    """The high gain ends at 400: 500 is never reached; 4 times brighter, its mean is 380."""
+    """The high gain ends at 400: 600 is never reached; the mean is 500 times the scale."""
     bench = dual(tmp_path, {"switch_level": level, "low_factor": 4},
                  high=np.minimum(RAMP * scale, 400.0), low=RAMP * scale / 4)  # fmt: skip
     found = [c.message for c in bench.engine.warnings(bench.plan, bench.work) if c.node == "dual"]
@@ -121,16 +120,22 @@ def test_read_outs_of_other_sizes_are_refused(tmp_path):
     assert "same size: they have 60 × 46 and 60 × 45" in str(bench.error("dual"))
 
 
-def test_the_joined_range_is_from_the_noise_of_one_to_the_saturation_of_the_other(tmp_path):
-    """Wells of 2,000 and 30,000 e-, 1.5 e- read noise: 20 lg(30,000/1.5), without dark current."""
+@pytest.mark.parametrize(("low", "factor", "warned"), [
+    ({}, 1, False), ({}, 2, True), ({"integration_time_s": 2.5e-6}, 4, False),
+])  # fmt: skip
+def test_the_joined_range_is_from_one_noise_to_the_other_saturation(tmp_path, low, factor, warned):
+    """Wells of 2,000 and 30,000 e-, 1.5 e- read noise: 20 lg(30,000/1.5), without dark current.
+
+    A fourth of the exposure sees four times as bright a scene, and its factor is 4.
+    """
     gain = {"integration_time_s": 1e-5, "units": "electrons", "bits": 0, "optics_transmission": 1}
     nodes = {
         "scene": ("test_scene", {"width": 32, "height": 32}),
         "camera": ("camera", {"pitch_um": 15, "focal_length_mm": 50, "f_number": 4}),
         "init": ("init_trans", {}),
         "high": ("focal_plane", {**gain, "full_well_e": 2000, "read_noise_e": 1.5}),
-        "low": ("focal_plane", {**gain, "full_well_e": 30000, "read_noise_e": 20}),
-        "dual": ("dual_gain", {"switch_level": 1800}),
+        "low": ("focal_plane", {**gain, "full_well_e": 30000, "read_noise_e": 20, **low}),
+        "dual": ("dual_gain", {"switch_level": 1800, "low_factor": factor}),
     }
     links = [("scene.image", "camera.image"), ("camera.image", "init.image")]
     for name in ("high", "low"):
@@ -138,7 +143,11 @@ def test_the_joined_range_is_from_the_noise_of_one_to_the_saturation_of_the_othe
         links += [(f"{name}.image", f"dual.{name}"), (f"{name}.table", f"dual.{name}_table")]
     bench = NodeBench(LIBRARY, tmp_path, nodes, links)
     found = bench.readouts("dual")["dynamic_range_dB"]
-    assert found == pytest.approx(20 * np.log10(30000 / 1.5), rel=1e-9)
+    assert found == pytest.approx(20 * np.log10(30000 * (4 if low else 1) / 1.5), rel=1e-9)
+    told = bench.engine.warnings(bench.plan, bench.work)
+    assert [c.check for c in told if c.node == "dual" and c.check == "factor"] == [
+        "factor"
+    ] * warned
 
 
 def test_the_share_of_the_low_gain_is_a_ramp():
