@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 @options.command()
 @options.argument(
     "pictures", "PICTURE...",
-    "pictures in any format that Imagechain reads, or frames: .npy (frames, rows, columns), TIFF "
-    "with a page per frame, or ENVI with bands without wavelengths", values.file_path, many=True,
+    "pictures in any format that Imagechain reads, or stacks of frames: .npy (frames, rows, "
+    "columns), TIFF with one page per frame, or ENVI with one band per frame and no wavelengths",
+    values.file_path, many=True,
 )  # fmt: skip
 @options.json_file("write all results as .json")
 @options.option(
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 @options.option(
     "--report", "FILE", "write an .html page with the edges drawn on the picture",
     values.ending_in(HTML))  # fmt: skip
-@options.option("--band", "N", "band or colour to measure, counted from 0", values.whole_number)
+@options.option("--band", "N", "band or colour to measure (the first is 0)", values.whole_number)
 @options.option(
     "--fov-x-deg", "DEG",
     "horizontal field of view, for frequencies in cycles/mrad (default: from the header)",
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     "--pitch-um", "UM", "pixel pitch of the detector, for frequencies in cycles/mm",
     values.finite_number)  # fmt: skip
 @options.option(
-    "--dark", "FILE", "frames without light, with the same exposure, for the read noise",
+    "--dark", "FILE", "dark frames with the same exposure, for the read noise",
     values.file_path, group=options.RARER)  # fmt: skip
 @options.option(
     "--offset-dn", "DN", "dark level, if there are no dark frames (default: 0)",
@@ -64,16 +65,16 @@ def measure(
 
     The camera may be real or simulated. The command finds usable edges, measures the MTF of each
     with its standard error (ISO 12233), and pools them into a horizontal and a vertical MTF. It
-    says why other edges are not used. Noise comes from flat areas. Several pictures of one size, or
-    files of frames, must come from one camera: their edges are pooled. If they show the same scene,
-    the noise is split into time, rows and columns.
+    says why other edges are not used. Noise is measured in flat areas. Several pictures, or files
+    of frames, must have one size and come from one camera: their edges are pooled. If they show the
+    same scene, the noise is split into time, rows and columns.
 
     A colour picture is measured by its luminance (0.2126 R + 0.7152 G + 0.0722 B of the stored
-    numbers). If a picture has other bands, choose one with --band. A picture with lossy
-    compression, such as JPEG, gives no figures. If a figure cannot be measured, the reason is
-    printed instead. Photograph a straight edge between a dark and a bright area, turned by about 5°
-    and not clipped, and store raw numbers. For how to do it, and what the figures mean: imagechain
-    handbook real_camera.
+    numbers). If a picture has other bands, choose one with --band. Pictures with lossy
+    compression, such as JPEG, give no figures. If a figure cannot be measured, the reason is
+    printed instead. Photograph a straight edge between a dark and a bright area, tilted by about
+    5°, without clipping, and store raw data. The handbook explains the procedure and the figures:
+    imagechain handbook real_camera.
 
     Example: imagechain measure picture.tif --report measured.html --csv mtf.csv
     """
@@ -101,21 +102,21 @@ def measure(
 @options.network_options
 @options.option(
     "--to", "PICTURE...",
-    "one or more pictures from the camera, with linear raw numbers and no lossy compression",
+    "one or more pictures from the camera, as linear raw data without lossy compression",
     values.file_path, several=True, many=True, required=True, to="pictures")  # fmt: skip
 @options.option(
     "--free", "NODE.PARAM[=LOW:HIGH]...",
-    "parameters to fit, in their own range or the one you give, such as jitter.sigma_mrad or "
+    "parameters to fit, within their own range or the one you give, such as jitter.sigma_mrad or "
     "optics.defocus_waves=0:2; may be repeated", several=True, many=True)  # fmt: skip
-@options.json_file("write parameters, errors and correlations")
+@options.json_file("write the parameters, their errors and correlations")
 @options.option(
     "--output", "FILE", "write the network with the fitted values", values.ending_in(JSON)
 )
 @options.option(
     "--report", "FILE",
-    "write an .html page of the fit: patches side by side, edges overlaid, residuals",
+    "write an .html page with patches side by side, overlaid edges and residuals",
     values.ending_in(HTML))  # fmt: skip
-@options.option("--band", "N", "band or colour to fit to, counted from 0", values.whole_number)
+@options.option("--band", "N", "band or colour to fit to (the first is 0)", values.whole_number)
 @options.numerical_options
 def fit(
     stop: Stop,
@@ -134,9 +135,9 @@ def fit(
     edge spread that the chain predicts with the pictures' samples. You get every free parameter
     with its standard error. One sample of a picture is one sample of the network's final picture.
 
-    First enter pitch and focal length of the camera in the network. For parameters with the same
-    effect on the edges, only their combination is given. Ranges shorten the search. imagechain
-    handbook fitting explains it.
+    First enter the camera's pitch and focal length in the network. If parameters have the same
+    effect on the edges, only their combination is given. Ranges shorten the search. For details:
+    imagechain handbook fitting.
 
     Example: imagechain fit mwir_camera --to picture.tif --free jitter.sigma_mrad=0:0.2
     optics.defocus_waves=0:1 --report fit.html --output fitted.json
@@ -188,16 +189,16 @@ def fit(
 @options.argument(
     "flats", "FILE...",
     "two or more frames of a flat field, one file per level: .npy (frames, rows, columns), TIFF "
-    "with a page per frame, or ENVI with a band per frame",
+    "with one page per frame, or ENVI with one band per frame",
     values.file_path, many=True)  # fmt: skip
 @options.option(
     "--dark", "FILE",
-    "two or more frames without light, with the same size and exposure, for offset, read noise "
-    "and DSNU", values.file_path)  # fmt: skip
+    "two or more dark frames of the same size and exposure, for the offset, read noise and DSNU",
+    values.file_path)  # fmt: skip
 @options.option(
     "--offset-dn", "DN", "dark level, if there are no dark frames", values.finite_number
 )
-@options.written_outputs("write the figures and the levels", values.TRANSFERS)
+@options.written_outputs("write the figures and the data of each level", values.TRANSFERS)
 @options.json_flag
 def photon_transfer(
     stop: Stop,
@@ -211,17 +212,17 @@ def photon_transfer(
 
     The camera may be real or simulated. The photon transfer curve (Janesick 2007; EMVA 1288) is the
     temporal variance of the pixels against their mean. The inverse slope is the gain in electrons
-    per digital number. The variance at the dark level, less rounding, gives the read noise. The
+    per digital number. The variance at the dark level, without rounding, gives the read noise. The
     level at which the variance collapses is the full well. The variance between pixels gives DSNU
     and PRNU. The command also prints the figures that EMVA 1288 defines differently: K (DN per
     electron), saturation capacity, sensitivity threshold, dynamic range, maximum SNR, and DSNU and
     PRNU of rows, columns and pixels.
 
     Take at least five levels of a uniform field, from near dark to beyond saturation, with at least
-    ten frames each. Lamp flicker does no harm; pixels must not be clipped at 0. Levels up to 0.7 of
-    saturation define the line. If the field is not uniform, a warning says so: PRNU and DSNU then
-    include its structure, while gain and read noise stay right. Simulate each level with another
-    --seed.
+    ten frames each. Lamp flicker does no harm; pixels must not be clipped at 0. The line is fitted
+    to levels up to 0.7 of saturation. If the field is not uniform, a warning says so: PRNU and DSNU
+    then include its structure, while gain and read noise remain correct. Simulate each level with
+    another --seed.
 
     Example: imagechain photon-transfer flat1.tif flat2.tif flat3.tif --dark dark.tif --output
     camera.json
@@ -242,10 +243,10 @@ def photon_transfer(
 @options.command()
 @options.argument(
     "fields", "FILE=TEMPERATURE...",
-    "two or more frames of a black body, and its temperature, such as 293.15K or 20C. Correct "
-    "the temperature for emissivity and air. Formats as for photon-transfer",
+    "two or more frames of a black body and its temperature, such as 293.15K or 20C. Correct "
+    "the temperature for emissivity and atmosphere first. Same formats as for photon-transfer",
     values.file_at_temperature, many=True)  # fmt: skip
-@options.written_outputs("write the figures, including those of each temperature", values.TRANSFERS)
+@options.written_outputs("write the figures, overall and at each temperature", values.TRANSFERS)
 @options.json_flag
 def netd(
     stop: Stop, fields: tuple[tuple[Path, float], ...], outputs: tuple[Path, ...], json: bool
@@ -258,9 +259,9 @@ def netd(
     (D'Agostino and Webb 1991) in kelvin.
 
     Take at least 64 frames of each temperature, and at least three temperatures a few kelvin apart.
-    Two temperatures give SiTF midway between them; from three on you also see how it changes. NETD
+    Two temperatures give SiTF midway between them; three or more also show how it changes. NETD
     is the noise that is random in time, row and column (sigma_tvh). Noise of whole rows, columns
-    and frames is listed separately, and included in the total. Bad pixels are left out. Rounding is
+    and frames is listed separately and included in the total. Bad pixels are left out. Rounding is
     included. Drift slower than the sequence is counted as fixed pattern.
 
     Example: imagechain netd cold.tif=20C middle.tif=25C hot.tif=30C --output netd.json

@@ -30,10 +30,10 @@ _FILES = {
 COMMANDS = {name: file for file, names in _FILES.items() for name in names}
 _EPILOG = {
     "Exit codes": "\b\n0  done\n1  the program failed or was stopped\n"
-    "2  the input has an error; one line on stderr says which",
+    "2  the input has an error, reported in one line on stderr",
     "More": "imagechain help COMMAND lists the options of a command. --set, --save, --report, "
-    "--figure and --output may be repeated; --vary may be given twice, and any number of times "
-    "for a study.",
+    "--figure and --output may be repeated. tradeoff takes --vary once or twice, study any "
+    "number of times.",
 }
 
 
@@ -92,14 +92,14 @@ def _failed(error: Exception, *, written: bool, hints: bool) -> int:
     if gone and isinstance(error, FileNotFoundError):
         return _fail(gone, 2)
     if isinstance(error, MemoryError):
-        what = "the files are written" if written else "nothing was written"
+        what = "the files were written" if written else "nothing was written"
         return _fail(f"not enough memory; {what}", 1)
     if isinstance(error, OSError) and error.filename is not None:
-        what = "; the files are written" if written else "; nothing was written"
+        what = "; the files were written" if written else "; nothing was written"
         return _fail(f"cannot use {error.filename}: {error.strerror or error}{what}", 2)
     if isinstance(error, OSError):
         discard(sys.stdout)
-        what = "; the files are written" if written else ""
+        what = "; the files were written" if written else ""
         # Not 2: nothing of the input could be mended.
         return _fail(f"cannot write to standard output: {error.strerror or error}{what}", 1)
     frames = traceback.extract_tb(error.__traceback__)
@@ -123,7 +123,7 @@ class _Commands(PlainErrors, click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args[0] not in COMMANDS:
-            hint = close(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
+            hint = close(args[0], COMMANDS) or f"; the commands are {', '.join(COMMANDS)}"
             raise UsageError(f"there is no command {shown(args[0])}{hint} (imagechain --help)")
         return super().resolve_command(ctx, args)
 

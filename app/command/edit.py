@@ -32,14 +32,16 @@ _X_SOCKETS = Path("/tmp/.X11-unix")
     values.ending_in(PNG))  # fmt: skip
 @options.option(
     "--part", f"[{'|'.join(_PARTS)}]",
-    "window (default), canvas, panel, curves, or the first viewer's picture within --size",
+    "what to save: window (default), canvas, panel, curves, or the first viewer's picture, "
+    "scaled to fit --size",
     options.one_of(*_PARTS), default="window")  # fmt: skip
 @options.option(
     "--size", "WxH",
-    "size of the window (default: the last size; at the first start, to fit the screen; "
-    "screenshot: 1600x900)", values.window_size)  # fmt: skip
+    "size of the window (default: the last size; at the first start, a size that fits the "
+    "screen; for a screenshot, 1600x900)", values.window_size)  # fmt: skip
 @options.option(
-    "--look", "[dark|light]", "colours (default: those used last)", options.one_of("dark", "light"),
+    "--look", "[dark|light]", "colour theme (default: the last one used)",
+    options.one_of("dark", "light"),
 )  # fmt: skip
 def edit(
     stop: Stop,
@@ -49,7 +51,7 @@ def edit(
     size: tuple[int, int] | None,
     look: Look | None,
 ) -> None:
-    """Open the editor, or draw its window to a file."""
+    """Open the editor, or save a screenshot of it."""
     if network:
         find_network(network)  # a misspelt name is told before what takes long to load
     from app.editor.qt_libraries import check_libraries, leave_sources_unread, nothing_collected
@@ -85,7 +87,7 @@ def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
             "run works without one)"
         )
     if not _answers(display):
-        raise UsageError(f"the editor needs a display: DISPLAY = {display:.80} does not answer")
+        raise UsageError(f"the editor needs a display: no response from DISPLAY = {display:.80}")
 
 
 def _answers(display: str) -> bool:

@@ -44,7 +44,7 @@ from core.network.validation import plain_network
 from nodes.files.common.table_cells import csv_lines
 from nodes.library import standard_library
 
-UNSAVED = "network that was never saved"
+UNSAVED = "unsaved network"
 TRADE_OFF_PAGE, TRADE_OFF_TABLE, READOUT_TABLE = "tradeoff.html", "tradeoff.csv", "readouts.csv"
 MOST_PREVIEWS, PREVIEW_PX = 24, 256
 _POLICY = Policy()
@@ -162,7 +162,9 @@ class _Running:
             too_late(self.cancel)
             forgotten = self._commit(rules, staging)
         if forgotten:
-            made.warnings.append(f"could not record the files for the next run: {forgotten}")
+            made.warnings.append(
+                f"could not record the written files for the next run: {forgotten}"
+            )
         if page is None and job.report and not variants[0][0]:
             page = job.output / REPORT
         failures, warnings = tuple(made.failures), tuple(made.warnings)

@@ -65,9 +65,9 @@ def _filled(text: str) -> str:
 def modules(_stop: Stop, key: str, json: bool) -> None:
     """List the modules.
 
-    Of one module all its text is printed, of all of them ports, parameters and read-outs, of those
-    with a word in key, title or summary the summary. A word in none of these is looked for in the
-    parameters' names.
+    Give the key of a module to print everything about it, or a word to print the summary of each
+    module with this word in its key, title or summary (or else in a parameter's name). Without
+    either, ports, parameters and read-outs of all modules are printed.
     """
     from app.library_index import declarations
     from nodes.library import standard_library
@@ -197,7 +197,8 @@ def _default(parameter: Parameter) -> str:
 
 @options.command()
 @options.argument(
-    "word", "[WORD]", "only presets with this word in their name, text or module", required=False,
+    "word", "[WORD]", "only presets with this word in their name, description or module",
+    required=False,
 )  # fmt: skip
 @options.json_flag
 def presets(_stop: Stop, word: str, json: bool) -> None:
@@ -234,9 +235,9 @@ def _preset_facts(preset: Preset) -> dict[str, str]:
 @options.argument("word", "[WORD]", "a module, a page, or a word on a page", required=False)
 @options.option(
     "--html", "DIR",
-    "write the pages to a new folder, or over an older handbook, and do not open them",
+    "write the pages to a new folder or over an older handbook, without opening them",
     values.file_path)  # fmt: skip
-@options.flag("--path", "print the path of the page, and do not open it")
+@options.flag("--path", "print the path of the page without opening it")
 @options.json_flag
 def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -> None:
     """Open the handbook at any page."""
@@ -250,7 +251,9 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
     from nodes.library import standard_library
 
     if html is not None and path:
-        raise UsageError("--html DIR and --path cannot be used together: --html prints its path")
+        raise UsageError(
+            "--html DIR and --path cannot be used together: --html already prints the path"
+        )
     library = standard_library()
     address: str | None = "index.html"
     if word:
@@ -291,14 +294,14 @@ def _open_page(page: Path) -> None:
 
 
 @options.command()
-@options.json_file("write every figure, for programs", values.file_path)
+@options.json_file("write all figures", values.file_path)
 @options.option("--html", "FILE", "write a page with tables and plots", values.file_path)
 @options.flag("--quick", "use fewer repetitions and sizes")
 @options.option(
-    "--only", "PART", f"measure this part: {', '.join(BENCH_PARTS)}", options.one_of(*BENCH_PARTS),
-    many=True)  # fmt: skip
+    "--only", "PART", f"measure only this part: {', '.join(BENCH_PARTS)}",
+    options.one_of(*BENCH_PARTS), many=True)  # fmt: skip
 @options.option(
-    "--size", "N", "side of the picture in samples (default: 1024)", values.whole_number
+    "--size", "N", "side length of the picture in samples (default: 1024)", values.whole_number
 )
 def bench(
     stop: Stop,

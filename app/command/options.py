@@ -110,7 +110,7 @@ def _what_is_wrong(error: click.UsageError, ctx: click.Context, words: list[str]
             option = options[name]
             if getattr(option, "is_flag", False):
                 given = next(word for word in words if word.startswith(f"{name}="))
-                return f"argument {name}: ignored explicit argument {given[len(name) + 1 :]!r}"
+                return f"argument {name}: takes no value, but {given[len(name) + 1 :]!r} is given"
             many = "at least one" if getattr(option, "several", False) else "one"
             wants = f"{many} argument" if option.nargs == 1 else f"{option.nargs} arguments"
             return f"argument {name}: expected {wants}"
@@ -249,11 +249,11 @@ def together(*options: Callable[[Function], Function]) -> Callable[[Function], F
     return lambda function: functools.reduce(lambda made, one: one(made), options[::-1], function)
 
 
-json_flag = flag("--json", "print the result as JSON, and nothing else", RARER)
+json_flag = flag("--json", "print only the result, as JSON", RARER)
 
 
 def json_file(about: str, read: Read | None = None) -> Callable[[Function], Function]:
-    about += "; without FILE, print the JSON alone"
+    about += "; without FILE, print only the JSON"
     how: dict[str, Any] = {"is_flag": False, "flag_value": True}  # without FILE, True
     return option("--json", "[FILE]", about, read or ending_in(JSON), **how)
 
@@ -290,7 +290,7 @@ def network_options(function: Function) -> Function:
             "change a parameter for this run; null clears it; may be repeated",
             partial(assignment, form="NODE.PARAM=VALUE"), many=True, to="settings"),
         option("--disable", "NODE",
-            "switch a node off for this run: it passes on its input; may be repeated",
+            "disable a node for this run: it passes its input through; may be repeated",
             many=True, to="disabled"),
         rare("--final", "NODE.PORT",
             "use this picture as the network's output, instead of the one marked in the file"),
@@ -298,17 +298,17 @@ def network_options(function: Function) -> Function:
             "use this picture or cube as the scene; NODE chooses among several scenes",
             _scene, many=True, to="scenes"),
         scene("--scene-fov-deg", "X Y",
-            "its field of view (default: from its header, else as wide as the old scene)",
+            "field of view of the scene (default: from its header, else as wide as the old scene)",
             finite_number, nargs=2),
-        scene("--scene-range-m", "M", "its distance", finite_number),
-        scene("--scene-sample-m", "M", "size of a sample in the scene, instead of the field of "
+        scene("--scene-range-m", "M", "distance to the scene", finite_number),
+        scene("--scene-sample-m", "M", "size of a sample in the scene, instead of its field of "
             "view", finite_number),
         scene("--scene-band-um", "A B",
-            "its wavelength band (default: from its header, else as for the old scene)",
+            "wavelength band of the scene (default: from its header, else as for the old scene)",
             finite_number, nargs=2),
         scene("--scene-unit", "UNIT",
-            "its unit: a radiance unit, K, C, reflectance, or relative (scaled to the range of "
-            "the old scene); default: the file's unit, else relative"),
+            "unit of the scene: a radiance unit, K, C, reflectance, or relative (scaled to the "
+            "range of the old scene); default: the file's unit, else relative"),
     )(given)  # fmt: skip
 
 
@@ -350,15 +350,15 @@ def numerical_options(function: Function) -> Function:
 
     number = partial(option, group=RARER)
     return together(
-        option("--seed", "N", "seed of the noise, instead of the network's",
+        option("--seed", "N", "seed for the noise, instead of the network's",
             partial(whole_number, largest=LARGEST_INTEGER)),
         number("--precision", "[single|double]", "default: single", one_of("single", "double"),
             default="single"),
         number("--tolerance", "T",
-            "error budget, 0 to below 1: leave out stages that together change the picture by "
-            "less than this fraction of its range. Default: below the precision's rounding; 1e-4 "
-            "of each band's contrast if a few wavelengths represent all bands. 0 leaves out only "
-            "what changes nothing", tolerance),
+            "error budget, from 0 to below 1: leave out stages that together change the picture "
+            "by less than this fraction of its range. Default: below the rounding error of the "
+            "precision; 1e-4 of each band's contrast if a few wavelengths represent all bands. 0 "
+            "leaves out only stages that change nothing", tolerance),
         number("--threads", "N", "worker threads (default: all)",
             partial(whole_number, largest=1024), default=0),
     )(given)  # fmt: skip

@@ -28,26 +28,26 @@ if TYPE_CHECKING:
 @options.save_option(
     "NODE.PORT=FILE",
     f"write the value of a port, as {options.SAVED}. NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE writes "
-    "part of an image: these rows and columns, counted from 0, without BOTTOM and RIGHT "
-    "themselves (default: the image's bounds). .bsq and .img (ENVI) keep all bands of an "
-    "image; .zarr takes a picture of any size. May be repeated")  # fmt: skip
+    "part of an image: these rows and columns, counted from 0 and excluding BOTTOM and RIGHT "
+    "(default: the image's bounds). .bsq and .img (ENVI) keep all bands of an image; .zarr "
+    "accepts pictures of any size. May be repeated")  # fmt: skip
 @options.option(
     "--frames", "N",
-    "save N frames of each image, each with its own temporal noise; the first is the picture. "
-    "Formats: .npy (frames, rows, columns), .tif .tiff (one page each), .bsq .img (ENVI, one "
-    "band each)", values.whole_number)  # fmt: skip
+    "save N frames of each image, each with its own temporal noise; the first is the picture "
+    "itself. Formats: .npy (frames, rows, columns), .tif .tiff (one page each), .bsq .img (ENVI, "
+    "one band each)", values.whole_number)  # fmt: skip
 @options.place_options
 @options.flag(
     "--all", "print the read-outs of all nodes instead of the main figures", to="every_readout"
 )
 @options.option(
     "--memory", "SIZE",
-    "memory for pictures, such as 2GB or 500MB (default: half of what the process may use). A "
-    "network that needs more runs in blocks, with its pictures on disk; the results are the same",
+    "memory for pictures, such as 2GB or 500MB (default: half of what the process may use). If "
+    "a network needs more, it runs in blocks with its pictures on disk; the results are the same",
     values.size_in_bytes, to="memory_bytes", group=options.RARER)  # fmt: skip
 @options.option(
     "--scratch", "DIR",
-    "folder for pictures that do not fit into memory (default: beside the output)",
+    "folder for pictures that do not fit in memory (default: beside the output)",
     values.file_path, group=options.RARER)  # fmt: skip
 @options.option(
     "--report", "FILE",
@@ -71,7 +71,7 @@ def run(
 ) -> None:
     """Compute a network's picture and figures.
 
-    The files appear in the output folder once everything has succeeded; otherwise none is written.
+    The files are written to the output folder only after everything has succeeded.
     """
     from app.command.network_run import KEPT_BYTES, NetworkRun, Stage, input_files, sink_targets
     from app.run.evaluation import TimedWork, planned
@@ -124,7 +124,7 @@ def run(
             left_out += more
     lines = made.lines(every_readout=every_readout, on_memory=memory_bytes is not None)
     if forgotten:
-        needs = f"could not record the files, so the next run needs {OPTION}: {forgotten}"
+        needs = f"could not record the written files, so the next run needs {OPTION}: {forgotten}"
         lines.append(in_line(needs))
     show(json, lambda: made.facts(left_out), *lines)
 
@@ -140,7 +140,7 @@ def check(
     allowed: tuple[Path, ...],
     json: bool,
 ) -> None:
-    """Print the errors and warnings of a network. It also says what a run would write."""
+    """Print a network's errors and warnings, and the files that a run would write."""
     from app.command.network_run import FINAL, input_files, own_files, sink_targets
     from app.run.evaluation import planned
     from app.run.output import find_output, how_to_choose

@@ -32,15 +32,16 @@ _OF_PLUG_IN = re.compile(r"\ba fault in the (module \S+ of the )?plug-in ")
 @options.network_options
 @options.option(
     "--vary", "NODE.PARAM=VALUES",
-    "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
-    "if given twice, each value of the second makes a curve",
+    "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (logarithmic), or values a,b,c; "
+    "if given twice, each value of the second gives one curve",
     many=True, required=True)  # fmt: skip
 @options.option(
     "--figure", "NODE.READOUT",
     "figure to compute: a read-out of a node, or an MTF of the chain. total.mtf_nyquist_x "
-    "and total.mtf_half_nyquist_x (or _y) are at the samples' Nyquist frequency and half of "
-    "it, total.mtf_pixel_nyquist_x and total.mtf_half_pixel_nyquist_x at the pixels'. May be "
-    "repeated (default: the electronics' figures and the chain's MTFs, if they change)",
+    "and total.mtf_half_nyquist_x (or _y) are the MTF at the samples' Nyquist frequency and at "
+    "half of it; total.mtf_pixel_nyquist_x and total.mtf_half_pixel_nyquist_x use the pixels' "
+    "Nyquist frequency. May be repeated (default: the electronics' figures and the chain's MTFs, "
+    "if they change)",
     many=True, to="figures")  # fmt: skip
 @options.written_outputs("write the figures", values.OUTPUTS)
 @options.numerical_options
@@ -56,7 +57,7 @@ def tradeoff(
 ) -> None:
     """Plot figures against a parameter.
 
-    Where the network fails at a value, the table has a gap and says why.
+    If the network fails at a value, the table has a gap, and the reason is printed.
     """
     from app.command.network_run import input_files
     from app.run.readout_tables import warned_points
@@ -84,7 +85,9 @@ def tradeoff(
             )  # fmt: skip
         if (why := results.why_nothing()) is not None:
             why = why and f": {why}"
-            raise UsageError(f"{OPTION} {varied.text}: no value gives a figure{why}")
+            raise UsageError(
+                f"{OPTION} {varied.text}: no figure could be computed at any value{why}"
+            )
         return results
 
     inputs = [place.path, *input_files(plan, place.folder)]
@@ -106,18 +109,19 @@ _tls = partial(options.option, group=options.RARER)
 @options.network_options
 @options.option(
     "--vary", "NODE.PARAM=VALUES",
-    "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
+    "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (logarithmic), or values a,b,c; "
     "with --sample latin, FROM:TO or FROM:TO:log; may be repeated", many=True)  # fmt: skip
 @options.option(
     "--over", "NODE.PARAM=PATTERN",
     "compute every point for each file that matches a pattern, such as "
-    "scene.path='scenes/*.img', in numerical order; may be repeated", many=True)  # fmt: skip
+    "scene.path='scenes/*.img'; files are taken in numerical order; may be repeated",
+    many=True)  # fmt: skip
 @options.option(
     "--sample", "HOW",
     "grid: all combinations of the values (default); latin: --points N points of a Latin "
-    "hypercube, drawn with the network's seed; a .csv file: its rows, with columns named "
-    "NODE.PARAM", default="grid")  # fmt: skip
-@options.option("--points", "N", "number of points to draw", values.whole_number)
+    "hypercube, drawn with the network's seed; a .csv file: one point per row, with columns "
+    "named NODE.PARAM", default="grid")  # fmt: skip
+@options.option("--points", "N", "number of points for --sample latin", values.whole_number)
 @options.option(
     "--figure", "NODE.READOUT",
     "figure to compute at each point, as for tradeoff; may be repeated (default: figures of "
@@ -125,11 +129,12 @@ _tls = partial(options.option, group=options.RARER)
     many=True, to="figures")  # fmt: skip
 @options.save_option(
     "NODE.PORT=PATTERN",
-    "save each point's picture or curve. Fields in the file's name: {point}, {NODE.PARAM} "
-    f"of a varied parameter, {{scene}} for the name of the picture. Formats: {options.SAVED}. May "
-    "be repeated")  # fmt: skip
+    "save each point's picture or curve. Fields for the file name: {point}, {NODE.PARAM} (the "
+    "value of a varied parameter), {scene} (the name of the picture). Formats: "
+    f"{options.SAVED}. May be repeated")  # fmt: skip
 @options.option(
-    "--output", "FILE", f"file for the rows, as {' '.join(suffixes(*values.STUDIES))}",
+    "--output", "FILE",
+    f"file for the results, one row per point, as {' '.join(suffixes(*values.STUDIES))}",
     values.study_path, required=True)  # fmt: skip
 @options.option(
     "--summary", "FILE",
@@ -138,18 +143,18 @@ _tls = partial(options.option, group=options.RARER)
 @options.flag("--fresh", "discard the rows of an unfinished study")
 @options.option(
     "--jobs", "N",
-    "number of processes on this machine (default: one; all cores if the remaining points take "
-    "long enough)", values.whole_number, group=options.RARER)  # fmt: skip
+    "number of processes on this machine (default: one, or all cores if the remaining points "
+    "take long enough)", values.whole_number, group=options.RARER)  # fmt: skip
 @options.option(
     "--memory", "SIZE",
-    "memory for computed values in all processes together, such as 2GB (default: 256MB in "
-    "each process); give it for pictures larger than about 4000 x 4000 samples",
+    "memory for computed values, shared by all processes, such as 2GB (default: 256MB per "
+    "process); set it if pictures are larger than about 4000 x 4000 samples",
     values.size_in_bytes, to="memory_bytes", group=options.RARER)  # fmt: skip
 @options.option(
     "--scheduler", "ADDRESS",
     "compute on the workers of a Dask scheduler, such as tls://10.0.0.1:8786; the workers need "
     "Imagechain and must see the same files", default="", group=options.RARER)  # fmt: skip
-@_tls("--tls-ca-file", "FILE", "certificate of the authority for a scheduler at tls://")
+@_tls("--tls-ca-file", "FILE", "CA certificate for a scheduler at tls://")
 @_tls("--tls-cert", "FILE", "certificate for a scheduler at tls://")
 @_tls("--tls-key", "FILE", "private key for a scheduler at tls://")
 @options.numerical_options
@@ -177,10 +182,10 @@ def study(
 ) -> None:
     """Compute figures and pictures for many values and scenes.
 
-    The points are those of a grid, a Latin hypercube or a list, for every picture that matches a
-    pattern. Each point becomes a row: its values, its figures, a key of the computation, its
-    computing time, and the reason if it failed. To resume a study that was stopped or killed, give
-    the same command again; finished rows are saved in OUTPUT.journal.
+    The points form a grid, a Latin hypercube or a list, for every picture that matches a pattern.
+    Each point becomes a row with its values, its figures, a key that identifies the computation,
+    the computing time, and the reason if it failed. To resume a study that was stopped or killed,
+    give the same command again; finished rows are saved in OUTPUT.journal.
     """
     from app.study.carrying_out import Workers, carry_out
     from app.study.study_request import make_study
@@ -224,7 +229,7 @@ def _jobs(jobs: int | None, scheduler: str) -> int:
         return 0
     if scheduler:
         raise UsageError(
-            "--jobs is for processes on this machine: give --jobs or --scheduler, not both"
+            "--jobs sets the processes on this machine: give --jobs or --scheduler, not both"
         )
     if not 1 <= jobs <= _MOST_JOBS:
         raise UsageError(f"--jobs {jobs}: give a whole number from 1 to {_MOST_JOBS}")
@@ -263,8 +268,8 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
     if failed:
         row = failed[0]
         error = DataError(
-            f"{len(failed)} of {count} points failed, see the column error of {files[0]}; the "
-            f"first, point {row.place + 1}: {row.error}"
+            f"{len(failed)} of {count} points failed (see the column error in {files[0]}); the "
+            f"first is point {row.place + 1}: {row.error}"
         )
         error.exit_code = 1 if _OF_PLUG_IN.search(row.error) else 2
         raise error
@@ -274,17 +279,17 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
 @options.network_options
 @options.option(
     "--for", "NODE.PARAM[=LOW:HIGH]",
-    "the parameter to find, in its own range or the one you give", required=True, to="solve_for",
+    "parameter to find, within its own range or the one you give", required=True, to="solve_for",
 )  # fmt: skip
 @options.option(
     "--until", "NODE.READOUT=VALUE",
-    "the read-out, and the value you want, in the read-out's unit", required=True)  # fmt: skip
+    "read-out and its target value, in the read-out's unit", required=True)  # fmt: skip
 @options.numerical_options
 @options.json_flag
 def solve(
     stop: Stop, asked: GivenNetwork, policy: Policy, solve_for: str, until: str, json: bool
 ) -> None:
-    """Find the parameter value that gives a wanted read-out."""
+    """Find the parameter value that gives a read-out the value you want."""
     from app.tradeoff.solve import solve_network
 
     library, place, network = options.opened(asked, json)

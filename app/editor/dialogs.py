@@ -117,7 +117,7 @@ class SaveDialog(FileDialog):
 
     def _ask(self, file: str) -> None:
         box = Question(self, "replace_file", "Replace file?")
-        box.setText(f"{Path(file).name} exists already. Replace it?")
+        box.setText(f"{Path(file).name} already exists. Replace it?")
         box.offer("cancel", "Cancel", ROLE.RejectRole)
         replace = box.offer("replace", "&Replace", ROLE.AcceptRole)
         replace.clicked.connect(lambda: self._agree(file))

@@ -135,7 +135,7 @@ def about_preset(preset: Preset, apart: Sequence[Difference]) -> str:
         for _, one, value in apart
         if value is not None
     )
-    differs = f"Differs from the other presets of its kind: {values}" if values else ""
+    differs = f"Values that differ from similar presets: {values}" if values else ""
     return "\n\n".join(filter(None, (preset.title, preset.text, differs)))
 
 

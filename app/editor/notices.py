@@ -104,7 +104,9 @@ class NoticeList(QWidget):
         labelled(self, name, words)
         self.left: list[tuple[Severity, str]] = []  # those that have not been closed
         self._notices: list[Notice] = []
-        self.more = tool_button(f"{name}.more", "", "Show all messages, or the gravest", self)
+        self.more = tool_button(
+            f"{name}.more", "", "Show all messages, or only the most serious", self
+        )
         self.more.setCheckable(True)
         self.more.toggled.connect(self._show)
         self._rows = filled(QVBoxLayout(self), self.more, margins=(6, 2, 6, 2), spacing=2)
@@ -135,7 +137,7 @@ class NoticeList(QWidget):
 
 
 NOTE_MS = 8000
-_BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
+_BEHIND = "stopped: showing the earlier result; press Ctrl+Enter to compute again"
 
 
 class StatusBar(QWidget):

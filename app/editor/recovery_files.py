@@ -76,7 +76,7 @@ class Autosave:
                 self._lock = take(self.path.with_suffix(LOCK_SUFFIX))
         except OSError as error:
             reason = error.strerror or type(error).__name__
-            raise FileError(f"cannot write in {self.path.parent}: {reason}") from error
+            raise FileError(f"cannot write to {self.path.parent}: {reason}") from error
         # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
         write_text(self.path, json.dumps(content, indent=1) + "\n")
         self._written = network, path
@@ -161,7 +161,7 @@ def _read(path: Path) -> Recovered | None:
 
 def _recovered(path: Path, content: Any) -> Recovered:
     if _get(content, "format", str) != FORMAT or _get(content, "version", int) != VERSION:
-        raise ValueError(f"it is not of {FORMAT}, version {VERSION}")
+        raise ValueError(f"it is not in the format {FORMAT}, version {VERSION}")
     original, folder = (_path(content, name) for name in ("original", "folder"))
     moment = _get(content, "time", float)
     if not 0 <= moment < 2.0**35:  # a date far off is none that a calendar could show
@@ -279,5 +279,5 @@ class Autosaver(QObject):
 
     def _after(self, error: object) -> None:
         if isinstance(error, ImagechainError) and not self._warned:
-            self.failed.emit(f"unsaved work is not kept against a crash: {error}")
+            self.failed.emit(f"unsaved work will be lost if the editor crashes: {error}")
         self._warned = error is not None

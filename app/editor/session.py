@@ -91,7 +91,7 @@ class Session(QObject):
         for parameter in parameters:
             if parameter in node.linked:
                 text = expression_text(node.params[parameter])
-                return f"{name}.{parameter} follows {text}: unlink it in its panel first"
+                return f"{name}.{parameter} is linked to {text}: unlink it in its panel first"
         return ""
 
     @property
@@ -189,7 +189,9 @@ class Session(QObject):
             if known or self._chosen:
                 remember_chosen(network, [*known, *self._chosen])
         except ImagechainError as error:
-            self.message.emit("warning", f"not remembered as a file to be written: {error}")
+            self.message.emit(
+                "warning", f"could not record the chosen output file for later runs: {error}"
+            )
 
     def select(self, names: Iterable[str]) -> None:
         chosen = tuple(name for name in dict.fromkeys(names) if name in self.network.nodes)

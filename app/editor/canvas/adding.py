@@ -114,7 +114,7 @@ class Adding:
         surface = self._surface
         session = surface.session
         if not session.selection:
-            session.message.emit("note", "select the node you want to wire first")
+            session.message.emit("note", "first select the node that you want to wire")
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [

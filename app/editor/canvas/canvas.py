@@ -195,7 +195,7 @@ class EmptyHint(QLabel):
         self.setVisible(not self._session.network.nodes)
 
 
-TEXT = "Tab or double-click adds a module; drag one from the library; drop a file"
+TEXT = "Press Tab or double-click to add a module, drag one from the library, or drop a file"
 
 
 class Menus:
@@ -212,7 +212,7 @@ class Menus:
             action.triggered.connect(partial(self._colour, name))
         self.wire_menu.addAction("&Disconnect").triggered.connect(self._disconnect)
         self._add_dot = self.wire_menu.addAction("&Add Dot")
-        self._add_dot.setToolTip("Bend the wire through a dot here (R, or double-click)")
+        self._add_dot.setToolTip("Add a dot here to bend the wire (R, or double-click)")
         self._add_dot.triggered.connect(lambda: dots.add(self._pos))
         self._pos: QPoint | None = None
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)

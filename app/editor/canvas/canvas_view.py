@@ -326,7 +326,7 @@ class Minimap(QWidget):
         super().__init__(view.viewport())
         self.setObjectName("canvas.minimap")
         self.setAccessibleName("Map of the network")
-        self.setToolTip("The whole network; click or drag to go there (M)")
+        self.setToolTip("Map of the whole network; click or drag to move the view (M)")
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self._view = view
         self._content = content

@@ -226,7 +226,7 @@ class DragWire(Gesture):
 
     def _refusal(self, port: NodePort) -> str | None:
         if port.side == self._fixed.side:
-            return f"a wire leads from an output to an input; {port.name} is an {port.side}"
+            return f"a wire connects an output to an input; {port.name} is another {port.side}"
         link = link_between(self._fixed, port)
         return refusal(self._network, self.surface.session.library, link)
 
@@ -393,7 +393,7 @@ class Dots:
         chosen = self._chosen_wire()
         if chosen is None:
             session = surface.session
-            session.message.emit("note", "point at a wire or select one, to bend it with a dot")
+            session.message.emit("note", "point at a wire or select one to bend it with a dot")
             return
         line = chosen.line()
         self.add_at(chosen, line[len(line) // 2])

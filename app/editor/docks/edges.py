@@ -43,7 +43,7 @@ class EdgeTable(QTreeWidget):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        labelled(self, "measure.edges", "Edges; Del leaves the selected one out, or uses it again")
+        labelled(self, "measure.edges", "Edges; press Del to exclude or include the selected one")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
         self.setRootIsDecorated(False)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -105,7 +105,7 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
 class FigureTable(CopiedTable):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(0, len(_FIGURE_HEADS), parent)
-        labelled(self, "measure.figures", "Figures of MTF and noise; Ctrl+C copies them")
+        labelled(self, "measure.figures", "MTF and noise figures; Ctrl+C copies them")
         self.list_figures(_FIGURE_HEADS)
         self._rows: list[tuple[str, str, str]] = []
 
@@ -140,8 +140,8 @@ class MtfChart(ChartWidget):
         super().__init__(width=20, height=13, parent=parent)
         labelled(
             self, "measure.mtf", "MTF against frequency",
-            "Pooled MTF across (full) and along (dashed) with ± 2 standard errors, and the "
-            "MTF of the selected edge along its normal",
+            "Pooled horizontal (across, solid) and vertical (along, dashed) MTF with ± 2 standard "
+            "errors, and the MTF of the selected edge along its normal",
         )  # fmt: skip
         self.setMouseTracking(True)
         self._curves: list[tuple[str, Any, str, Qt.PenStyle]] = []
@@ -204,8 +204,9 @@ def _value(curve: MtfCurve, frequency: float) -> str:
 
 _NEAR_PX = 12.0  # of a click from an edge
 _HINT = (
-    "Measure Viewer measures the picture in a viewer; Files… measures picture files; you can "
-    "also drop files here. Imagechain finds the edges and measures the MTF across each one."
+    "Choose Measure Viewer to measure the picture in a viewer, or Files… to measure picture "
+    "files; you can also drop files here. Imagechain finds the edges and measures the MTF across "
+    "each one."
 )
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Down: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_Up: -1}
 _ZOOMS = {Qt.Key.Key_Plus: 0.8, Qt.Key.Key_Equal: 0.8, Qt.Key.Key_Minus: 1.25}
@@ -380,9 +381,9 @@ class SpreadChart(ChartWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(width=24, height=14, parent=parent)
         labelled(
-            self, "fit.spread", "Edge profile measured and modelled",
-            "Profile across the edge, from the dark level 0 to the bright level 1: the "
-            "picture's samples and the chain's edge spread",
+            self, "fit.spread", "Measured and modelled edge profile",
+            "Edge profile from dark (0) to bright (1): the picture's samples and the chain's "
+            "edge spread function",
         )  # fmt: skip
         self.edge: DrawnEdge | None = None
 

@@ -59,8 +59,8 @@ if TYPE_CHECKING:
     from app.fit.picture_fit import FittedPictures
 
 _NO_PICTURE = "no picture"
-_NOTHING_FREE = "no parameter is free: right-click a number on a panel, choose Free for a fit"
-_TAKE = "Write all fitted values into the network, as one step that you can undo"
+_NOTHING_FREE = "no parameter is free: right-click a number on a panel and choose Free for a fit"
+_TAKE = "Write all fitted values to the network, as one step that you can undo"
 _HELD_BYTES = 1 << 28
 _PAUSE_S = 0.05  # between edges that are shown while values change
 
@@ -164,7 +164,7 @@ class FitView(WorkerView):
             parameter = parameter_of(self._session, node, name)
             try:
                 if parameter is None:
-                    raise UsageError("it no longer exists")
+                    raise UsageError("the parameter no longer exists")
                 if why := self._session.follows(node, (name,)):
                     raise UsageError(why)
                 value = plain(parameter.coerce(_rounded(one)))
@@ -184,8 +184,8 @@ class FitView(WorkerView):
         self.file = tool_button(
             "fit.file",
             "Pictures…",
-            "Choose pictures to fit to, or drop them here; if you choose none, the pictures "
-            "measured last are used",
+            "Choose pictures to fit to, or drop them here; otherwise the last measured pictures "
+            "are used",
             self,
         )
         self.name = labelled(QLabel(_NO_PICTURE, self), "fit.picture")
@@ -196,7 +196,7 @@ class FitView(WorkerView):
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
         about = "Fix the selected parameter again (Del)"
         self.remove = tool_button("fit.remove", "Remove", about, self)
-        about = "Choose which of the picture's edges is plotted"
+        about = "Choose which edge of the picture to plot"
         self.which = labelled(QComboBox(self), "fit.edges", "Edge to plot", about)
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         bar = QWidget(self)
@@ -207,7 +207,7 @@ class FitView(WorkerView):
         self.table = FreeTable(self._session, self)
         self.chart = SpreadChart(self)
         halves = split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))
-        self.status = StatusLine("fit", "What is fitted, or why no fit is possible", "", self)
+        self.status = StatusLine("fit", "Status of the fit, or why no fit is possible", "", self)
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
@@ -238,7 +238,7 @@ class FitView(WorkerView):
             return
         old = self._given not in self._fits
         if self.outcome is not None:
-            self._say("Fitted before a change: fit again" if old else self._result)
+            self._say("Changed since this fit: fit again" if old else self._result)
         elif old:
             self._say(f"{count} free" if count else _NOTHING_FREE)
 
@@ -259,7 +259,7 @@ class FitView(WorkerView):
         assert self.outcome is not None
         count, many = len(self._determined), len(self.outcome.parameters)
         chi2, degrees = self.outcome.chi2_per_degree, self.outcome.fit.misfit.degrees
-        return f"{count} of {many} determined, χ² per degree of freedom {chi2:.3g} ({degrees})"
+        return f"{count} of {many} determined, reduced χ² {chi2:.3g} ({degrees} degrees of freedom)"
 
     def _show_buttons(self) -> None:
         busy, free = self.worker.busy, self._session.free.all
@@ -386,10 +386,12 @@ class FreeTable(QTableWidget):
         self._session = session
         self._fitted: tuple[FittedParameter, ...] = ()
         self.setObjectName("fit.free")
-        self.setAccessibleName("Free parameters with their limits and fitted values; Del fixes one")
+        self.setAccessibleName(
+            "Free parameters, limits and fitted values; Del fixes the selected one"
+        )
         self.setToolTip(
-            "The parameters that the fit determines. Limits can be typed in; they are not "
-            "saved with the network"
+            "Parameters that the fit determines. You can type limits; they are not saved with the "
+            "network"
         )
         self.setHorizontalHeaderLabels(list(_HEADS))
         self.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
@@ -442,7 +444,7 @@ class FreeTable(QTableWidget):
             flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
             if column in _LIMITS:
                 flags |= Qt.ItemFlag.ItemIsEditable
-                item.setToolTip(tip("Limit for the fit; empty: that of the parameter itself"))
+                item.setToolTip(tip("Limit for the fit; if empty, the parameter's own limit"))
             item.setFlags(flags)
             if column not in (0, _UNIT):
                 item.setTextAlignment(RIGHT)
@@ -478,7 +480,7 @@ class FreeTable(QTableWidget):
             low = next(v for v in (changed.low, param.low, -math.inf) if v is not None)
             high = next(v for v in (changed.high, param.high, math.inf) if v is not None)
             if low >= high:
-                raise UsageError(f"the low limit, {low:g}, must lie below {high:g}")
+                raise UsageError(f"the lower limit {low:g} must be below {high:g}")
         except (ParameterError, UsageError) as error:
             self.refused.emit(f"{number.port}: {error.message}")
             self.write()

@@ -51,8 +51,8 @@ _KINDS = ";;".join(
 )
 _NO_BAND, _LAST_BAND = -1, 99_999
 _BAND = (
-    "Band to measure in files with several bands, counted from 0; –: the only band, or the "
-    "luminance of a colour picture"
+    "Band to measure in files with several bands (the first is 0); – measures the only band, or "
+    "the luminance of a colour picture"
 )
 
 
@@ -148,7 +148,7 @@ class MeasureView(WorkerView):
         self._begin(_Measuring(pictures_name(paths) + of, paths), job)
 
     def _choose_files(self) -> None:
-        title, name = "Measure pictures of one camera", "measure_dialog"
+        title, name = "Measure pictures from one camera", "measure_dialog"
         choose_pictures(self.window(), title, name=name, chosen=self.take_files)
 
     def _choose_target(self) -> None:
@@ -234,19 +234,19 @@ class MeasureView(WorkerView):
 
     def _build(self) -> None:
         self.viewer = menu_button(
-            "measure.viewer", "Measure Viewer", "Measure the picture of a viewer (Ctrl+M)", self
+            "measure.viewer", "Measure Viewer", "Measure the picture in a viewer (Ctrl+M)", self
         )
-        about = "Measure a picture, or several of one camera together; you can also drop them here"
+        about = "Measure one picture or several from the same camera; you can also drop them here"
         self.file = tool_button("measure.file", "Files…", about, self)
         self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
-        about = "Leave the selected edge out of the pooled MTF, or use it again (Del)"
+        about = "Exclude the selected edge from the pooled MTF, or include it again (Del)"
         self.remove = tool_button("measure.remove", "Remove Edge", about, self)
         self.fit = tool_button("measure.fit", "Fit", "Show the whole picture (F)", self)
         self.unused = toggle_button(
             "measure.unused", "Not Used", "Also draw the edges that cannot be used", self
         )
         self.unused.setChecked(True)
-        about = "Save everything (.json), the MTF (.csv) or a page (.html)"
+        about = "Save all results (.json), the MTF (.csv) or a report (.html)"
         self.write = tool_button("measure.export", "Export…", about, self)
         about = "Picture to show"
         self.pictures = labelled(QComboBox(self), "measure.pictures", about, about)
@@ -271,7 +271,7 @@ class MeasureView(WorkerView):
         self.tabs.tabBar().setAccessibleName("Figures or edges")
         right = split(Qt.Orientation.Vertical, (self.chart, 1), (self.tabs, 1))
         halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (right, 4))
-        about = "What is measured, or why it cannot be"
+        about = "Status of the measurement, or why none is possible"
         self.status = StatusLine("measure", about, "Values there", self)
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 

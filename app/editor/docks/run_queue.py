@@ -120,11 +120,11 @@ class Run(QObject):
         elif self.state == "stopping":
             self._end("cancelled")
         elif crashed:
-            text = f"the system ended its process (signal {code}): memory may have run out"
+            text = f"the system ended the process (signal {code}): memory may have run out"
             self._end("failed", text)
         else:
             lines = self._errors.decode("utf-8", "replace").strip().splitlines()
-            said = lines[-1] if lines else "it stopped without saying why"
+            said = lines[-1] if lines else "the process stopped without an error message"
             self._end("failed", in_line(said.removeprefix(_PREFIX)))
 
     def _clear_away(self) -> None:

@@ -24,7 +24,7 @@ from app.editor.widgets import FlowLayout, centred_hint, filled, labelled, tool_
 _TICK_MS = 1000
 _ONE_PX, _SEVERAL_PX = 160, 96
 _HINT = (
-    "No runs yet. Add… starts one: a sweep of a parameter, frames, a list of pictures, or one "
+    "No runs yet. Click Add… to start one: a parameter sweep, frames, a list of pictures, or one "
     "run that also writes the network's files. You can edit while it runs."
 )
 
@@ -63,7 +63,7 @@ class RunsView(QWidget):
         self.list.header().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         self.hint = labelled(centred_hint(_HINT, self), "runs.hint")
         self.previews = labelled(
-            QListWidget(self), "runs.previews", "Pictures that the selected run has made"
+            QListWidget(self), "runs.previews", "Pictures from the selected run"
         )
         self.previews.setViewMode(QListWidget.ViewMode.IconMode)
         self.previews.setMovement(QListWidget.Movement.Static)

@@ -24,7 +24,7 @@ from core.editing.operations import restored
 from core.errors import Cancelled, ImagechainError
 from core.network.network import Network
 
-NOTHING_KEPT = "there are no snapshots yet: Ctrl+K keeps the current state"
+NOTHING_KEPT = "there are no snapshots yet: press Ctrl+K to keep the current state"
 _OWNER = "snapshots.kept"
 
 Figures = Mapping[tuple[str, str], tuple[Any, str]]
@@ -189,7 +189,7 @@ class Snapshots(QObject):
         elif self._session.do(restored(state.document, f"Go back to {state.name}")):
             self._say(f"restored {state.name}; Ctrl+Z undoes it")
         else:
-            self._say(f"the network is already as in {state.name}")
+            self._say(f"the network already matches {state.name}")
 
     def compare(self, way: Way) -> None:
         """Show A in the place of B, or both at the sides of a wipe; again: B alone."""

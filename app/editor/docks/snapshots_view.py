@@ -70,22 +70,20 @@ class SnapshotsView(Viewer):
 
     def _build(self) -> None:
         self.keep = tool_button("snapshots.keep", "Keep", "Keep the current state (Ctrl+K)", self)
-        self.flip = toggle_button(
-            "snapshots.flip", "Flip", "Show A in place of B, and back (K)", self
-        )
+        self.flip = toggle_button("snapshots.flip", "Flip", "Switch between A and B (K)", self)
         self.wipe = toggle_button(
             "snapshots.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
         )
         self.back = tool_button(
-            "snapshots.back", "Go Back", "Change the network back to A; you can undo this", self
+            "snapshots.back", "Go Back", "Restore the network to A; you can undo this", self
         )
         self.remove = tool_button("snapshots.remove", "Remove", "Delete A (Del)", self)
         self.list = SnapshotList(self._snapshots)
-        self.title = ElidedLabel("snapshots.title", "How many figures differ", self)
+        self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)
         self.title.setContentsMargins(6, 0, 2, 0)
         self.figures = labelled(
             QListWidget(self), "snapshots.figures", "Figures that differ; Ctrl+C copies one",
-            "Figures in the snapshot, A → figures now, B",
+            "Figures in the snapshot (A) → current figures (B)",
         )  # fmt: skip
         self.figures.setWordWrap(True)
         buttons = (self.keep, self.flip, self.wipe, self.back, self.remove)
@@ -133,7 +131,7 @@ class SnapshotList(QTreeWidget):
         self._snapshots = snapshots
         labelled(
             self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
-            "The current one is A. F2 renames it, Del deletes it, Enter goes back to it",
+            "The selected snapshot is A. F2 renames it, Del deletes it, Enter goes back to it",
         )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)

@@ -101,7 +101,7 @@ class TradeOffPlots(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        labelled(self, "tradeoff.plots", "Figures of merit; arrow keys move the parameter")
+        labelled(self, "tradeoff.plots", "Figures of merit; arrow keys change the parameter")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
         self.setAutoFillBackground(True)
@@ -206,7 +206,7 @@ NEAR = 0.2  # of a declared range: below that share of its end it would hide wha
 LOG_FROM = 3000.0  # the end of a range over its beginning, from which on its steps are factors
 DEFAULT_COUNT = 25
 MOST_COUNT = 201
-RANGE = "FROM:TO:COUNT, or FROM:TO:COUNT:log for equal factors"
+RANGE = "FROM:TO:COUNT, or FROM:TO:COUNT:log for logarithmic steps"
 
 
 @dataclass(frozen=True)
@@ -284,7 +284,7 @@ def typed_span(session: Session, varied: Varied, text: str) -> Span:
     values = typed_values(session, f"{varied.node}.{varied.name}", text, MOST_COUNT)
     parts = text.split(":")
     if len(parts) == 1:
-        raise UsageError(f"{text!r:.40} is no range: {RANGE}")
+        raise UsageError(f"{text!r:.40} is not a range: {RANGE}")
     low, high = sorted(map(float, parts[:2]))
     return Span(low, high, values.log, values.parameter.kind == "integer", int(parts[2]))
 

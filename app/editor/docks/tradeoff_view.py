@@ -176,7 +176,9 @@ class TradeOffView(Viewer):
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(2, 2, 2, 0))
         self.plots = TradeOffPlots(self)
         self.list = self.choice.list
-        self.status = StatusLine(self.owner, "What could not be computed", "Values there", self)
+        self.status = StatusLine(
+            self.owner, "Values that could not be computed", "Values there", self
+        )
         scrolled = QScrollArea(self)
         scrolled.setFrameShape(QFrame.Shape.NoFrame)
         scrolled.setWidgetResizable(True)
@@ -249,7 +251,7 @@ class TradeOffView(Viewer):
             self.plots.show_hint(_HINT)
             self.status.show_text("")
             return
-        self.plots.show_hint("" if shown else "No figure is ticked")
+        self.plots.show_hint("" if shown else "No figure is selected")
         values = sorted(self.points)
         x = np.array(values, np.float64)
         graphs = []
@@ -269,7 +271,11 @@ class TradeOffView(Viewer):
             for _, point in sorted(self.points.items())
             if any(name in names for name in point.reasons)
         ]
-        many = f"{len(gaps)} of {len(self.points)} values have gaps: {gaps[0]}" if gaps else _HOW
+        many = (
+            f"figures are missing at {len(gaps)} of {len(self.points)} values: {gaps[0]}"
+            if gaps
+            else _HOW
+        )
         self.status.show_text(many, failed=bool(gaps))
 
     def _show_mark(self) -> None:

@@ -12,12 +12,12 @@ from core.modules.panel_sections import Caution
 from core.network.macro import SEPARATOR
 from core.network.network import Network
 
-DISABLED = "disabled: passes its input on, if it has one"
+DISABLED = "disabled: passes its input through, if it has one"
 STALE = (
     "not updated: shows the result from before your last changes; choose Generate Image to "
     "update it"
 )
-IDENTITY = "skipped: with these settings it changes nothing"
+IDENTITY = "skipped: has no effect with these settings"
 _SHOWN_SKIPS = ("mirrored_edges", "pupil_centre", "folded", "region")
 
 
@@ -86,7 +86,7 @@ def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
     by_node: dict[str, list[str]] = {}
     for skip in skips:
         if skip.kind == "below_budget":
-            bound = "" if skip.bound is None else f" ({skip.bound:.1g} of the range at most)"
+            bound = "" if skip.bound is None else f" (at most {skip.bound:.1g} of the range)"
             by_node.setdefault(skip.node, []).append(skip.text + bound)
     for skip in skips:
         if skip.kind in _SHOWN_SKIPS and skip.node in by_node:
@@ -111,7 +111,7 @@ def _of_state(
 
 def _of_error(network: Network, library: Library, name: str, error: ImagechainError) -> Badge:
     if error.node not in (None, name):
-        return Badge("incomplete", f"waits for {error.node}")
+        return Badge("incomplete", f"waiting for {error.node}")
     if isinstance(error, UnconnectedError):
         return Badge("incomplete", f"not connected: {_unconnected(network, library, name)}")
     return Badge("error", error_text(error, on_node=True))
@@ -157,4 +157,4 @@ def as_error(error: Exception, node: str | None = None) -> ImagechainError:
         text = "not enough memory: make the picture smaller, or close other pictures"
         return OwnFailure(text, node=node)
     reason = " ".join(str(error).split())[:200]
-    return OwnFailure(f"our own failure: {type(error).__name__}: {reason}", node=node)
+    return OwnFailure(f"internal error: {type(error).__name__}: {reason}", node=node)

@@ -145,9 +145,11 @@ class PortsView(QWidget):
         button = tool_button(f"view.{side}.{port.name}", "View", about, self)
         button.clicked.connect(partial(without_argument, partial(self._view, place, 1)))
         if set(port.types) <= set(PLOT_TYPES):
-            button.setToolTip(tip("Show it in Curves"))
+            button.setToolTip(tip("Show this port in Curves"))
         else:
-            button.setToolTip(tip("Show it in viewer 1; the arrow (or Down key) lists the others"))
+            button.setToolTip(
+                tip("Show this port in viewer 1; the arrow (or Down key) lists the others")
+            )
             button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
             menu = Menu(button)
             for number in VIEWER_NUMBERS:
@@ -196,7 +198,7 @@ class UnknownBody(QWidget):
             "unknown_module",
             self,
             f"There is no module {shown(module)} in this library{why and f': {why}'}. The node "
-            "is kept with these parameters and saved again, but computes nothing.",
+            "is kept and saved with these parameters, but computes nothing.",
             role=CHANGED,
         )
         self._form = QFormLayout()

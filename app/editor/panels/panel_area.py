@@ -475,7 +475,7 @@ class SetsMenu(Menu):
         with self._told():
             sets = sets_of(node.module, self._folder)
         for name in sets:
-            about = f"Give every parameter its value of {name}"
+            about = f"Set every parameter to its value in {name}"
             offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
         if sets:
             removing = Menu("Remove", self)

@@ -67,14 +67,15 @@ _selected = partial(_edit, scope="canvas", selected=True)
 # fmt: off
 ACTIONS: tuple[ActionSpec, ...] = (
     _file("new", "&New", "Start an empty network", "Ctrl+N"),
-    _file("welcome", "New &from…", "Example networks, recent files and recovered work; again: back",
+    _file("welcome", "New &from…",
+          "Show example networks, recent files and recovered work; press again to return",
           "Ctrl+Shift+N"),
     _file("open", "&Open…", "Open a network file", "Ctrl+O"),
     _file("save", "&Save", "Save the network", "Ctrl+S"),
     _file("save_as", "Save &As…", "Save the network to another file", "Ctrl+Shift+S"),
-    _file("export", "&Export…", "Save what is shown in the viewer used last", "Ctrl+E"),
+    _file("export", "&Export…", "Save the contents of the last used viewer", "Ctrl+E"),
     _file("report", "Re&port…",
-          "Write a report of the network in its current state, as a page for the browser",
+          "Write a report of the network's current state as an HTML page",
           "Ctrl+Shift+R"),
     _file("quit", "&Quit", "Close the window", "Ctrl+Q", scope="application"),
     _edit("undo", "&Undo", "Undo the last step", "Ctrl+Z"),
@@ -87,7 +88,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _edit("copy_values", "Copy &Values", "Copy the values of the selected node as JSON",
           "Ctrl+Shift+C", selected=True),
     _edit("paste_values", "Paste Va&lues",
-          "Give the selected nodes the copied values that fit them",
+          "Apply the copied values to the selected nodes where they fit",
           "Ctrl+Shift+V", selected=True),
     _selected("duplicate", "D&uplicate", "Copy the selected nodes and place the copies beside them",
               "Ctrl+D"),
@@ -106,7 +107,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
           "Put a titled backdrop behind the selected nodes, or at the mouse", "B", scope="canvas"),
     _edit("note", "Add No&te", "Put a note at the mouse", "N", scope="canvas"),
     _edit("wire_dot", "Bend Wi&re",
-          "Put a dot on the wire at the mouse, or the selected one, to bend it through", "R",
+          "Add a dot to bend the wire at the mouse, or the selected wire", "R",
           scope="canvas"),
     _edit("find_node", "&Find Node…", "Find a node by its name", "Ctrl+F"),
     _selected("align_left", "Align Le&ft", "Align the left edges of the selected nodes",
@@ -120,11 +121,11 @@ ACTIONS: tuple[ActionSpec, ...] = (
               "Alt+Shift+H"),
     _selected("distribute_down", "Distribute Do&wn", "Make the vertical gaps equal",
               "Alt+Shift+V"),
-    _selected("group", "&Group", "Combine the selected nodes into one, a macro", "Ctrl+G"),
-    _selected("ungroup", "Un&group", "Replace the selected macro by its nodes",
+    _selected("group", "&Group", "Combine the selected nodes into a macro", "Ctrl+G"),
+    _selected("ungroup", "Un&group", "Replace the selected macro with its nodes",
               "Ctrl+Shift+G"),
     _edit("save_preset", "Save as Pre&set",
-          "Add the selected macro to the library, for any network", selected=True),
+          "Add the selected macro to the library for use in any network", selected=True),
     _view("frame", "&Frame", "Show the selected nodes, or all", "F", scope="canvas"),
     _view("frame_all", "Frame &All", "Show all nodes", "Home", scope="canvas"),
     _view("arrange", "&Lay Out", "Arrange the selected nodes, or all", "L", scope="canvas"),
@@ -144,41 +145,41 @@ ACTIONS: tuple[ActionSpec, ...] = (
           "Fit the free parameters (right-click a number) to the edges of a real picture",
           "Ctrl+Shift+F", checkable=True),
     _view("full_screen", "F&ull Screen",
-          "Show the viewer used last in full screen; press it again or Esc to return", "F11"),
+          "Show the last used viewer in full screen; press F11 again or Esc to return", "F11"),
     _view("picture_below", "Picture &Below", "Layout: the chain as a band above the picture"),
     _view("picture_beside", "Picture Be&side",
           "Layout: the picture on the left, everything else on the right"),
     _view("canvas_first", "&Canvas First", "Layout: a large canvas, small viewers below"),
-    _view("reset_layout", "&Reset Layout", "Return all parts of the window to their first places"),
+    _view("reset_layout", "&Reset Layout",
+          "Return all parts of the window to their default places"),
     _view("next_part", "&Next Part", "Go to the next part of the window", "F6"),
     _view("previous_part", "&Previous Part", "Go to the previous part of the window", "Shift+F6"),
-    _view("light", "Li&ght Colours", "Switch between light and dark", checkable=True),
+    _view("light", "Li&ght Colours", "Switch between light and dark colours", checkable=True),
     _run("generate", "&Generate Image",
          "Compute everything again, including nodes that are not updated",
          "Ctrl+Return", "Ctrl+Enter"),
     _run("runs", "&Runs in the Background",
          "Show the queue of sweeps, frames and lists of pictures", "Ctrl+Shift+T", checkable=True),
-    _run("add_run", "&Add to the Queue…", "Queue a sweep, frames, or pictures"),
+    _run("add_run", "&Add to the Queue…", "Add a sweep, frames or pictures to the queue"),
     _run("measure", "&Measure Picture",
-         "Measure edges, MTF and noise in the picture of a viewer, or in a file", "Ctrl+M"),
+         "Measure edges, MTF and noise in a viewer's picture or in a file", "Ctrl+M"),
     _run("cancel", "&Cancel", "Stop the computation", "Esc"),
     _compare("keep_snapshot", "&Keep Snapshot",
-             "Keep the current state as A, to compare with later ones", "Ctrl+K"),
+             "Keep the current state as A, to compare with later states", "Ctrl+K"),
     _compare("flip", "&Flip A and B",
-             "Show the snapshot, A, instead of the current picture, B; again: back", "K",
+             "Switch between the snapshot (A) and the current picture (B)", "K",
              scope="canvas"),
     _compare("wipe", "&Wipe A and B",
-             "Show the snapshot, A, on the left of a divider and B on the right; again: B alone",
-             "W",
+             "Show the snapshot (A) left of a divider and the current picture (B) right of it", "W",
              scope="canvas"),
     _compare("go_back", "Go &Back to A",
-             "Change the network back to the snapshot; you can undo this"),
+             "Restore the network from the snapshot; you can undo this"),
     _compare("snapshots", "&Snapshots",
-             "List the snapshots, with their figures beside the current ones", "Ctrl+Shift+K",
+             "List the snapshots and compare their figures with the current ones", "Ctrl+Shift+K",
              checkable=True),
     _help("shortcuts", "&Shortcuts", "List every shortcut", "?", "Ctrl+/"),
     _help("handbook", "&Handbook", "Open the handbook in the browser"),
-    _help("module_help", "&Module", "Read what the selected module does, in the handbook", "F1"),
+    _help("module_help", "&Module", "Read about the selected module in the handbook", "F1"),
     _help("about", "&About", "Version and sources"),
     *(_run(f"view_{number}", f"Show in Viewer &{number}",
            f"Show the selected node in viewer {number}", str(number), scope="canvas", selected=True)
@@ -355,7 +356,7 @@ class EditCommands(QObject):
         if session.do(operation) and kept:
             more = f" and {len(kept) - 3} more" if kept[3:] else ""
             session.message.emit(
-                "note", f"no longer linked, with the value it had: {', '.join(kept[:3])}{more}"
+                "note", f"no longer linked, but values kept: {', '.join(kept[:3])}{more}"
             )
 
     def select_all(self) -> None:
@@ -424,7 +425,7 @@ class EditCommands(QObject):
         return Together((moving, straighten(network, bent)), moving.text) if bent else moving
 
     def align(self, edge: Edge) -> None:
-        self._arranged(aligned, edge, f"Align at the {edge}")
+        self._arranged(aligned, edge, f"Align {edge}")
 
     def distribute(self, way: Way) -> None:
         self._arranged(distributed, way, f"Distribute {way}")
@@ -435,7 +436,7 @@ class EditCommands(QObject):
         if points:
             session.do(moved_with_dots(session.network, Move(dict(points), label)))
         else:
-            session.message.emit("note", f"{label.lower()}: select two nodes or more")
+            session.message.emit("note", f"{label.lower()}: select two or more nodes")
 
     def frame(self) -> None:
         if self._session.selection:

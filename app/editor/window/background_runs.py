@@ -83,7 +83,9 @@ class BackgroundRuns(QObject):
         self._finish_typing()
         if not any(form.matches(file) for form in REPORTS):
             ends = " or ".join(suffixes(*REPORTS))
-            self._say("error", f"no report {shown(file.name)}: its name must end in {ends}")
+            self._say(
+                "error", f"cannot write a report to {shown(file.name)}: the name must end in {ends}"
+            )
         elif file.absolute() in self._taken():
             self._say("note", f"{shown(file.name)} is already being written")
         else:
@@ -145,16 +147,16 @@ class BackgroundRuns(QObject):
 
 def runs_go_on(parent: QWidget, runs: list[Run]) -> Question:
     box = Question(parent, "runs_go_on", "Stop the runs?")
-    box.setText(f"Not done yet: {', '.join(run.title for run in runs)}")
+    box.setText(f"Unfinished runs: {', '.join(run.title for run in runs)}")
     box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setInformativeText("Results that are not written yet are lost.")
+    box.setInformativeText("Results not yet written will be lost.")
     box.offer("cancel", "&Keep Running", ROLE.RejectRole)
     box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
     return box
 
 
 KINDS: tuple[tuple[Kind, str], ...] = (
-    ("sweep", "Sweep: a parameter over values"),
+    ("sweep", "Sweep: one parameter over several values"),
     ("frames", "Frames, each with its own noise"),
     ("files", "Pictures, one after the other"),
     ("run", "One run that also writes the network's files"),
@@ -324,7 +326,7 @@ class AddRun(QDialog):
             return f"{frames} frame{'s' * (frames > 1)}", {"frames": frames}
         if self.kind == "files":
             if self.reader.count() == 0:
-                raise UsageError("the network reads no picture: add a Read Image")
+                raise UsageError("the network reads no picture: add a Read Image node")
             if not self._files:
                 raise UsageError("choose the pictures")
             choices = {"target": self.reader.currentData(), "values": self._files}
@@ -353,7 +355,7 @@ class AddRun(QDialog):
             raise UsageError("give a folder")
         folder = (self._session.folder.absolute() / Path(text).expanduser()).absolute()
         if folder in self._taken():
-            raise UsageError("a queued run writes to this folder: choose another one")
+            raise UsageError("a queued run already writes to this folder: choose another one")
         check_folder(folder)
         return folder
 

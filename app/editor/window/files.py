@@ -189,8 +189,8 @@ class Files(QObject):
 
 def save_changes(parent: QWidget, network: str) -> Question:
     box = Question(parent, "save_changes", "Save changes?")
-    box.setText(f"Save the changes of {network or 'this network'}?")
-    box.setInformativeText("If you do not save, they are lost.")
+    box.setText(f"Save the changes to {network or 'this network'}?")
+    box.setInformativeText("Unsaved changes will be lost.")
     for answer, text, standard in (
         ("save", "&Save", QMessageBox.StandardButton.Save),
         ("discard", "&Discard", QMessageBox.StandardButton.Discard),
@@ -207,11 +207,9 @@ def changed_file(parent: QWidget, file: str, done: str) -> Question:
     box.setText(f"Another program has {done} {file} since you opened or saved it here.")
     box.offer("save_as", "Save &As…", ROLE.AcceptRole)
     if done == "removed":
-        box.setInformativeText("Overwrite writes it again.")
+        box.setInformativeText("Overwrite saves the file again.")
     else:
-        consequence = (
-            "Overwrite discards the changes made there; Reload discards the changes made here."
-        )
+        consequence = "Overwrite discards the other program's changes; Reload discards yours."
         box.setInformativeText(consequence)
         box.offer("reload", "&Reload", ROLE.DestructiveRole)
     box.offer("overwrite", "&Overwrite", ROLE.DestructiveRole)
@@ -345,7 +343,7 @@ class Drops(QObject):
         except ImagechainError as error:
             level.message.emit("error", str(error))
             return True
-        if level.do(restored(new.network, f"Put {path.name} in place of {name}")):
+        if level.do(restored(new.network, f"Replace {name} with {path.name}")):
             level.select([name])
             level.message.emit("note", "; ".join(new.lines))
         return True

@@ -61,7 +61,7 @@ class Help(QObject):
     def handbook_of(self, name: str) -> None:
         declared = self._session.declared(name)
         if declared is None:
-            self._session.message.emit("note", "select a node to read what its module does")
+            self._session.message.emit("note", "select a node to read about its module")
         else:
             self.handbook.open(declared.key if declared.key in self._session.library else _MACROS)
 
@@ -70,7 +70,7 @@ class Help(QObject):
         box.setWindowTitle("Imagechain")
         box.setText(
             f"Version {version()}\n\nSimulates electro-optical and infrared sensors as a chain of "
-            "transfer functions and noise.\n\nAfter D. C. Tantalo, Modeling the MTF and noise "
+            "transfer functions and noise.\n\nBased on D. C. Tantalo, Modeling the MTF and noise "
             "characteristics of an image chain for a synthetic image generation system, RIT 1996."
         )
         show_beside(self._window, box)
@@ -128,31 +128,36 @@ class HandbookOpening(QObject):
         errors = bytes(self._process.readAllStandardError().data()).decode("utf-8", "replace")
         if code or not printed:
             reason = in_line(errors.strip().removeprefix("imagechain: ")).partition("; --")[0]
-            self._session.message.emit("error", f"the handbook is not opened: {reason}")
+            self._session.message.emit("error", f"the handbook could not be opened: {reason}")
         elif QDesktopServices.openUrl(QUrl.fromLocalFile(printed)):
-            self._session.message.emit("note", f"the handbook is in the browser: {printed}")
+            self._session.message.emit("note", f"the handbook was opened in the browser: {printed}")
         else:
-            self._session.message.emit("error", f"no browser opens {printed}")
+            self._session.message.emit("error", f"no browser could open {printed}")
 
 
 # The list of shortcuts.
 
 # What keys and the mouse do without being an action: where, what, how, and more of it.
 BESIDE_ACTIONS = (
-    ("Canvas", "Move the selection", "arrow keys", "Shift: by one unit; backdrop: its size"),
+    (
+        "Canvas",
+        "Move the selection",
+        "arrow keys",
+        "Shift: by one unit; with a backdrop, Shift resizes it",
+    ),
     ("Canvas", "Go to the next node", "Ctrl with arrow keys", "Shift: add it to the selection"),
     ("Canvas", "Open", "Return", "The panel of the selected node, or a backdrop's title"),
     ("Mouse", "Pan", "middle button", "Drag the canvas"),
     ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
     ("Mouse", "Add", "double-click", "Search for a module and add it there"),
     ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
-    ("Mouse", "View", "Ctrl+Shift and click", "Show the node in viewer 1"),
+    ("Mouse", "View", "Ctrl+Shift+click", "Show the node in viewer 1"),
     ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
     ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag it, Del deletes it"),
-    ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect the wires that the line crosses"),
-    ("Mouse", "Open", "drop a file", "A picture becomes a Read Image, a network is opened"),
+    ("Mouse", "Cut wires", "Alt+Shift+drag", "Disconnect the wires that the line crosses"),
+    ("Mouse", "Open", "drop a file", "A picture becomes a Read Image node, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Show the region of the selected module"),
-    ("Mouse", "Move a region", "drag it, or a corner", "A right click while you drag undoes it"),
+    ("Mouse", "Move a region", "drag it, or a corner", "Right-click while dragging to cancel"),
     (
         *("Mouse", "Move a wipe", "drag, or Ctrl+arrow"),
         "Between A and B, or two wires; Shift: larger steps",

@@ -125,7 +125,7 @@ class MainWindow(QMainWindow):
         """Open a network in place of the first page, and say what is offered there."""
         if self.files.open_now(text) and (left := recoverable(self._recovery)):
             names = dict.fromkeys(each.original.name if each.original else "" for each in left)
-            of = ", ".join(name or "a network never saved" for name in names)
+            of = ", ".join(name or "an unsaved network" for name in names)
             self.status.report(
                 "warning", f"unsaved work in {of} can be recovered: see File > New from…"
             )
@@ -418,7 +418,7 @@ class MainWindow(QMainWindow):
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
         if alike := self.session.selected_alike:
-            text = f"{len(alike)} nodes of one module are selected: a change of a value is for all"
+            text = f"{len(alike)} nodes of the same module are selected: a new value applies to all"
             self.session.message.emit("note", text)
 
     def _follow_level(self) -> None:
@@ -495,5 +495,5 @@ class MainWindow(QMainWindow):
         except ImagechainError as error:
             self.status.report("error", f"not recovered: {error}")
             return
-        self.files.show(Opened(document, "recovered: save it if you want to keep it"))
+        self.files.show(Opened(document, "recovered: save the network if you want to keep it"))
         self.autosaver.write_now(work.discard)

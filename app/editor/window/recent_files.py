@@ -56,7 +56,7 @@ class RecentMenu(Menu):
             self.addAction("No network has been opened yet").setEnabled(False)
         self.addSeparator()
         clear = self.addAction("&Clear List")
-        clear.setToolTip("Clear this list; the files stay")
+        clear.setToolTip("Clear this list without deleting the files")
         clear.setEnabled(bool(recent))
         clear.triggered.connect(self._clear)
 

@@ -224,5 +224,5 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
 def encoded(image: QImage) -> bytes:
     buffer = QBuffer()
     if not QImageWriter(buffer, QByteArray(b"PNG")).write(image):
-        raise FileError("the window cannot be drawn: it gave no picture")
+        raise FileError("the screenshot could not be encoded as PNG")
     return bytes(buffer.data().data())

@@ -77,7 +77,9 @@ class ViewerDocks(QObject):
         """Show the first output of a node that is a picture; a curve in the plot viewer."""
         declared = self._session.declared(name)
         if declared is None:
-            self._session.message.emit("error", f"{name}: an unknown module has nothing to show")
+            self._session.message.emit(
+                "error", f"{name}: its module is unknown, so there is nothing to show"
+            )
             return
         outputs, into = declared.outputs, self._session.network.links_into(name)
         pictures = [port for port in outputs if port.types[0] in PICTURE_TYPES]

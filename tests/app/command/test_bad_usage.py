@@ -60,7 +60,7 @@ USAGE = {
     "seed twice": (["run", "net.json", "--seed", "1", "--seed", "1"], "--seed is given more"),
     "an option for a value": (["run", "net.json", "--disable", "--json"], "expected one argument"),
     "one number of two": (["run", "net.json", "--scene-fov-deg", "2"], "expected 2 arguments"),
-    "value of a flag": (["run", "net.json", "--all=3"], "ignored explicit argument '3'"),
+    "value of a flag": (["run", "net.json", "--all=3"], "takes no value, but '3' is given"),
 }
 
 
@@ -100,7 +100,7 @@ def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
     done = imagechain("edit", env={**NO_DISPLAY, "DISPLAY": display})
     assert done.returncode == 2
     assert done.stderr == (
-        f"imagechain: the editor needs a display: DISPLAY = {display} does not answer\n"
+        f"imagechain: the editor needs a display: no response from DISPLAY = {display}\n"
     )
 
 
@@ -160,7 +160,7 @@ def test_what_is_written_is_said_where_it_cannot_be_printed(tmp_path):
     assert done.returncode == 1
     assert done.stderr == (
         "imagechain: cannot write to standard output: No space left on device; "
-        "the files are written\n"
+        "the files were written\n"
     )
     assert (tmp_path / "r.json").is_file()
     done = shell("imagechain modules >/dev/full", tmp_path)

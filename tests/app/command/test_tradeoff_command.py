@@ -86,7 +86,7 @@ def test_choices_have_a_place_each(works, tmp_path):
 def test_where_every_value_fails_nothing_is_written(fails):
     words = ["--vary", "blur.sigma_x_mrad=-2,-1", "--output", "a.csv"]
     for figures in ((MTF,), ()):
-        assert "no value gives a figure: blur: sigma_x_mrad = -2" in fails(
+        assert "no figure could be computed at any value: blur: sigma_x_mrad = -2" in fails(
             "tradeoff", "net.json", *words, *figures
         )
 

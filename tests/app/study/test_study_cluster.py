@@ -68,7 +68,7 @@ def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_o
     done = study("--output=b.csv")
     assert done.returncode == 2
     assert done.stderr == (
-        "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
+        "imagechain: 1 of 40 points failed (see the column error in b.csv); the first is point 12: "
         "the workers computing this point stopped repeatedly\n"
     )
     expected, rows = rows_of("a.csv"), rows_of("b.csv")

@@ -50,7 +50,7 @@ def test_failed_points_are_rows_and_the_end_is_2(sensor, study, rows_of, tmp_pat
     done = study(sensor, *words, vary, NER, "--output", "a.csv", "--summary", "a.png")
     assert done.returncode == 2
     assert done.stderr.startswith(
-        "imagechain: 1 of 3 points failed, see the column error of a.csv; the first, point 2: "
+        "imagechain: 1 of 3 points failed (see the column error in a.csv); the first is point 2: "
         "electronics: d_star is empty"
     )
     assert done.stderr.count("\n") == 1

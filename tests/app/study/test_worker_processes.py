@@ -111,7 +111,7 @@ def test_a_point_that_ends_its_process_is_a_row_and_costs_no_other(sensor, image
     done = imagechain("study", sensor, *WORDS, "--output=b.csv", "--jobs=2")
     assert done.returncode == 2
     assert done.stderr == (
-        "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
+        "imagechain: 1 of 40 points failed (see the column error in b.csv); the first is point 12: "
         "the process computing this point stopped 3 times\n"
     )
     expected, rows = rows_of("a.csv"), rows_of("b.csv")

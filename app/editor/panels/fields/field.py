@@ -238,11 +238,11 @@ class Field(QWidget):
         offer(menu, "reset", f"Reset to default{default}", self._reset).setEnabled(self.stored)
         menu.addSeparator()
         clipboard, copied = QGuiApplication.clipboard(), self.copied_text
-        about = "Copy the value with its unit; if it is linked, its expression"
+        about = "Copy the value with its unit, or the expression of a linked value"
         copying = partial(clipboard.setText, copied)
         action = offer(menu, "copy_value", "Copy value", copying, about=about)
         action.setEnabled(bool(copied))
-        about = "Paste a value, in any unit that fits"
+        about = "Paste a value in any compatible unit"
         pasting = partial(self._paste, clipboard.text())
         action = offer(menu, "paste_value", "Paste value", pasting, about=about)
         action.setEnabled(bool(clipboard.text().strip()))
@@ -506,7 +506,7 @@ class TextField(TypedField):
 class NumbersField(TypedField):
     def build(self) -> None:
         edit = self.build_edit()
-        edit.setPlaceholderText("none: type numbers, as in 0, 0.1")
+        edit.setPlaceholderText("none: type numbers, such as 0, 0.1")
         filled(self.row, self.label, (edit, 1), self.unit)
 
     def show_value(self, value: Any) -> None:

@@ -29,11 +29,11 @@ from core.names import thaw
 from core.network.linked_values import expression
 
 WHEEL_REST_MS = 400
-_HOW_TO_DRAG = "Drag the name sideways to change the value: Shift finer, Ctrl coarser"
-_UNLINK = "Type a value to unlink it, or right-click"
+_HOW_TO_DRAG = "Drag the name sideways to change the value (Shift: finer, Ctrl: coarser)"
+_UNLINK = "To unlink it, type a value or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
-    "expression of other parameters"
+    "expression with other parameters"
 )
 
 

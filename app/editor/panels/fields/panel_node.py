@@ -99,7 +99,7 @@ def paste_values(session: Session, names: Sequence[str]) -> None:
         session.message.emit("error", f"no values were pasted: {error}")
         return
     session.do(operation)
-    text = f"pasted values on {named(names)}"
+    text = f"pasted values into {named(names)}"
     if left_out:
         more = len(left_out) - _MOST_REASONS
         reasons = "; ".join(left_out[:_MOST_REASONS])

@@ -53,7 +53,7 @@ Way = Literal["flip", "wipe"]
 PAUSE_MS = 30
 """While the cursor moves, the spectrum under it is taken at most so often."""
 _SPECTRA = 20  # lines of text that picture and spectra need together
-HINT = "Choose a wire above, or show a selected node by its number"
+HINT = "Choose a wire above, or select a node and press this viewer's number"
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ class ImageViewer(Viewer):
             raise UsageError("the viewer shows no picture")
         picture, side = self.picture, self.kept_side
         if not any(file_format.matches(path) for file_format in SAVED):
-            raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")
+            raise UsageError(f"{path}: pictures can be saved as {' '.join(suffixes(*SAVED))}")
         if picture.reduced > 1:
             raise UsageError("the picture is still a preview: wait until it is shown at full size")
         if PNG.matches(path):
@@ -426,7 +426,7 @@ class ImageViewer(Viewer):
             self._point_at(None)
             self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:
-            self.status.show_text("choose the other wire under Compare")
+            self.status.show_text("choose the other wire in the Compare menu")
         self.ask()
 
     def _placed(self, picture: Picture) -> Picture:
@@ -443,7 +443,7 @@ class ImageViewer(Viewer):
         menu = labelled(Menu(self), "picture_menu")
         menu.aboutToHide.connect(menu.deleteLater)
         menu.addAction("&Fit\tF").triggered.connect(self.fit)
-        menu.addAction("&One Sample, One Dot\t1").triggered.connect(self.one_to_one)
+        menu.addAction("&One Sample per Screen Pixel\t1").triggered.connect(self.one_to_one)
         menu.addAction("&Copy Picture").triggered.connect(self.copy)
         if self.picture is not None and not self.picture.channels:
             numbers = menu.addAction("Copy Histo&gram as Numbers")
@@ -485,7 +485,8 @@ def save_samples(picture: Picture, path: Path) -> None:
     """Write the samples, planes in the order of the FFT as the command line writes them."""
     if picture.channels:
         raise UsageError(
-            f"{path}: three bands shown as colours can only be saved as .png; or show one band"
+            f"{path}: three bands shown as colours can only be saved as .png: choose .png, or show "
+            "one band"
         )
     samples: Any = picture.samples
     if picture.facts.kind == "plane":

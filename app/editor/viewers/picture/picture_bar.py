@@ -52,7 +52,9 @@ class PictureBar(QWidget):
         for menu, title in zip(self.menus, ("&Display", "&Compare"), strict=True):
             menu.setTitle(title)
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole picture (F or 0)", self)
-        self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample as one dot (1)", self)
+        self.dots = tool_button(
+            f"{owner}.dots", "1:1", "Show each sample as one screen pixel (1)", self
+        )
         about = "Show the region of the selected module (R); drag it or its corners"
         self.region = tool_button(f"{owner}.region", "⬚", about, self)
         parts = ((self.ports, 1), shown, compared, self.region, self.fit, self.dots)
@@ -63,7 +65,7 @@ class PictureBar(QWidget):
 
 MAPPINGS = {"linear": "&Linear", "log": "Lo&garithm", "spectrum": "Centred &Spectrum"}
 LEVELS = {
-    "extremes": "&Least to Greatest",
+    "extremes": "&Minimum to Maximum",
     "percentiles": "&0.5 % to 99.5 %",
     "manual": "&As Set in the Histogram",
 }

@@ -134,7 +134,7 @@ class LineMeans(PlotBelow):
             dash = Qt.PenStyle.DashLine if number > 1 else Qt.PenStyle.SolidLine
             curve.setPen(thick(theme.curves[number % 2], 1, dash))
         rows, columns = map(coloured, ("rows", "columns"), theme.curves)
-        self.setLabel("bottom", f"means of {rows} and {columns}, by number")
+        self.setLabel("bottom", f"means of {rows} and {columns}, by index")
 
     def show_picture(self, picture: Picture | None) -> None:
         if not self.shown:
@@ -160,7 +160,7 @@ def coloured(text: str, colour: str) -> str:
 _FEW = 24  # bands up to which every one has a dot
 _LONGEST = 110  # letters of a problem below the curves
 MEAN = "mean of the picture"
-NO_SAMPLE = "a single sample's NER is shown on wires before filtering"
+NO_SAMPLE = "the NER of a single sample is available only on wires before filtering"
 
 
 class Spectra(PlotBelow):

@@ -150,7 +150,7 @@ class RegionTool(QObject):
             self._describe("")
             return
         (x, y, width, height), fits = region
-        title = self._node if fits else f"{self._node}  beyond the picture"
+        title = self._node if fits else f"{self._node}  outside the picture"
         self.frame.show_region(region[0], size, self._picture.facts.extent, title)
         self._describe(f"region of {self._node}: {width} × {height} at column {x}, row {y}")
 

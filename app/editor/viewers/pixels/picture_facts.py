@@ -84,7 +84,9 @@ def check_is_picture(value: Any, port: str) -> None:
     kind = getattr(value, "port_type", None)
     if kind not in PICTURE_TYPES:
         shown = ", ".join(PICTURE_TYPES[:-1])
-        raise NetworkError(f"{port} is a {kind}: only {shown} and {PICTURE_TYPES[-1]} are pictures")
+        raise NetworkError(
+            f"{port} is a {kind}: only {shown} and {PICTURE_TYPES[-1]} can be shown as pictures"
+        )
 
 
 def laid_over(preview: Facts, full: Facts) -> Facts:

@@ -292,18 +292,18 @@ def _less(first: _Source, second: _Source) -> _Source:
     a, b = first.facts, second.facts
     if (a.rows, a.columns, a.kind) != (b.rows, b.columns, b.kind):
         raise DataError(
-            f"no difference: {first.port} is a {a.kind} of {a.columns} × {a.rows} samples, "
-            f"{second.port} a {b.kind} of {b.columns} × {b.rows}"
+            f"cannot compute the difference: {first.port} is a {a.kind} of {a.columns} × {a.rows} "
+            f"samples, {second.port} a {b.kind} of {b.columns} × {b.rows}"
         )
     if len(first.recipes) != len(second.recipes):
         of, without = sorted((first, second), key=lambda source: -len(source.recipes))
         raise DataError(
-            f"no difference: {of.port} is shown in colour from three bands, but {without.port} "
-            "has no bands"
+            f"cannot compute the difference: {of.port} is shown in colour from three bands, but "
+            f"{without.port} has no bands"
         )
     if a.unit != b.unit:
         raise DataError(
-            f"no difference: {first.port} is in {a.unit or 'no unit'}, "
+            f"cannot compute the difference: {first.port} is in {a.unit or 'no unit'}, "
             f"{second.port} in {b.unit or 'no unit'}"
         )
     both = zip(first.recipes, second.recipes, strict=True)

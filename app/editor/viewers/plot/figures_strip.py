@@ -33,7 +33,7 @@ class FiguresStrip(Viewer):
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "figures_strip", parent)
-        self.setAccessibleName("Figures of the sensor")
+        self.setAccessibleName("Sensor figures")
         self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
         self._names: tuple[str, ...] = ()
         self._layout = FlowLayout(self, across=10, down=2)  # no figure is ever cut short
@@ -134,7 +134,7 @@ class FiguresStrip(Viewer):
         if answer is None:
             label.show_text(NONE, why)
         elif answer.output is not None:
-            label.show_text(answer.output, "The picture that the network outputs")
+            label.show_text(answer.output, "The network's output picture")
         else:
             label.show_text(
                 f"{len(answer.choices)} pictures" if answer.choices else NONE, answer.missing
@@ -151,7 +151,7 @@ class FiguresStrip(Viewer):
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
             kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "everything shown"
-            about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
+            about = f"Time to compute {kind} after the last change: {done.seconds:.4f} s"
             self.label(RUN_TIME).show_text(figure_text(done.seconds, "s"), about)
 
 

@@ -41,7 +41,7 @@ def save_plot(widget: QWidget, numbers: str, path: Path) -> None:
     elif SVG.matches(path):
         write_bytes(path, _svg(widget))
     else:
-        raise UsageError(f"{path}: a plot is written as {' '.join(suffixes(*PICTURES, *NUMBERS))}")
+        raise UsageError(f"{path}: plots can be saved as {' '.join(suffixes(*PICTURES, *NUMBERS))}")
 
 
 def csv_text(data: Data) -> str:

@@ -255,7 +255,7 @@ class PlotViewer(Viewer):
             for along, name in enumerate(("Abscissa", "Ordinate")):
                 edit, action = line_in_menu(menu, name, f"plot.limits.{name.lower()}")
                 edit.setText(" to ".join(map(shown_figure, self.canvas.limits(bool(along)))))
-                edit.setAccessibleName(f"{name}: from and to")
+                edit.setAccessibleName(f"{name}: lower and upper limit")
                 edit.returnPressed.connect(partial(self._limit, menu, edit, bool(along)))
                 menu.addAction(action)
             offer(menu, "plot.all", "Show all (F)", self.canvas.frame)
@@ -473,7 +473,7 @@ class OutputButtons(QWidget):
     chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
-        super().__init__(parent, accessibleName="Outputs of the node that is plotted")
+        super().__init__(parent, accessibleName="Outputs of the plotted node")
         self._session = session
         self._owner = owner
         self.buttons: dict[str, Toggle] = {}

@@ -250,7 +250,7 @@ def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
     if not kept.panels or not drawing.panels:
         return drawing
     if drawing.bars or _axes(kept) != _axes(drawing):
-        note = f"A {name} is not drawn: its axes or bars are others"
+        note = f"A {name} is not drawn because its axes or bars differ"
         return replace(drawing, note="\n".join(filter(None, (drawing.note, note))))
     names = {entry.title: entry.name for entry in kept.entries}
     panels, differing = [], set()
@@ -377,7 +377,7 @@ class PortDataQuery(Query):
         value: Any = plan.output(self.port)
         if not isinstance(value, Curve | Table):
             kind = getattr(value, "port_type", type(value).__name__)
-            raise NetworkError(f"{self.port} is a {kind}: only curve and table are plotted")
+            raise NetworkError(f"{self.port} is a {kind}: only curves and tables can be plotted")
         return value
 
 
