@@ -55,7 +55,7 @@ def badges(
             by_node[node] = Badge("error", error_text(error, on_node=True))
             for name in _after(plan.network, node):
                 if not _fails(by_node.get(name)):
-                    by_node[name] = Badge("incomplete", f"waits for {node}")
+                    by_node[name] = Badge("incomplete", f"waiting for {node}")
     return by_node
 
 

@@ -73,7 +73,7 @@ def test_a_wire_is_drawn_either_way_or_to_the_port_that_fits(pair, hand, start, 
         (
             ("one", "magnitude", "output"),
             ("init", "magnitude", "output"),
-            "a wire leads from an output to an input; magnitude is an output",
+            "a wire connects an output to an input; magnitude is another output",
         ),
         (("scene", "image", "output"), "two", "two has no input for image"),
     ],

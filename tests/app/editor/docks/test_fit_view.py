@@ -96,7 +96,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert session.document.network == before
     assert "χ²" in view.status.title.text()
     session.do(set_parameter("blur", "sigma_y_mrad", 0.2))
-    assert "before a change" in view.status.title.text()
+    assert "Changed since this fit" in view.status.title.text()
     right_click(window, "sigma_x_mrad", "fix")
     assert field.label.text() == field.title
     assert view.table.rowCount() == 0
@@ -111,7 +111,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     view.table.item(1, HIGH).setText("30 urad")
     assert session.free.all[1] == FreeNumber("blur", "sigma_x_mrad", 0.01, 0.03)
     view.table.item(1, HIGH).setText("0.005")
-    assert "must lie below" in view.status.title.text()
+    assert "must be below" in view.status.title.text()
     assert view.table.item(1, HIGH).text() == "0.03"
     view.table.item(1, HIGH).setText("")
     assert session.free.all[1].high is None

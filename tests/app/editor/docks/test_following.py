@@ -55,7 +55,9 @@ def test_values_that_fail_are_gaps_and_told(opened_window, dock, idle, graph):
     idle(opened_window)
     assert np.isnan(graph(MTF).y).tolist() == [True, True, False, False, False]
     told = dock.status.title.text()
-    assert told.startswith("2 of 5 values have gaps: blur: sigma_x_mrad = -1.0 mrad is not allowed")
+    assert told.startswith(
+        "figures are missing at 2 of 5 values: blur: sigma_x_mrad = -1.0 mrad is not allowed"
+    )
     assert opened_window.evaluator.badges == {}  # no node of the network itself has failed
 
 

@@ -216,6 +216,6 @@ def test_no_two_wants_hinder_each_other(evaluator, answers, small, settled):
     settled()
     by_query = {answer.query: answer for answer in answers}
     assert "not enough memory" in str(by_query[queries[0]].error)
-    assert str(by_query[queries[1]].error) == "our own failure: KeyError: 'nothing'"
+    assert str(by_query[queries[1]].error) == "internal error: KeyError: 'nothing'"
     assert by_query[queries[2]].value == -np.inf
     assert by_query[FINAL].error is None

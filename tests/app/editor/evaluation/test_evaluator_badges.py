@@ -86,7 +86,7 @@ def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_networ
     badges = evaluator.badges
     assert badges["jitter"].kind == "error"
     assert "σ = -1.0 mrad is not allowed" in badges["jitter"].text
-    assert badges["back"] == Badge("incomplete", "waits for jitter")
+    assert badges["back"] == Badge("incomplete", "waiting for jitter")
     assert set(badges) == {"jitter", "back"}
     session.undo()
     session.undo()
@@ -106,7 +106,7 @@ def test_an_error_met_while_computing_stands_on_its_node(evaluator, open_network
     session = open_network(reading, Samples("bits.image"), Samples("other.image"))
     badges = evaluator.badges
     assert badges["file"].kind == "error"
-    assert badges["bits"] == Badge("incomplete", "waits for file")
+    assert badges["bits"] == Badge("incomplete", "waiting for file")
     assert set(badges) == {"file", "bits"}
     session.do(set_parameter("other", "delta_K", 3.0))  # the error stands, unasked again
     settle(qtbot, evaluator)
@@ -127,7 +127,7 @@ def test_inputs_that_are_not_connected_are_named(evaluator, open_network):
     text = "not connected: context needs a context, magnitude needs a magnitude"
     assert evaluator.badges == {
         "jitter": Badge("incomplete", text),
-        "back": Badge("incomplete", "waits for jitter"),
+        "back": Badge("incomplete", "waiting for jitter"),
     }
 
 

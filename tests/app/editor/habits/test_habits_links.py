@@ -43,7 +43,7 @@ def test_what_a_deleted_node_was_followed_for_stays(window, session):
     WindowHands(window).key(KEY.Key_Delete)
     assert "init" not in session.network.nodes
     assert stored(session) == 0.4
-    assert ("note", "no longer linked, with the value it had: blur.sigma_x_mrad = 0.4") in said
+    assert ("note", "no longer linked, but values kept: blur.sigma_x_mrad = 0.4") in said
     assert session.document.history.position == 1
     session.undo()
     assert session.document.text() == before

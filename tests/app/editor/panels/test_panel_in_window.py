@@ -23,7 +23,7 @@ def test_the_control_panel_in_a_small_window(seen):
         assert all(places == before for places in during)
     # A line that comes while a slider is dragged has its place.
     assert seen["jitter"]["badges"][0] == ""
-    assert "changes nothing" in seen["jitter"]["badges"][-1]
+    assert "no effect" in seen["jitter"]["badges"][-1]
     # An illustration is folded by a click and stays so.
     shown, many = seen["before"]
     assert shown

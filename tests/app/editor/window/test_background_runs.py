@@ -247,7 +247,7 @@ def test_the_end_of_a_run_is_said_where_the_list_is_hidden(desk, qtbot, tmp_path
     desk.runs.dock.hide()
     os.kill(computing(qtbot, entry), signal.SIGKILL)
     over(qtbot, entry)
-    assert entry.text == "the system ended its process (signal 9): memory may have run out"
+    assert entry.text == "the system ended the process (signal 9): memory may have run out"
     assert desk.status.error == f"mine: {LONG} frames: failed: {entry.text}"
 
 

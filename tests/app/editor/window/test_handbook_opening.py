@@ -56,7 +56,7 @@ def test_help_leads_to_the_page_of_the_module(window, browser, written, lines, q
     page = str(written / "modules" / "jitter_mtf.html")
     window.actions_by_name["module_help"].trigger()
     qtbot.waitUntil(lambda: browser.pages == [page])
-    assert ("note", f"the handbook is in the browser: {page}") in lines
+    assert ("note", f"the handbook was opened in the browser: {page}") in lines
     head = window.panels.panels["jitter_mtf"].head
     QTest.mouseClick(head.help, Qt.MouseButton.LeftButton)
     assert head.more.isVisible()
@@ -71,5 +71,5 @@ def test_a_handbook_that_cannot_be_opened_is_a_line(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     window.actions_by_name["handbook"].trigger()
     qtbot.waitUntil(lambda: [kind for kind, _ in lines][-1:] == ["error"])
-    assert lines[-1][1].startswith("the handbook is not opened: cannot make the folder")
+    assert lines[-1][1].startswith("the handbook could not be opened: cannot make the folder")
     assert browser.pages == []

@@ -244,7 +244,7 @@ def test_a_right_click_opens_the_menu_of_the_picture(opened, qtbot, idle):
     menu = opened_menu(qtbot)
     texts = [action.text().replace("&", "").partition("\t")[0] for action in menu.actions()]
     assert [text for text in texts if text] == [
-        *("Fit", "One Sample, One Dot", "Copy Picture", "Copy Histogram as Numbers"),
+        *("Fit", "One Sample per Screen Pixel", "Copy Picture", "Copy Histogram as Numbers"),
         *("Display", "Compare", "Full Screen", "Export…"),
     ]
     copied = next(action for action in menu.actions() if "Copy" in action.text())

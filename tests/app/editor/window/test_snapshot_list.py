@@ -58,7 +58,7 @@ def test_going_back_is_a_step_that_undo_takes_back(person):
     session.redo()
     person.idle()
     person.window.actions_by_name["go_back"].trigger()
-    assert "already as in Snapshot 1" in person.status
+    assert "already matches Snapshot 1" in person.status
 
 
 def test_curves_of_a_stand_dashed_beside_those_of_b(person):

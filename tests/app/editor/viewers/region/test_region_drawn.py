@@ -82,5 +82,6 @@ def test_a_linked_region_is_left_alone_and_the_reason_given(bench, viewer, hand)
     assert bench.session.network is before
     assert (
         "error",
-        "measured.region_width follows measured.region_height / 3: unlink it in its panel first",
+        "measured.region_width is linked to measured.region_height / 3: "
+        "unlink it in its panel first",
     ) in said
