@@ -133,7 +133,8 @@ def fit(
 
     Ideal edges replace the network's source where the pictures have edges. The fit compares the
     edge spread that the chain predicts with the pictures' samples. You get every free parameter
-    with its standard error. One sample of a picture is one sample of the network's final picture.
+    with its standard error. Each sample of the camera's picture must correspond to one sample of
+    the network's final picture.
 
     First enter the camera's pitch and focal length in the network. If parameters have the same
     effect on the edges, only their combination is given. Ranges shorten the search. For details:
@@ -221,8 +222,8 @@ def photon_transfer(
     Take at least five levels of a uniform field, from near dark to beyond saturation, with at least
     ten frames each. Lamp flicker does no harm; pixels must not be clipped at 0. The line is fitted
     to levels up to 0.7 of saturation. If the field is not uniform, a warning says so: PRNU and DSNU
-    then include its structure, while gain and read noise remain correct. Simulate each level with
-    another --seed.
+    then include the field's structure, while gain and read noise remain correct. Simulate each
+    level with another --seed.
 
     Example: imagechain photon-transfer flat1.tif flat2.tif flat3.tif --dark dark.tif --output
     camera.json

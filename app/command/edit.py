@@ -33,7 +33,7 @@ _X_SOCKETS = Path("/tmp/.X11-unix")
 @options.option(
     "--part", f"[{'|'.join(_PARTS)}]",
     "what to save: window (default), canvas, panel, curves, or the first viewer's picture, "
-    "scaled to fit --size",
+    "scaled down if larger than --size",
     options.one_of(*_PARTS), default="window")  # fmt: skip
 @options.option(
     "--size", "WxH",

@@ -163,7 +163,7 @@ class NetworkRun:
             budget = evaluation.work.policy.budget
             lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
         lines += [
-            f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"
+            f"{skip.node}: {skip.text} (error at most {skip.bound:.2g} of each band's contrast)"
             for skip in self.skipped
             if skip.kind == "wavelengths"
         ]

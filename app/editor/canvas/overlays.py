@@ -242,7 +242,7 @@ class Crumbs(QWidget):
 
     def __init__(self, level: Level, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        labelled(self, "crumbs", "path to the macro shown")
+        labelled(self, "crumbs", "path to the open macro")
         self._level = level
         self._row = filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
         about = "Leave this macro and show the network around it (Alt+PgUp)"

@@ -194,7 +194,7 @@ class FitView(WorkerView):
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
         self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
-        about = "Fix the selected parameter again (Del)"
+        about = "Hold the selected parameter fixed again (Del)"
         self.remove = tool_button("fit.remove", "Remove", about, self)
         about = "Choose which edge of the picture to plot"
         self.which = labelled(QComboBox(self), "fit.edges", "Edge to plot", about)

@@ -136,7 +136,7 @@ def test_what_changes_too_little_is_skipped_with_its_bound(evaluator, open_netwo
     badge = evaluator.badges["jitter"]
     assert badge.kind == "skipped"
     assert "below the error budget" in badge.text
-    bound = float(badge.text.split("(")[1].split()[0])
+    bound = float(badge.text.split("(")[1].removeprefix("at most ").split()[0])
     assert 0 < bound < np.finfo(np.float32).eps / 8
     # Looked at in the pass before this, it is known still when nobody asks for the picture anew.
     evaluator.ask("panel", [Readouts("init")])
