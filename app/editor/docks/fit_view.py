@@ -238,7 +238,7 @@ class FitView(WorkerView):
             return
         old = self._given not in self._fits
         if self.outcome is not None:
-            self._say("Changed since this fit: fit again" if old else self._result)
+            self._say("The fit is out of date: fit again" if old else self._result)
         elif old:
             self._say(f"{count} free" if count else _NOTHING_FREE)
 

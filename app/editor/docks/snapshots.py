@@ -253,7 +253,7 @@ class Snapshots(QObject):
 
     def _forget(self) -> None:
         if self.states:
-            text = "the snapshots were removed with the previous network"
+            text = "the snapshots of the previous network were removed"
             QTimer.singleShot(0, self, lambda: self._say(text))
         self.states, self.way, self._numbers = [], None, 0
         self.choose(None)

@@ -115,7 +115,7 @@ class SnapshotsView(Viewer):
             self.title.show_text(NOTHING_KEPT)
         elif then is None or now is None:
             self.title.show_text(
-                f"the figures of A {state.name} and of the current state are being computed"
+                f"computing the figures of A {state.name} and of the current state"
             )
         else:
             lines, count = changed_figures(then, now)

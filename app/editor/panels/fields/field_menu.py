@@ -22,7 +22,7 @@ from core.network.network import EXPRESSION
 
 _ABOUT_FREE = (
     "A fit to a picture (the Fit dock) determines the free parameters. They stay free while "
-    "the network is open, but this is not saved with it"
+    "the network is open; the network file does not record this"
 )
 _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
 
@@ -124,7 +124,7 @@ def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetActi
     edit, action = line_in_menu(menu, "Name", "exposed_name")
     edit.setText(name)
     edit.setAccessibleName(f"name of the parameter {name} on this panel")
-    edit.setToolTip("What this panel calls the parameter; press Enter to apply")
+    edit.setToolTip("Name of the parameter on this panel; press Enter to apply")
 
     def take() -> None:
         new = edit.text().strip()

@@ -96,7 +96,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert session.document.network == before
     assert "χ²" in view.status.title.text()
     session.do(set_parameter("blur", "sigma_y_mrad", 0.2))
-    assert "Changed since this fit" in view.status.title.text()
+    assert "out of date" in view.status.title.text()
     right_click(window, "sigma_x_mrad", "fix")
     assert field.label.text() == field.title
     assert view.table.rowCount() == 0

@@ -121,7 +121,7 @@ def test_snapshots_go_with_their_network_and_that_is_said(person):
     person.idle()
     assert person.snapshots.states == []
     assert person.snapshots.way is None
-    assert "the snapshots were removed with the previous network" in person.status
+    assert "the snapshots of the previous network were removed" in person.status
     assert person.viewer.kept_side is None
     person.keep()
     assert person.snapshots.states[0].name == "Snapshot 1"
