@@ -102,7 +102,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _selected("mark_output", "Mark as &Output",
               "Make the selected node's picture the output of the network, or unmark it", "O"),
     _edit("add_module", "Add &Module…", "Search for a module and add it", "Tab", scope="canvas"),
-    _selected("connect", "Conn&ect…", "Connect the selected node by choosing listed ports", "C"),
+    _selected("connect", "Conn&ect…", "Choose ports to connect the selected node", "C"),
     _edit("backdrop", "Add &Backdrop",
           "Put a titled backdrop behind the selected nodes, or at the mouse", "B", scope="canvas"),
     _edit("note", "Add No&te", "Put a note at the mouse", "N", scope="canvas"),
