@@ -22,7 +22,7 @@ from core.network.network import EXPRESSION
 
 _ABOUT_FREE = (
     "A fit to a picture (the Fit dock) determines the free parameters. They stay free while "
-    "the network is open; the network file does not record this"
+    "the network is open; this choice is not saved"
 )
 _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
 
