@@ -43,7 +43,7 @@ def test_one_beyond_the_picture_can_be_brought_back(bench, viewer, hand):
     bench.do(set_parameter("measured", "region_x", 240))
     title = viewer.region.frame.title
     assert framed(viewer) == (240, 32, 16, 192)
-    assert "beyond" in title.toPlainText()
+    assert "outside" in title.toPlainText()
     hand.drag((250, 128), (200, 128))
     assert stored(bench) == (190, 32, 16, 192)
     assert "beyond" not in title.toPlainText()
