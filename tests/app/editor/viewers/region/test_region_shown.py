@@ -46,4 +46,4 @@ def test_one_beyond_the_picture_can_be_brought_back(bench, viewer, hand):
     assert "outside" in title.toPlainText()
     hand.drag((250, 128), (200, 128))
     assert stored(bench) == (190, 32, 16, 192)
-    assert "beyond" not in title.toPlainText()
+    assert "outside" not in title.toPlainText()
