@@ -289,7 +289,7 @@ class Pages(QStackedWidget):
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         """Hold back a second click: it was meant for what was there before."""
         second = event.type() == QEvent.Type.MouseButtonDblClick
-        if second:
+        if second or event.type() == QEvent.Type.MouseButtonPress:  # a press begins another one
             self._let_clicks_through()
         return second
 
