@@ -301,7 +301,7 @@ def network_options(function: Function) -> Function:
             "field of view of the scene (default: from its header, else as wide as the old scene)",
             finite_number, nargs=2),
         scene("--scene-range-m", "M", "distance to the scene", finite_number),
-        scene("--scene-sample-m", "M", "size of a sample in the scene, instead of its field of "
+        scene("--scene-sample-m", "M", "size of a scene sample, instead of the scene's field of "
             "view", finite_number),
         scene("--scene-band-um", "A B",
             "wavelength band of the scene (default: from its header, else as for the old scene)",

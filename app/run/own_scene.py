@@ -71,7 +71,7 @@ class OwnScene:
                 raise UsageError(f"{self._named('fov_deg')} {value:g}: give {allowed}")
         for name, length in (("range_m", self.range_m), ("sample_m", self.sample_m)):
             if length is not None and not 0.0 < length < math.inf:
-                raise UsageError(f"{self._named(name)} {length:g}: give metres above 0")
+                raise UsageError(f"{self._named(name)} {length:g}: give a length above 0 m")
         if self.band_um is not None and not 0.0 < self.band_um[0] < self.band_um[1] < 1e6:
             low, high = self.band_um
             what = "give the shortest and the longest wavelength in µm"

@@ -107,7 +107,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Param("aerosol level; custom: optical depth τ or the coefficients below"),
     ] = "none"
     scatter_depth: Annotated[
-        float | None, Param("optical depth τ for custom; empty: from the coefficients", low=0)
+        float | None,
+        Param("optical depth τ if turbidity is custom; empty: from the coefficients", low=0),
     ] = None
     turbidity_cutoff_cyc_per_mrad: Annotated[
         float,
@@ -133,7 +134,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             low=0,
         ),
     ] = 0.0
-    scattering_per_km: Annotated[float, Param("scattering coefficient, for custom", low=0)] = 0.0
+    scattering_per_km: Annotated[
+        float, Param("scattering coefficient if turbidity is custom", low=0)
+    ] = 0.0
 
     scale_height_km: Annotated[
         float,

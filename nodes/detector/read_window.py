@@ -59,8 +59,8 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
     ] = None
     overhead_us: Annotated[
         float,
-        Param("time that each frame takes in addition to its rows", unit="µs", low=0, high=1e9,
-              slider=(0, 1000)),
+        Param("time that each frame takes in addition to reading its rows", unit="µs", low=0,
+              high=1e9, slider=(0, 1000)),
     ] = 0.0  # fmt: skip
 
     panel = (

@@ -86,7 +86,7 @@ class DiffractionMTF(
         ),
         Formula(
             r"H_W=1-\left(\frac{W}{0.18}\right)^2\left[1-4\left(\nu-\frac{1}{2}\right)^2\right]",
-            where="W: rms_wavefront_waves; multiplies the MTF",
+            where="W: rms_wavefront_waves; H_W multiplies the MTF",
             when="small errors of any shape",
         ),
     )

@@ -114,9 +114,7 @@ class SnapshotsView(Viewer):
         if state is None:
             self.title.show_text(NOTHING_KEPT)
         elif then is None or now is None:
-            self.title.show_text(
-                f"computing the figures of A {state.name} and of the current state"
-            )
+            self.title.show_text(f"computing figures: A {state.name}, B now")
         else:
             lines, count = changed_figures(then, now)
             self.figures.addItems(lines)

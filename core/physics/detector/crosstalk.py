@@ -26,7 +26,9 @@ def crosstalk_kernel(text: str) -> Kernel:
     try:
         numbers = [[float(word) for word in row] for row in rows]
     except ValueError as error:
-        raise ParameterError("kernel", text, f"numbers, rows separated by ; ({error})") from None
+        raise ParameterError(
+            "kernel", text, f"give 3 × 3 or 5 × 5 numbers, rows separated by semicolons ({error})"
+        ) from None
     if size not in SIZES or any(len(row) != size for row in numbers):
         counts = ", ".join(str(len(row)) for row in numbers)
         found = f"{size} row{'s' if size > 1 else ''} of {counts}"
