@@ -766,8 +766,8 @@ def atmosphere_mtf(
         aerosol level; custom: optical depth τ or the coefficients below: one of none, low,
         moderate, high, custom; default 'none'
     scatter_depth : float | Expression | None
-        optical depth τ for custom; empty: from the coefficients: a number of at least 0 or empty;
-        default empty
+        optical depth τ if turbidity is custom; empty: from the coefficients: a number of at least 0
+        or empty; default empty
     turbidity_cutoff_cyc_per_mrad : float | Expression
         cutoff frequency: particle radius over wavelength [cyc/mrad]: a number above 0; default
         0.001
@@ -781,7 +781,7 @@ def atmosphere_mtf(
         has no effect here: absorption dims the scene and does not blur it; use Atmospheric Path
         [1/km]: a number of at least 0; default 0.0
     scattering_per_km : float | Expression
-        scattering coefficient, for custom [1/km]: a number of at least 0; default 0.0
+        scattering coefficient if turbidity is custom [1/km]: a number of at least 0; default 0.0
     scale_height_km : float | Expression
         scale height of the aerosol, for looking down or up [km]: a number above 0; default 1.0
 
@@ -2575,8 +2575,8 @@ def read_window(
     row_time_us : float | Expression | None
         time to read one row [µs]: a number from 1e-06 to 1e+09 or empty; default empty
     overhead_us : float | Expression
-        time that each frame takes in addition to its rows [µs]: a number from 0 to 1e+09; default
-        0.0
+        time that each frame takes in addition to reading its rows [µs]: a number from 0 to 1e+09;
+        default 0.0
 
     Notes
     -----

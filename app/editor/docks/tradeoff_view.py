@@ -203,6 +203,8 @@ class TradeOffView(Viewer):
         self._show_range()
         self._show_mark()
         self._draw()
+        if self.evaluator is not None:
+            self.evaluator.forget(self.owner)  # the same question may be asked again
         self.ask()
 
     def _show_range(self) -> None:

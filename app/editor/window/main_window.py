@@ -131,7 +131,7 @@ class MainWindow(QMainWindow):
             )
 
     def toggle_welcome(self) -> None:
-        if self.pages.at_first and self.session.network.nodes:
+        if self.pages.at_first and self.pages.has_worked:
             self.show_canvas()
         else:
             self.show_welcome()

@@ -277,7 +277,10 @@ class Pages(QStackedWidget):
     def show_first(self) -> None:
         self.setCurrentIndex(0)
 
+    has_worked = False  # whether a network has been shown, to which one can return
+
     def show_work(self) -> None:
+        self.has_worked = True
         if self.at_first:
             QApplication.instance().installEventFilter(self)
             QTimer.singleShot(QApplication.doubleClickInterval(), self, self._let_clicks_through)

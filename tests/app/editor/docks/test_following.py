@@ -61,6 +61,14 @@ def test_values_that_fail_are_gaps_and_told(opened_window, dock, idle, graph):
     assert opened_window.evaluator.badges == {}  # no node of the network itself has failed
 
 
+def test_the_range_that_is_shown_can_be_typed_again(opened_window, dock, idle):
+    span, points = dock.span, dict(dock.points)
+    assert points
+    dock.set_span(span)
+    idle(opened_window)
+    assert dock.points.keys() == points.keys()
+
+
 def test_while_edits_come_nothing_is_computed_then_the_coarse_points_first(
     opened_window, dock, idle, qtbot, monkeypatch
 ):

@@ -59,6 +59,10 @@ def test_one_key_shows_them_and_leads_back(make_window, qtbot):
     assert window.welcome.back.text() == "Back to First steps"
     window.welcome.back.click()
     assert not window.pages.at_first
+    window.files.new()
+    for shown in (True, False):  # an empty network is one to return to as well
+        action.trigger()
+        assert window.pages.at_first == shown
 
 
 def test_it_is_opened_by_mouse_and_by_keys(make_window, qtbot, tmp_path):
