@@ -157,7 +157,7 @@ BESIDE_ACTIONS = (
     ("Mouse", "Cut wires", "Alt+Shift+drag", "Disconnect the wires that the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes a Read Image node, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Show the region of the selected module"),
-    ("Mouse", "Move a region", "drag it, or a corner", "Right-click while dragging to cancel"),
+    ("Mouse", "Move a region", "drag it, or a corner", "Esc cancels the drag"),
     (
         *("Mouse", "Move a wipe", "drag, or Ctrl+arrow"),
         "Between A and B, or two wires; Shift: larger steps",

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pyqtgraph as pg
-from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QTransform
+from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QTransform
 from PySide6.QtWidgets import QGraphicsRectItem, QToolButton
 
 from app.editor.evaluation.evaluator import Evaluator
@@ -17,10 +17,11 @@ from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
 from core.chain.wires import Image
-from core.editing.operations import Together, set_parameter
+from core.editing.operations import ABSENT, Together, set_parameter
 from core.errors import ImagechainError, ParameterError
 from core.modules.declaration import Declaration
 from core.names import thaw
+from core.network.macro import unfolded
 
 PARAMETERS = ("region_x", "region_y", "region_width", "region_height")
 Region = tuple[int, int, int, int]  # first column and row, width, height
@@ -119,6 +120,7 @@ class RegionTool(QObject):
         self.frame.sigRegionChangeStarted.connect(self._begin)
         self.frame.sigRegionChanged.connect(self._change)
         self.frame.sigRegionChangeFinished.connect(self._end)
+        canvas.installEventFilter(self)
         canvas.recoloured.connect(self._recolour)
         canvas.region_wanted.connect(self.look_for)
         button.clicked.connect(self.look_for)
@@ -221,6 +223,25 @@ class RegionTool(QObject):
             together = Together(operations, f"Set {self._node}'s region")
             self._session.do(together, gesture=self._gesture)
         self.follow()
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Esc gives up a drag: the region is as before, and the mouse moves it no more."""
+        override = event.type() == QEvent.Type.ShortcutOverride
+        if not (override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape):
+            return False
+        before = self._session.document.history.start
+        if self._gesture is None or before is None:
+            return False
+        for part in (self.frame, *self.frame.getHandles()):
+            part.isMoving = False
+        params = unfolded(before).nodes[self._node].params
+        values = {name: thaw(params.get(name, ABSENT)) for name in PARAMETERS}
+        steps = [set_parameter(self._node, name, value) for name, value in values.items()]
+        self._session.do(Together(steps, ""), gesture=self._gesture)
+        self._end()
+        self.follow()
+        event.accept()
+        return True
 
     def _end(self) -> None:
         if self._gesture is not None:

@@ -41,6 +41,21 @@ def test_handles_resize_it(bench, viewer, hand, grip, to, wanted):
     assert undo_steps(bench) == 1
 
 
+@pytest.mark.parametrize("start", [(128, 128), (160, 128)])
+def test_esc_gives_up_a_drag(bench, viewer, hand, start):
+    """Of the region and of a handle; what the mouse still does moves nothing."""
+    hand.press(start)
+    hand.move((170, 120))
+    hand.move((150, 118))
+    assert stored(bench) != AS_SHIPPED
+    QTest.keyClick(viewer.canvas, Qt.Key.Key_Escape)
+    hand.move((140, 110))
+    hand.release((140, 110))
+    assert stored(bench) == AS_SHIPPED
+    assert framed(viewer) == AS_SHIPPED
+    assert undo_steps(bench) == 0
+
+
 @pytest.mark.parametrize("by_key", [True, False])
 def test_a_key_and_a_button_show_the_region_on_its_picture(bench, viewer, by_key):
     viewer.look_at("detector.magnitude")
