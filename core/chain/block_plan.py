@@ -87,7 +87,7 @@ def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
         f"{_what(recipe)} needs the whole picture of {shape[0]} × {shape[1]} samples, "
         f"which does not fit in {amount_text(disk.memory_bytes)} of memory, and cannot run in "
         "blocks: give more memory, or leave the node out",
-        hint="raise the limit with --memory",
+        hint="give more with --memory",
     )
     return error if recipe.node is None else error.at(recipe.node)
 

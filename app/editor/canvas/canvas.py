@@ -75,6 +75,10 @@ class Canvas(QWidget):
             whole = whole.united(self.thumbnails.bounds())
         self.view.frame(whole)
 
+    def show_nodes(self) -> None:
+        """Pan, as little as needed, so that the nodes are seen."""
+        self.view.make_visible(self.content.bounds())
+
     def frame_selection(self) -> None:
         self.view.frame(self.content.bounds(self._session.selection))
 

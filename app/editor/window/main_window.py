@@ -48,6 +48,7 @@ from core.modules.declaration import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+_LAID_OUT_MS = 50  # until docks that come back have their places
 _LEAST_CANVAS = 6  # lines of text, in which a chain can still be followed
 
 
@@ -398,6 +399,8 @@ class MainWindow(QMainWindow):
             self.show_canvas()
 
     def _make_room(self, *, empty: bool) -> None:
+        if not empty and self.layout_in_use.lacks_docks:  # the first node stays in sight
+            QTimer.singleShot(_LAID_OUT_MS, self.canvas.show_nodes)
         self.layout_in_use.make_room(empty=empty)
         self.figures.setHidden(empty)
 

@@ -24,9 +24,9 @@ def test_ids_and_extra_fields_are_checked():
         Node("a.b", "x")
     with pytest.raises(NetworkError, match="is stored under the id b"):
         Network(nodes={"b": Node("a", "x")})
-    with pytest.raises(NetworkError, match="the extra field params"):
+    with pytest.raises(NetworkError, match="the field params is reserved"):
         Node("a", "x", extra={"params": {}})
-    with pytest.raises(NetworkError, match="the extra field seed"):
+    with pytest.raises(NetworkError, match="the field seed is reserved"):
         Network(extra={"seed": 3})
 
 

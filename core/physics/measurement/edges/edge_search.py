@@ -202,7 +202,7 @@ def _enough(used: int, examined: int) -> str:
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
-        return f"weaker than others, none of which can be used ({examined} were examined)"
+        return f"weaker than others, none of which can be used: {examined} were examined"
     return (
         f"not examined: weaker than {examined} others ({used} of them can be used), or too close "
         "to them"
@@ -380,7 +380,7 @@ def _within_surroundings(
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "its brightness or contrast varies along its length, by "
+                    "its brightness or contrast varies along its length: by "
                     f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
                     "the contrast"
                 )

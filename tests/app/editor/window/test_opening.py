@@ -73,7 +73,7 @@ def test_a_value_that_is_not_allowed_opens_to_be_mended(tmp_path, library):
 
 
 BROKEN = {
-    "wrong types": ([["a.image", "j.magnitude"]], "image into magnitude"),
+    "wrong types": ([["a.image", "j.magnitude"]], "gives image, but the input takes magnitude"),
     "a cycle": ([["j.magnitude", "j.magnitude"]], "cycle"),
 }
 
