@@ -45,5 +45,7 @@ def test_a_figure_of_a_clipped_picture_has_its_reason():
     wanted = [figures_of(network, LIBRARY)[f"fpa.{name}"] for name in ("netd_K", "signal_e")]
     found = computed(wanted, engine, engine.plan(network), engine.work(Policy("double")), {"fpa"})
     assert list(found.figures) == ["fpa.signal_e"]
-    assert found.reasons["fpa.netd_K"].startswith("fpa.netd_K has no value: the picture's mean reaches ")
+    assert found.reasons["fpa.netd_K"].startswith(
+        "fpa.netd_K has no value: the picture's mean reaches "
+    )
     assert found.reasons["fpa.netd_K"].endswith(" % of the full well and is clipped")
