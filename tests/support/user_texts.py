@@ -9,6 +9,7 @@ import json
 import re
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,6 +31,7 @@ class Text(NamedTuple):
     words: str
 
 
+@cache
 def user_texts() -> list[Text]:
     """All of them, in the order of their places."""
     found = [text for room in CODE for path in sorted((ROOT / room).rglob("*.py"))
