@@ -17,7 +17,7 @@ _FAR = 10.0  # times the largest sample: a well beyond is probably in another un
 
 
 class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
-    """Spill charge above the full well to the neighbours along the column.
+    """Spill charge above the full well along the column.
 
     A full pixel passes its excess to the pixels above and below, half to each, until no pixel holds
     more than its full well. Charge that reaches the top or bottom edge leaves the detector. The
@@ -32,7 +32,7 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
         Formula(
             r"L'_r=L_r-a\max(L_r-w,0)+\frac{u_{r-1}-2u_r+u_{r+1}}{2}\leq w",
             where="w: full_well; a: share that the drain removes; u ≥ 0: charge that each row "
-            "passes on, the smallest that leaves no pixel above w",
+            "passes on, just enough to leave no pixel above w",
         ),
     )
 
@@ -68,7 +68,7 @@ def well_caution(work: Work, seen: PictureRange, *, full_well: float, unit: str)
     return Caution(
         f"nothing blooms: full_well = {full_well:g}, but the picture's largest sample is "
         f"{seen.high:.3g} {unit}".rstrip(),
-        "give full_well in the picture's unit; before Focal Plane, that is saturation_radiance in "
+        "give full_well in the picture's unit: before Focal Plane, use saturation_radiance from "
         "Focal Plane's table",
     )
 

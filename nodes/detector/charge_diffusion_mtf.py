@@ -25,14 +25,14 @@ class ChargeDiffusionMTF(
 
     Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²). α
     is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
-    the detector. Back side means a thinned detector with a passivated surface. Carriers are
-    generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
-    If absorption_per_um is empty, silicon at 295 K is assumed over the band of the cold filter or
-    the picture. All wavelengths have the same number of photons, and each is weighted by the
-    carriers that it generates. With front illumination, red and near-infrared light blurs most,
-    because it is absorbed deep in the silicon. With back illumination, blue light blurs most.
-    Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
-    2015 (silicon).
+    the detector. With back illumination, the detector is thinned and its surface passivated.
+    Carriers are then generated mostly near the back and cross undepleted silicon of thickness
+    thickness_um minus depletion_um. If absorption_per_um is empty, the MTF is averaged over the
+    band of the cold filter or the picture, for silicon at 295 K. The average assumes the same
+    number of photons at all wavelengths and weights each wavelength by the carriers generated. With
+    front illumination, red and near-infrared light blurs most, because it is absorbed deep in the
+    silicon. With back illumination, blue light blurs most. Sources: Seib 1974; Crowell and Labuda
+    1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
     """
 
     formulas = (
@@ -116,6 +116,6 @@ class ChargeDiffusionMTF(
 
     @readout("1/µm")
     def mean_absorption_per_um(self, context: Context) -> float:
-        """Absorption coefficient, mean over the band."""
+        """Mean absorption coefficient over the band."""
         absorptions, weights = self._absorptions(context)
         return sum(a * w for a, w in zip(absorptions, weights, strict=True)) / sum(weights)

@@ -58,8 +58,8 @@ class ChargeEffMTF(
 ):
     """Blur along the read-out direction (x) by incomplete charge transfer.
 
-    With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading exp(−N(1−ε)(1 − cos w)).
-    Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
+    With w = 2π·xi·Δ, the MTF is |ε/(1 − (1−ε)e^{−iw})|^N (`exact`) or exp(−N(1−ε)(1 − cos w))
+    (`published` and `leading`). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
     """
 
     formulas = (

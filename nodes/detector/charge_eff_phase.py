@@ -15,11 +15,12 @@ class ChargeEffPhase(
     title="Charge Transfer Phase",
     group="Detector",
 ):
-    """Shift the phase along the read-out direction (x) by incomplete charge transfer.
+    """Phase shift along the read-out direction (x) from incomplete charge transfer.
 
-    With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published −k(w
-    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the series of the published
-    form starts with w³; for N transfers, it must start with −k·w.
+    With w = 2π·xi·Δ and k = N(1−ε), the phase is the argument of [ε/(1 − (1−ε)e^{−iw})]^N
+    (`exact`), −k(w − sin w) (`published`) or −k·sin w (`leading`). Source: Tantalo 1996, eq. 4.58.
+    Erratum: expanded in w, the published phase starts with a w³ term; for N transfers, it must
+    start with −k·w.
     """
 
     formulas = (

@@ -29,11 +29,11 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
     """Add the trails of incomplete charge transfer, which grow with distance from the amplifier.
 
     In each transfer, a share of the charge stays behind and joins the next packet. Columns are
-    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers away
-    loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of the picture
-    is lost. Use either this module or Charge Transfer MTF, which blurs all pixels alike. Put this
-    module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the middle pixel. Source:
-    Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
+    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers from the
+    amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of
+    the picture is lost. Use either this module or Charge Transfer MTF, which blurs all pixels
+    equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the
+    middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
     """
 
     formulas = (
@@ -41,7 +41,7 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
             r"L'_t=\sum_{k\geq0}\binom{n+k-1}{k}\,\varepsilon^n(1-\varepsilon)^k\,L_{t-k},\quad "
             r"n=t-k+1+m",
             where="t: pixels from the amplifier, counted from 0; ε: efficiency; m: extra "
-            "transfers; applied along columns, then along rows",
+            "transfers; the sum is applied along columns, then along rows",
         ),
     )
 

@@ -19,10 +19,10 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
     """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
 
     The kernel gives the shares of a pixel's signal that stay in the pixel and that leak into each
-    neighbour. It has 3 × 3 or 5 × 5 numbers that add up to 1; semicolons separate the rows. It
-    covers optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also
-    shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore,
-    Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
+    neighbour. Enter 3 × 3 or 5 × 5 numbers that add up to 1, with semicolons between the rows. The
+    kernel covers optical crosstalk, electrical crosstalk and interpixel capacitance. An asymmetric
+    kernel also shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter
+    10; Moore, Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
     """
 
     formulas = (
@@ -65,7 +65,7 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
 
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """The PTF is left out of the picture."""
+        """The PTF is not applied to the picture."""
         kernel = crosstalk_kernel(self.kernel)
         if kernel == tuple(row[::-1] for row in kernel[::-1]):
             return None

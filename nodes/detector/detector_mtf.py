@@ -15,8 +15,8 @@ from nodes.shared.shared_warnings import ELECTRONICS, apart_from_context
 class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="Detector"):
     """Blur by averaging over the sensitive area of a detector element.
 
-    sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are taken from Init &
-    Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
+    The MTF is sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), including its negative lobes. Empty
+    parameters are taken from Init & Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
     """
 
     formulas = (

@@ -24,17 +24,17 @@ class DualGainOutputs(NamedTuple):
 
 
 class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
-    """Join two read-outs of one scene: high gain in its dark parts, low gain in its bright parts.
+    """Combine two read-outs of one scene: high gain for dark areas, low gain for bright areas.
 
     Use it for pixels that are read at two gains, or for HDR from a long and a short exposure. Give
     each read-out its own Focal Plane, with `units` = electrons. Pixels of `image` come from `high`
     up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
     seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
     set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
-    dynamic range, and a warning if `low_factor` does not fit. A Focal Plane whose high gain is
-    clipped warns of it, as it should. Noise budgets and figures use the noise of `high`, which is
-    the noise of the picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range:
-    saturation over dark noise), applied to the two read-outs.
+    dynamic range, and a warning if `low_factor` does not fit. Focal Plane warns if the high gain
+    clips; this is expected. Noise budgets and figures use the noise of `high`, which is the noise
+    of the picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range: saturation
+    over dark noise), applied to the two read-outs.
     """
 
     formulas = (
@@ -57,7 +57,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     ] = None  # fmt: skip
     blend_percent: Annotated[
         float,
-        Param("width of the gradual change below switch_level, as a share of switch_level",
+        Param("width of the transition below switch_level, as a share of switch_level",
               unit="%", low=0, high=100),
     ] = 0.0  # fmt: skip
     low_factor: Annotated[
@@ -103,7 +103,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     def factor(
         self, high: Image, high_table: Table | None = None, low_table: Table | None = None
     ) -> Recipe | None:
-        """The factor does not bring the low gain to the level of the high gain."""
+        """low_factor does not scale the low gain to the level of the high gain."""
         if self.switch_level is None or high_table is None or low_table is None:
             return None
         per = "gain_e_per_dn" if high.unit == "DN" else None
@@ -156,8 +156,8 @@ def factor_caution(
     if abs(factor - right) <= _NEAR * right:
         return None
     return Caution(
-        f"the picture jumps at switch_level: low_factor = {factor:g}, but the tables give "
-        f"{right:.4g}, the signal of high over that of low",
+        f"the picture jumps at switch_level: low_factor = {factor:g}, but the tables give a "
+        f"signal ratio (high over low) of {right:.4g}",
         f"set low_factor to {right:.4g}",
     )
 
@@ -171,7 +171,7 @@ def switch_caution(
         return Caution(
             "budgets and figures use the noise of high, but a pixel at the picture's mean is "
             f"taken from low: the mean is {mean:.4g}, above switch_level = {level:g}",
-            "connect budgets and figures to the read-out that you want to judge",
+            "connect budgets and figures to the read-out that you want to assess",
         )
     if high.high <= level < factor * low.high:
         return Caution(

@@ -69,39 +69,41 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
-    which are the same in every frame; nonlinearity towards the full well; read noise; the full
-    well; gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 +
-    p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
+    which are the same in every frame; nonlinearity, which grows towards the full well; read noise;
+    clipping at the full well; gain; offset; rounding to whole numbers. PRNU multiplies all
+    electrons by 1 + p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the
+    light signal only.
 
-    Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength.
-    Camera also takes a T-number, which includes the transmission, and the sine condition.
+    Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength. On
+    Camera, you can give a T-number, which includes the transmission, and choose the sine condition.
     `dark_doubling_K` scales the dark current from `dark_reference_K` to `detector_K`.
 
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
-    temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
-    (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
-    converted to photons with the response at its wavelength. A band that begins below 2.5 µm is not
-    thermal: there `scene` means `source`. NETD, SNR and well fill refer to the picture's mean; if
-    the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a uniform
-    scene of `reference_radiance`, as specified for Landsat and Sentinel-2. This spectral radiance
-    at the aperture, in W/m²/sr/µm, is the same at all wavelengths of the band. `frames_averaged`
-    reduces shot and read noise by the square root of the number of frames; the average is rounded
-    once. Noise, responsivity and SNR include the nonlinearity; signal and well fill count the
-    electrons collected. `saturated` is 1 where the well is full or the converter has clipped.
+    temperature (`scene`) or at `source_K` (`source`), or with the band's middle wavelength
+    (`middle`); the table lists the signal for each choice. For a spectral picture, each band is
+    converted to photons with the response at its wavelength. For a band that begins below 2.5 µm,
+    which is not thermal, `scene` means `source`. NETD, SNR and well fill refer to the picture's
+    mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
+    uniform scene of `reference_radiance`, as specified for Landsat and Sentinel-2.
+    `reference_radiance` is the spectral radiance at the aperture, in W/m²/sr/µm, and is constant
+    over the band. `frames_averaged` reduces shot and read noise by the square root of the number of
+    frames; the average is rounded once. Noise, responsivity and SNR include the nonlinearity;
+    signal and well fill count the electrons collected. `saturated` is 1 where the well is full or
+    the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
     are in electrons before the gain. Read noise, wells and gain_e_per_dn refer to electrons after
     the gain; with an EM register, full_well_e refers to electrons before it. Values in amperes
-    include a gain within the pixel, as on a QWIP's data sheet; values in e-/s, DSNU and Rule 07 do
-    not. gain_dB is 20·log10 of the camera's own gain, which divides gain_e_per_dn, so that the
+    include a gain within the pixel, as in a QWIP's data sheet; values in e-/s, DSNU and Rule 07 do
+    not. gain_dB is 20·log10 of the camera's own gain. This gain divides gain_e_per_dn, so the
     converter clips at fewer electrons.
 
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
-    is the share of saturated pixels. In units of radiance, a bin is the mean of its pixels. Binning
-    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows and
-    columns are dropped.
+    is the share of saturated pixels. If `units` is radiance, a bin is the mean of its pixels.
+    Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows
+    and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -337,8 +339,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if high <= cutoff * (1 + NEAR):
             return None
         return Caution(
-            f"photons are counted from {low:g} to {high:g} µm with one quantum efficiency, but the "
-            f"detector material cuts off at material_cutoff_um = {cutoff:g} µm",
+            f"photons are counted from {low:g} to {high:g} µm with a constant quantum efficiency, "
+            f"but the detector material cuts off at material_cutoff_um = {cutoff:g} µm",
             "set cut_off_um to the material's cutoff or below, or give the quantum efficiency "
             "over wavelength in response",
         )
@@ -369,21 +371,21 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def stages(self, image: Image) -> Caution | None:
-        """The number of TDI stages differs from the one on TDI MTF."""
+        """The number of TDI stages differs from its value on TDI MTF."""
         for factor in passed_factors(image):
             for law in factor.laws:
                 stages = dict(law.parameters).get("stages")
                 if stages is not None and stages != self.tdi_stages:
                     return Caution(
-                        f"tdi_stages = {self.tdi_stages} here, {stages} on {factor.node}: signal "
-                        "and blur are computed for different detectors",
+                        f"tdi_stages = {self.tdi_stages} here but {stages} on {factor.node}: "
+                        "signal and blur are computed for different detectors",
                         f"enter the number once and link it: tdi_stages = {factor.node}.stages",
                     )
         return None
 
     @warning
     def exposure(self, image: Image) -> Caution | None:
-        """The integration time differs from the one on Frame Transfer Smear."""
+        """The integration time differs from its value on Frame Transfer Smear."""
         for factor in passed_factors(image):
             if any({"ratio", "sides"} <= dict(law.parameters).keys() for law in factor.laws):
                 return apart(
@@ -451,7 +453,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def optics(self, image: Image, context: Context) -> Caution | None:
-        """Diffraction is computed for wavelengths other than those of the cold filter."""
+        """Diffraction is computed for a band other than the cold filter's."""
         known = image.band_um or context.band_um
         if known is None:
             return None
@@ -569,8 +571,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("netd_K", "K", "Temporal noise over responsivity, for a thermal scene."),
         ("snr", "", "Signal over temporal noise."),
         ("snr_at_reference", "", "Signal over temporal noise at reference_radiance."),
-        ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure that "
-         "equal the temporal noise."),
+        ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure "
+                                         "whose signal equals the temporal noise."),
         ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "
          "temporal dark noise."),
         ("emva_dynamic_range_dB", "dB", "Dynamic range according to EMVA 1288: saturation over "
@@ -582,7 +584,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
         ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
         ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
-        ("weighting_worth_percent", "%", "Signal spread between the choices of photon_weighting."),
+        ("weighting_worth_percent", "%", ("Spread of the signal among the choices of "
+                                         "photon_weighting.")),
         table=_without_saturated,
     )  # fmt: skip
     counts = TableFigures(

@@ -352,14 +352,14 @@ def figures(
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
         *_at_reference(levels, collection, reading, reference_radiance),
-        ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the temporal "
-         "noise", why),
+        ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure whose signal equals the "
+                                              "temporal noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the temporal dark noise", too_dark),
         *_emva(levels, reading, efficiency, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         ("mean_dn", _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn, "DN",
          "mean signal in digital numbers"),
-        ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
+        ("scene_K", levels.scene_K, "K", "brightness temperature of the picture's mean"),
         ("quantum_efficiency", efficiency, "", "electrons per photon, averaged over the band"),
         ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
         *_worth(levels, collection),
@@ -451,7 +451,14 @@ def _worth(
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:
         worth = 100.0 * (max(known) - min(known)) / levels.signal_e
-    rows.append(("weighting_worth_percent", worth, "%", "largest minus smallest of these signals"))
+    rows.append(
+        (
+            "weighting_worth_percent",
+            worth,
+            "%",
+            ("largest minus smallest signal, relative to signal_e"),
+        )
+    )
     return tuple(rows)
 
 

@@ -50,12 +50,15 @@ class FocalPlanePanel(SeededModule):
         "current responsivity; if given, it replaces quantum_efficiency", low=0, high=1e6,
         slider=(0, 10))] = None  # fmt: skip
     responsivity_um: Annotated[float | None, Param(
-        "wavelength of responsivity_A_per_W; the quantum efficiency found there is used over the "
-        "whole band",
+        "wavelength of responsivity_A_per_W; the quantum efficiency at this wavelength is used "
+        "over the whole band",
         low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
     response: Annotated[
         Path | None,
-        Param("CSV of µm and quantum efficiency; if given, it replaces quantum_efficiency"),
+        Param(
+            "CSV file of wavelength (µm) and quantum efficiency; if given, it replaces "
+            "quantum_efficiency"
+        ),
     ] = None
     cut_on_um: Annotated[
         float | None,
@@ -123,7 +126,7 @@ class FocalPlanePanel(SeededModule):
         "electrons that the read-out can hold, after binning and charge gain; empty: unlimited",
         low=0, slider=(0, 1e7))] = None  # fmt: skip
     charge_gain: Annotated[ChargeGain, Param(
-        "gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
+        "gain before the read-out: in a photoconductor (QWIP), an EMCCD register or an "
         "avalanche diode")] = "none"  # fmt: skip
     charge_gain_factor: Annotated[float, Param(
         "mean number of output electrons per input electron", low=0, high=1e5, above=True,
@@ -193,7 +196,7 @@ class FocalPlanePanel(SeededModule):
     ] = None
     units: Annotated[
         Literal["dn", "electrons", "radiance"],
-        Param("unit of the output; the picture is digitized in every case"),
+        Param("unit of the output; the picture is always digitized"),
     ] = "dn"
 
     panel = (
@@ -235,19 +238,19 @@ class FocalPlanePanel(SeededModule):
              "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
              "detector"),
             ("detector_K", self.rule_07 or self.dark_doubling_K,
-             "rule_07 and dark_doubling_K need it"),
-            ("material_cutoff_um", self.rule_07, "rule_07 needs it"),
+             "rule_07 and dark_doubling_K need the detector's temperature"),
+            ("material_cutoff_um", self.rule_07, "rule_07 needs the material's cutoff"),
             ("dark_reference_K", self.dark_doubling_K,
-             "dark_doubling_K scales from this temperature"),
+             "dark_doubling_K scales the dark current from dark_reference_K"),
             ("dark_doubling_K", self.dark_reference_K,
-             "without it, the dark current is known only at dark_reference_K"),
+             "without dark_doubling_K, the dark current is known only at dark_reference_K"),
             ("responsivity_um", self.responsivity_A_per_W,
-             "responsivity_A_per_W refers to this wavelength"),
-            ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is the wavelength of "
-             "this responsivity"),
+             "responsivity_A_per_W needs a wavelength"),
+            ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is the wavelength "
+                                                           "of responsivity_A_per_W"),
         ):  # fmt: skip
             if given and getattr(self, needed) is None:
-                raise ParameterError(needed, None, f"a number: {why}")
+                raise ParameterError(needed, None, f"give a number, because {why}")
         forms = ("response", "responsivity_A_per_W", "quantum_efficiency_percent")
         typed = [name for name in forms if getattr(self, name) is not None]
         if len(typed) > 1:
@@ -260,7 +263,7 @@ class FocalPlanePanel(SeededModule):
             current = self.dark_current_A_per_cm2
             raise ParameterError("dark_current_A_per_cm2", current, allowed)
         if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
-            allowed = "a number if bits is above 0, or give full_well_e"
+            allowed = "give a number or full_well_e, because bits is above 0"
             raise ParameterError("gain_e_per_dn", None, allowed)
 
     @property

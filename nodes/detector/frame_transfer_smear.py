@@ -27,11 +27,11 @@ class FrameTransferSmear(
     """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
 
     A charge packet spends one line transfer time in every row that it passes. After the exposure,
-    it passes the rows between its pixel and the storage area; before the exposure, it passed the
-    other rows. If the detector is cleared just before the exposure, set `passed` to the side of the
-    storage area. Put this module after Sample Pixels or Combine Pixels and before Focal Plane,
-    which then adds the shot noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled
-    Devices, chapter 1.
+    the packet passes the rows between its pixel and the storage area; before the exposure, it
+    passed the other rows. If the detector is cleared just before the exposure, set `passed` to the
+    side of the storage area. Put this module after Sample Pixels or Combine Pixels and before Focal
+    Plane, which then adds the shot noise of the smear. Source: Janesick 2001, Scientific
+    Charge-Coupled Devices, chapter 1.
     """
 
     formulas = (
@@ -47,13 +47,13 @@ class FrameTransferSmear(
     ] = 0.0
     integration_time_s: Annotated[
         float,
-        Param("exposure time, the same as on Focal Plane", low=1e-9, high=1e6, slider=(1e-4, 0.05)),
+        Param("exposure time, as on Focal Plane", low=1e-9, high=1e6, slider=(1e-4, 0.05)),
     ] = 0.01
     passed: Annotated[
         Literal["both", "above", "below"],
         Param(
-            "illuminated rows that a packet passes: on both "
-            "sides of its pixel, above it or below it"
+            "illuminated rows that a packet passes: on both sides of its pixel, only above or "
+            "only below"
         ),
     ] = "both"
 

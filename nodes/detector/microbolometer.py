@@ -55,24 +55,24 @@ class BolometerOutputs(NamedTuple):
 
 
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
-    """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
+    """Add an uncooled detector's thermal lag, and its noise from the data sheet.
 
     The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). F₀, τ₀, the
     background and t₀ come from the data sheet; √(t₀/t) applies if both integration times are given.
-    For the NETD of a bare detector, τ₀ = 1. A camera's NETD already includes the lens, so enter the
-    F-number and transmission of the lens as the reference too. Ω is as in Focal Plane. A
-    bolometer's noise does not depend on the scene, so the NETD at another background scales as
-    1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change remains, so a
-    changing scene leaves traces in later frames. With a scan velocity on Init & Trans, the lag is a
-    low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f noise equals the white
-    noise. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
-    removes them.
+    For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the lens, so enter
+    the lens's F-number and transmission as reference values too. Ω is the solid angle defined in
+    Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at another background
+    scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change
+    remains, so a changing scene leaves traces in later frames. With a scan velocity on Init &
+    Trans, the lag is a low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f
+    noise equals the white noise. Non-uniform gain and offset are the same in every frame;
+    Non-Uniformity Correction removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
-    is filter_frames. It lowers white noise by a factor of √n and 1/f noise by less, and delays
-    changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the filter.
-    Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K and
-    range_high_K, and clipped there.
+    is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
+    delays changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the
+    filter. Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K
+    and range_high_K, and clipped there.
 
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
     2010, chapter 5 (filter).
@@ -146,7 +146,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ] = 0.01
     frame_rate_Hz: Annotated[float, Param("frame rate", low=1e-6, high=1e9, slider=(1, 120))] = 30.0
     filter_frames: Annotated[float, Param(
-        "temporal filter: lowers white noise like averaging this many frames; 1: no filter",
+        "temporal filter: lowers white noise as much as averaging this many frames; 1: no filter",
         low=1, high=16)] = 1.0  # fmt: skip
     bits: Annotated[int, Param(
         "bits of the output; 0: no rounding", unit="bit", low=0, high=24)] = 0  # fmt: skip
@@ -197,11 +197,17 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         own, other = self.integration_time_s, self.reference_integration_time_s
         if (own is None) != (other is None):
             missing = "integration_time_s" if own is None else "reference_integration_time_s"
-            raise ParameterError(missing, None, "a number if the other integration time is given")
+            raise ParameterError(
+                missing,
+                None,
+                "give both integration_time_s and reference_integration_time_s, or neither",
+            )
         low, high = self.range_low_K, self.range_high_K
         for name, value in (("bits", self.bits), ("range_low_K", low), ("range_high_K", high)):
             if not value and (self.bits or low or high):
-                allowed = "above 0: bits, range_low_K and range_high_K must be given together"
+                allowed = (
+                    "above 0, because bits, range_low_K and range_high_K must be given together"
+                )
                 raise ParameterError(name, value, allowed)
         if low is not None and high is not None and low >= high:
             raise ParameterError("range_high_K", high, f"above range_low_K = {low:g}")
@@ -548,6 +554,6 @@ def figures(
         ("fixed_pattern_K", in_kelvin(pattern), "K", "non-uniform gain and offset of the pixels"),
         ("noise_radiance", temporal, "W/m²/sr", "temporal noise as scene radiance"),
         ("snr", mean / temporal if temporal else None, "", "mean signal over temporal noise"),
-        ("scene_K", kelvin, "K", "brightness temperature of the mean"),
+        ("scene_K", kelvin, "K", "brightness temperature of the picture's mean"),
         ("lag_percent", 100.0 * kept, "%", "fraction of a change that remains after one frame"),
     )

@@ -17,14 +17,14 @@ _BRIGHTEST = 2.0  # times that at a right angle; measured curves may rise a litt
 class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", group="Detector"):
     """Darken the picture where the chief ray angle differs from the microlenses' design angle.
 
-    The detector's data sheet gives the chief ray angle (CRA) at the corner that its microlenses are
-    designed for. The lens's data sheet gives the CRA of the lens. If both are equal, nothing
-    changes. A difference lowers the response: to half at `half_response_deg`, or along a measured
-    curve. The optical axis is at the middle of the picture; the corner is the picture's corner.
-    Only the chief ray counts: the cone of a fast lens is not averaged. Put this module before Focal
-    Plane, which then computes the shot noise of the darkened picture. Signal and SNR use the mean
-    over the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt.
-    Soc. Am. A 19, 1610.
+    The detector's data sheet gives the chief ray angle (CRA) for which the microlenses at the
+    corner are designed. The lens's data sheet gives the CRA of the lens. If the two angles are
+    equal, the picture does not change. A difference lowers the response: to half at
+    `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
+    picture; the corner is the picture's corner. Only the chief ray counts: the response is not
+    averaged over the cone of a fast lens. Put this module before Focal Plane, which then computes
+    the shot noise of the darkened picture. Signal and SNR use the mean over the field; transfer
+    functions do not change. Source: Catrysse and Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
     """
 
     formulas = (
@@ -60,7 +60,7 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
         ),
     ] = 20.0
     path: Annotated[
-        Path | None, Param("CSV of angle difference in degrees and response, 1 at 0°")
+        Path | None, Param("CSV file of angle difference (°) and response, which is 1 at 0°")
     ] = None
 
     panel = (
@@ -73,7 +73,7 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     def check(self) -> None:
         """Refuse a measured response without its file."""
         if self.response == "file" and self.path is None:
-            raise ParameterError("path", None, "a CSV of angle and response")
+            raise ParameterError("path", None, "give a CSV file of angle difference and response")
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         if self.off:

@@ -36,27 +36,30 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     """Correct pixel non-uniformity with uniform references at one or two temperatures.
 
     Put this module after the camera's modules. A black body that fills the field of view replaces
-    the input of the first module that adds noise. Its picture is averaged over `reference_frames`
-    frames, each with its own noise; the same average corrects every frame. `one_point`: the pattern
-    at `low_K` is subtracted; the residual grows with the difference from `low_K`, because the gains
-    differ. `two_point`: gain and offset come from a straight line through both references; the
-    residual comes from the noise of the averaged references and from nonlinearity. `drift_K` adds
-    the offset drift since the correction: its rms over the pixels, as scene temperature. A pixel
-    with less than a tenth of the mean response gets a gain of 1. The frames of a reference share
-    their 1/f noise, but budgets treat it as independent from frame to frame. Sources: Perry and
-    Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    the input of the first module that adds noise. The picture of the black body is averaged over
+    `reference_frames` frames, each with its own noise; the same average corrects every frame.
+    `one_point`: the pattern at `low_K` is subtracted; the residual grows with the difference from
+    `low_K`, because the gains differ. `two_point`: gain and offset come from a straight line
+    through both references; the residual comes from the noise of the averaged references and from
+    nonlinearity. `drift_K` adds the offset drift since the correction, given as the rms over the
+    pixels in scene temperature. A pixel with less than a tenth of the mean response gets a gain of
+    1. The frames of a reference share their 1/f noise, but budgets treat it as independent from
+    frame to frame. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
     """
 
     formulas = (
         Formula(
             r"L'_i=L_i+\overline{R}_1-R_{1,i}",
-            where="R₁: the pixels' response to the reference at low_K; the bar marks their mean",
+            where=(
+                "R₁: response of the pixels to the reference at low_K; the bar marks the mean "
+                "over the pixels"
+            ),
             when="one_point",
         ),
         Formula(
             r"L'_i=g_i\,L_i+\overline{R}_1-g_i\,R_{1,i},\quad g_i=\frac{\overline{R}_2-"
             r"\overline{R}_1}{R_{2,i}-R_{1,i}}",
-            where="R₂: the pixels' response at high_K",
+            where="R₂: response of the pixels to the reference at high_K",
             when="two_point",
         ),
     )
@@ -67,7 +70,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     ] = "two_point"
     low_K: Annotated[
         float,
-        Param("temperature of the reference, or of the cooler one", low=1, high=1e4,
+        Param("temperature of the single reference, or of the cooler of two", low=1, high=1e4,
               slider=(260, 340)),
     ] = 290.0  # fmt: skip
     high_K: Annotated[
@@ -170,7 +173,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             return None
         return Caution(
             "there is nothing to correct: no node before this one adds a fixed pattern",
-            "move it after the camera's modules, such as Focal Plane",
+            "move this node after the camera's modules, such as Focal Plane",
         )
 
     figures_0 = TableFigures(

@@ -16,18 +16,21 @@ from nodes.shared.shared_warnings import is_radiance
 
 
 class Persistence(BeforeDigits, key="persistence", title="Persistence", group="Detector"):
-    """Add image lag: what remains of an earlier exposure, decaying with two time constants.
+    """Add image lag: a remnant of an earlier exposure that decays with two time constants.
 
     Connect the picture of the earlier exposure to `earlier`; it must have the same size and unit.
-    Both shares refer to the end of the earlier exposure. Budgets treat the lag as a fixed pattern.
-    Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared
-    detectors).
+    fast_percent and slow_percent refer to the end of the earlier exposure. Budgets treat the lag as
+    a fixed pattern. Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021,
+    70210J (infrared detectors).
     """
 
     formulas = (
         Formula(
             r"L'=L+L_e\left(a_1e^{-t/\tau_1}+a_2e^{-t/\tau_2}\right)",
-            where="L_e: earlier; a, τ: share and time constant, fast and slow; t: delay_s",
+            where=(
+                "L_e: the earlier picture; a, τ: share and time constant (1: fast, 2: slow); "
+                "t: delay_s"
+            ),
         ),
     )
 
@@ -52,8 +55,8 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     def check(self) -> None:
         if self.fast_percent + self.slow_percent > 100.0 + 1e-9:  # rounding
             allowed = (
-                "both shares together may be at most 100 %, and fast_percent is "
-                f"{self.fast_percent:g} %"
+                f"the sum of slow_percent and fast_percent = {self.fast_percent:g} % must not "
+                "exceed 100 %"
             )
             raise ParameterError("slow_percent", self.slow_percent, allowed)
 
@@ -61,12 +64,12 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
         if image.shape != earlier.shape:
             raise DataError(
                 f"the earlier picture has {earlier.columns} × {earlier.rows} samples and the image "
-                f"{image.columns} × {image.rows}: both must have the same size"
+                f"has {image.columns} × {image.rows}: both must have the same size"
             )
         units = image.unit.strip(), earlier.unit.strip()
         if units[0] != units[1] and not all(map(is_radiance, units)):
             raise DataError(
-                f"the earlier picture is in {units[1]!r:.40} and the image in {units[0]!r:.40}: "
+                f"the earlier picture is in {units[1]!r:.40} and the image is in {units[0]!r:.40}: "
                 "both must have the same unit"
             )
         if not self._share():

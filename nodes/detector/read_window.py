@@ -85,11 +85,15 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
         )
         wanted = own or size
         if wanted > size:
-            raise ParameterError(what, wanted, f"at most {size}, as many as the picture has")
+            raise ParameterError(
+                what, wanted, f"at most {size}, the number of {what} in the picture"
+            )
         start = (size - wanted) // 2 if first is None else first
         if start + wanted > size:
             name = "left" if axis == "x" else "top"
-            allowed = f"at most {size - wanted}: the window must lie within {size} {what}"
+            allowed = (
+                f"at most {size - wanted}: the window must lie within the picture's {size} {what}"
+            )
             raise ParameterError(name, start, allowed)
         return start
 

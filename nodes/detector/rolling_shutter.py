@@ -32,8 +32,8 @@ class RollingShutter(
     second. Put this module before Sample Pixels or Combine Pixels: all samples of a line of pixels
     are exposed together. Put modules that add noise after this one. A windowed sinc interpolates
     between samples. Detail above 70 % of the samples' Nyquist frequency loses contrast, and sharp
-    edges show ringing. The frame continues beyond its edges as in Interpolate. Use Relative Motion
-    MTF for the blur within one exposure. Predicted MTFs and budgets are for an image at rest.
+    edges show ringing. Beyond its edges, the frame is extended as in Interpolate. Use Relative
+    Motion MTF for the blur within one exposure. Predicted MTFs and budgets assume an image at rest.
     Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
     """
 
@@ -77,7 +77,7 @@ class RollingShutter(
             pixels = samples / max(1.0, pitch_in_samples(axis, image) or 1.0)
             if moved >= pixels:
                 return Caution(
-                    f"the last lines lie beyond the frame: the frame has {pixels:.4g} pixels, and "
+                    f"the last lines lie beyond the frame: the frame has {pixels:.4g} pixels, but "
                     f"the image moves by {moved:.4g} from the first line to the last",
                     f"check image_velocity_{axis} = {velocity:g} px/s and line_time_s = "
                     f"{self.line_time_s:g}",

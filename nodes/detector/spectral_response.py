@@ -37,14 +37,15 @@ class SpectralResponse(
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
     Each band of a spectral picture is multiplied by its mean response. A Focal Plane after this
-    module counts the remaining photons; its NETD refers to the scene before the response. The
-    response weights only light from the scene, not radiation from optics and housing. A picture
-    with one band is multiplied by the mean over the band, weighted by the radiance of a black body.
-    The temperature of the black body is `source_K`. If `source_K` is empty, the temperature is 5800
-    K (sunlight) for a band that begins below 2.5 µm, and otherwise the picture's mean brightness
-    temperature. `file`: a CSV of µm and response, interpolated linearly and 0 beyond its points.
-    `gaussian`: `width_um` is the full width at half maximum. Enter a response per watt unchanged;
-    enter a response per photon as `response` in Focal Plane.
+    module counts the remaining photons; its NETD refers to the scene before the response is
+    applied. The response weights only light from the scene, not radiation from optics and housing.
+    A picture with one band is multiplied by the mean response over the band, weighted by the
+    radiance of a black body. The temperature of the black body is `source_K`. If `source_K` is
+    empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise
+    the picture's mean brightness temperature. `file`: a CSV file of wavelength (µm) and response,
+    interpolated linearly and 0 outside its points. `gaussian`: `width_um` is the full width at half
+    maximum. Enter a response per watt unchanged; enter a response per photon as `response` in Focal
+    Plane.
     """
 
     formulas = (
@@ -65,7 +66,7 @@ class SpectralResponse(
     shape: Annotated[
         Literal["file", "rectangle", "gaussian"], Param("shape of the response, or a file")
     ] = "rectangle"
-    path: Annotated[Path | None, Param("CSV of µm and response, 0 to 1")] = None
+    path: Annotated[Path | None, Param("CSV file of wavelength (µm) and response (0 to 1)")] = None
     centre_um: Annotated[
         float | None,
         Param("centre wavelength; empty: the middle of the picture's band", low=0, high=1000,
@@ -92,7 +93,7 @@ class SpectralResponse(
 
     def check(self) -> None:
         if self.shape == "file" and self.path is None:
-            raise ParameterError("path", None, "a CSV of µm and response")
+            raise ParameterError("path", None, "give a CSV file of wavelength (µm) and response")
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         node, band = here.node, image.band_um
@@ -161,7 +162,7 @@ class SpectralResponse(
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A source is entered, but a picture with several bands does not use it."""
+        """A source temperature is given, but a picture with several bands does not use it."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -194,8 +195,8 @@ def mean_response(
         mean = float(np.mean(samples, dtype=np.float64))
         if not mean > 0.0:
             raise DataError(
-                f"a picture with mean {mean:g} has no brightness temperature with which to weight "
-                "the response: give source_K"
+                f"a picture with mean {mean:g} has no brightness temperature, which is needed to "
+                "weight the response: give source_K"
             )
         source_K = float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
     return response.mean_of_body(low, high, source_K=source_K)
@@ -308,8 +309,8 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     """
     if not bands.density:
         raise DataError(
-            "photons cannot be counted: the picture's bands are not radiance per µm; set the unit "
-            "on Read Image"
+            "photons cannot be counted: the picture's bands are not in radiance per µm; set the "
+            "unit on Read Image"
         )
     weights = tuple(
         centre / PHOTON_ENERGY_J_UM * efficiency.integral(centre - width / 2, centre + width / 2)
@@ -355,7 +356,7 @@ def _ratio(work: Work, means: NDArray[Any], *, radiance: Row, photons: Row) -> f
     counted = float(np.dot(means, photons))
     if not counted > 0.0:
         raise DataError(
-            "the picture has no light in the bands that the detector counts; check "
+            "the picture has no light in the bands to which the detector responds; check "
             "cut_on_um, cut_off_um and the response"
         )
     return float(np.dot(means, radiance)) / counted

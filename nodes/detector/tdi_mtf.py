@@ -38,7 +38,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     )
 
     stages: Annotated[
-        int, Param("stages whose charge is added", low=1, high=10000, slider=(1, 128))
+        int, Param("number of stages whose charge is summed", low=1, high=10000, slider=(1, 128))
     ] = 64
     phases: Annotated[
         int,
@@ -140,8 +140,8 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
             return None
         askew = f" and a yaw of {self.yaw_deg:g}°" if self.yaw_deg else ""
         return Caution(
-            f"the MTF at Nyquist is almost zero: over {self.stages} stages a mismatch of "
-            f"{along:.4g} %{askew} moves the image {pixels:.3g} pixels away from its charge",
+            f"the MTF at Nyquist is almost zero: over {self.stages} stages, the image moves "
+            f"{pixels:.3g} pixels away from its charge at a mismatch of {along:.4g} %{askew}",
             "lower the mismatch, yaw_deg or stages",
         )
 

@@ -170,7 +170,7 @@ class ElectronicsNoise(
         float | None,
         Param("corner frequency, or boost frequency, of the post filter", low=0),
     ] = None
-    post_poles: Annotated[int, Param("poles of the post filter", low=1, high=100)] = 1
+    post_poles: Annotated[int, Param("number of poles of the post filter", low=1, high=100)] = 1
     post_gain: Annotated[float, Param("gain of the boost", low=1, high=1e6)] = 2.0
     bits: Annotated[
         int, Param("bits per pixel; 0: no quantization", unit="bit", choices=(0, *_CONVERTER_BITS))
@@ -185,7 +185,7 @@ class ElectronicsNoise(
     ] = None
     background_K: Annotated[
         float | None,
-        Param("background temperature; empty: brightness temperature of the mean", low=0),
+        Param("background temperature; empty: brightness temperature of the picture's mean", low=0),
     ] = None
 
     preview_lines = 15.5
@@ -435,7 +435,9 @@ class ElectronicsNoise(
             context.scan_velocity_mrad_per_s,
             unit="mrad/s",
             where="on Init & Trans",
-            remedy="leave one of the two empty, or make their values agree",
+            remedy=(
+                "leave scan_mirror_rate_Hz or the scan velocity empty, or make the two consistent"
+            ),
         )
 
     def scan_velocity(self, context: Context) -> float:
@@ -501,7 +503,9 @@ class ElectronicsNoise(
             return ()
         velocity = self.scan_velocity(context)
         if self.post_corner_Hz is None or velocity == 0:
-            allowed = "a post filter needs a corner frequency, and a scan rate or scan velocity"
+            allowed = (
+                "a post filter needs post_corner_Hz, and scan_mirror_rate_Hz or a scan velocity"
+            )
             raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed)
         law = {
             "kind": self.post_filter,

@@ -36,9 +36,9 @@ class Noise3DSource(
 
     Each component is Gaussian with its own standard deviation, in the unit of the picture. In a
     sequence, v, h and vh are the same in every frame, and the other components are new in each
-    frame. `corner_Hz` adds 1/f noise to each sample; at that frequency its temporal spectrum equals
-    the spectrum of sigma_tvh. The 1/f noise extends from 1/`longest_period_s` to half the frame
-    rate, and any frame can be computed on its own. The variance of the 1/f noise is all temporal.
+    frame. `corner_Hz` adds 1/f noise to each sample; at this frequency, 1/f noise and sigma_tvh
+    have the same spectral density. The 1/f noise extends from 1/`longest_period_s` to half the
+    frame rate, and any frame can be computed on its own. All variance of the 1/f noise is temporal.
     3-D Noise uses only some frames, so it measures slower changes as fixed pattern (vh). Without
     any component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f,
     Shinozuka and Deodatis 1991 (spectral representation).
@@ -47,13 +47,13 @@ class Noise3DSource(
     formulas = (
         Formula(
             r"L'=L+n_t+n_v+n_h+n_{tv}+n_{th}+n_{vh}+n_{tvh}+n_{1/f}",
-            where="each normally distributed with its own standard deviation; the index names "
-            "what it varies with: frame (t), row (v), column (h)",
+            where="each component is normally distributed with its own standard deviation and "
+            "varies with its indices: frame (t), row (v), column (h)",
         ),
         Formula(
             r"S(f)=\frac{2\,\sigma_{tvh}^2}{f_R}\;\frac{f_k}{f}",
-            where="power density of a sample's 1/f noise; it equals the density of σ_tvh at "
-            "f_k = corner_Hz; f_R: frame rate",
+            where="power spectral density of a sample's 1/f noise, which equals the density of "
+            "σ_tvh at f_k = corner_Hz; f_R: frame rate",
         ),
     )
 
@@ -156,13 +156,13 @@ class Noise3DSource(
 
     @readout()
     def temporal(self) -> float:
-        """All temporal noise of a sample, 1/f included, in the picture's unit."""
+        """Total temporal noise of a sample, including 1/f noise, in the picture's unit."""
         temporal = (self.sigma_tvh, self.sigma_tv, self.sigma_th, self.sigma_t)
         return hypot(*temporal, self._flicker_sigma())
 
     @readout()
     def fixed(self) -> float:
-        """All fixed-pattern noise of a sample, in the picture's unit."""
+        """Total fixed-pattern noise of a sample, in the picture's unit."""
         return hypot(self.sigma_vh, self.sigma_v, self.sigma_h)
 
     @readout()

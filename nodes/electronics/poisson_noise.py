@@ -28,14 +28,18 @@ class PoissonNoise(
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
     mean. `photon` converts radiance to a number of photons and replaces that number with a Poisson
     deviate. The 1996 method has no photon scale, so its relative noise changes with the radiance
-    unit. The 1996 noise is also added before the optics that collect the light. For the shot noise
-    of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    unit. The 1996 method also adds the noise before the optics have collected the light. For the
+    shot noise of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden
+    1991.
     """
 
     formulas = (
         Formula(
             r"L'=L+n,\quad n\sim\mathrm{Poisson}\left(\frac{q}{100}\,\overline{L}\right)",
-            where="q: percent; L̄: Gaussian-weighted mean of the surrounding samples, width_px wide",
+            where=(
+                "q: percent; L̄: Gaussian-weighted mean of the surrounding samples, with a "
+                "standard deviation of width_px"
+            ),
             when="published",
         ),
         Formula(
@@ -94,7 +98,7 @@ class PoissonNoise(
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """The picture is in units of temperature, to which photon numbers are not proportional."""
+        """The picture is in units of temperature, which is not proportional to photon numbers."""
         if self.mode != "photon" or not is_temperature(image.unit):
             return None
         return unit_caution(image.unit, meant="photons_per_unit")

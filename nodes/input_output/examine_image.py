@@ -39,10 +39,10 @@ class ExamineImage(
 ):
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band it also gives the apparent temperature, at which a black body has
-    the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
-    histogram uses the displayed values. A picture's centred spectrum is shown as the logarithm of
-    its modulus.
+    For radiance in a known band, the apparent temperature is also given: a black body at this
+    temperature has the same band radiance. Figures and probe use the samples themselves (spectra in
+    FFT order); the histogram uses the displayed values. A picture's centred spectrum is shown as
+    the logarithm of its modulus.
     """
 
     formulas = (
@@ -52,8 +52,8 @@ class ExamineImage(
         ),
         Formula(
             r"\int_{\lambda_1}^{\lambda_2}L_\lambda(T)\,d\lambda=L",
-            where="T: apparent temperature, at which a black body has the same radiance in the "
-            "band",
+            where="T: apparent temperature, the temperature at which a black body has the same "
+            "band radiance",
             when="radiance in a known band",
         ),
     )
@@ -116,7 +116,8 @@ class ExamineImage(
         unit = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
         return Caution(
             f"no apparent temperatures are given for a picture {unit}",
-            "convert it to W/m²/sr: set scale and unit on Read Image, or units on Focal Plane",
+            "convert the picture to W/m²/sr: set scale and unit on Read Image, or units on Focal "
+            "Plane",
         )
 
     figures = TableFigures(

@@ -239,7 +239,7 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
     row, column = np.unravel_index(np.argmin(finite), finite.shape)
     raise DataError(
         f"{file}: a band has a sample that is not finite at row {top + row}, column {column}: set "
-        "missing to mean or zero to replace such samples and missing ones"
+        "missing to mean or zero to replace samples that are not finite or missing"
     )
 
 

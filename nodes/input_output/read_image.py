@@ -44,22 +44,22 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives wavelengths
-    and you set both `cut_on_um` and `cut_off_um`, its bands are integrated between them. For any
-    other file, these two are the band of the samples. The radiance is in W/m²/sr, or in W/m²/sr/µm
-    for one spectral band. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
-    unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
-    are left out. K, DN and similar units are kept. Photons are converted to watts only with `bands`
-    all. An unknown radiance unit is an error.
+    and you set both `cut_on_um` and `cut_off_um`, the file's bands are integrated between these
+    wavelengths. For any other file, the two wavelengths give the band of the samples. The radiance
+    is in W/m²/sr, or in W/m²/sr/µm for one spectral band. If the file names its unit (W cm⁻² sr⁻¹
+    µm⁻¹, uW/cm^2/sr/um, …) and `scale` is 1, that unit is converted; otherwise `unit` applies. A
+    cube whose header names no unit needs `unit` or `scale`. Gains and offsets of an ENVI header are
+    applied, and its bad bands are left out. K, DN and similar units are kept. Photons are converted
+    to watts only if `bands` is all. An unknown radiance unit is an error.
 
     A colour picture gives one channel or, with `bands` luminance, all three, weighted by the eye's
-    sensitivity. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
-    a cube with wavelengths in its header gives every band between `cut_on_um` and `cut_off_um`.
-    Each is in W/m²/sr/µm; photons are converted with their energy at the band's wavelength. Optics
-    and atmosphere then act on each band separately, until a detector sums them. The cube stays on
-    disk.
+    sensitivity. A cube gives one band or plane, by default the first; set `band` for another. With
+    `bands` all, a cube with wavelengths in its header gives every band between `cut_on_um` and
+    `cut_off_um`. Each band is in W/m²/sr/µm; photons are converted with their energy at the band's
+    wavelength. Optics and atmosphere then act on each band separately, until a detector sums them.
+    The cube stays on disk.
 
-    An empty field of view is taken from the header. FITS pictures have their first row at the
+    An empty field of view is taken from the header. The first row of a FITS picture is at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
     `missing` replaces them.
     """
@@ -98,7 +98,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         ),
     ] = "one"
     scale: Annotated[float, Param("factor applied to the samples", slider=(0, 10000))] = 1.0
-    offset: Annotated[float, Param("number added after scaling, in the unit below")] = 0.0
+    offset: Annotated[
+        float, Param("number added after scaling, in the unit of the scaled samples")
+    ] = 0.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
         float | None, Param("horizontal field of view", low=0, high=180, below=True)
@@ -112,8 +114,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     missing: Annotated[
         Literal["refuse", "mean", "zero"],
         Param(
-            "samples that are NaN, infinite or missing: refuse them, or replace them with "
-            "the mean of the others or 0"
+            "samples that are NaN, infinite or missing: refuse them, or replace them with 0 or "
+            "the mean of the other samples"
         ),
     ] = "refuse"
 
@@ -132,7 +134,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if low is None and high is None:
             return
         if low is None:
-            raise ParameterError("cut_on_um", None, "give it, or leave cut_off_um empty too")
+            raise ParameterError("cut_on_um", None, "give a number, or leave cut_off_um empty too")
         if high is None or low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}")
 
@@ -173,7 +175,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return checked_band(self.band, info.bands, info.path)
         names = [name.upper() for name in info.channels]
         if not {"R", "G", "B"} <= set(names):
-            why = f"{info.path.name} has no channels R, G and B; choose one or all"
+            why = f"{info.path.name} has no channels R, G and B; set bands to one or all"
             raise ParameterError("bands", self.bands, why)
         return tuple(names.index(name) for name in "RGB")
 
@@ -246,7 +248,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             f"the radiance may be wrong: the file stores whole numbers, but unit = {self.unit}",
-            "set scale to convert them to radiance, or set unit to their unit, such as DN",
+            "set scale to convert the numbers to radiance, or set unit to the unit of the "
+            "numbers, such as DN",
         )
 
     @warning
@@ -256,9 +259,10 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not fields or self.scale != 1.0:
             return None
         return Caution(
-            f"the samples may be in the wrong unit: the header has {' and '.join(fields)}, "
-            "which are not applied",
-            "enter the gain as scale, and the resulting unit; for an offset, convert the file",
+            "the samples may be in the wrong unit: Read Image does not apply "
+            f"{' and '.join(fields)} from the header",
+            "enter the gain as scale and the resulting unit as unit; for an offset, convert the "
+            "file",
         )
 
     @warning
@@ -283,7 +287,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         ends = "from the first to the last band" if stated is None else "from {:g} to {:g} µm"
         where = ends.format(*stated or ())
         return Caution(
-            f"radiance between the bands is missing: they cover {100 * share:.0f} % of the "
+            f"radiance between the bands is missing: the bands cover {100 * share:.0f} % of the "
             f"wavelengths {where}",
             "choose cut_on_um and cut_off_um within the bands, or use a cube without gaps",
         )
@@ -306,7 +310,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             "wavelengths are read as µm: the header gives no unit for them",
-            "add a line to the header: wavelength units = Micrometers, or their actual unit",
+            "add a line to the header: wavelength units = Micrometers, or the actual unit",
         )
 
     @warning
@@ -333,8 +337,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
         return Caution(
             f"only channel {read} of {', '.join(channels)} of this colour picture is read",
-            f"for another channel set band, 0 to {len(channels) - 1}; for all channels set bands "
-            "to luminance",
+            f"for another channel, set band (0 to {len(channels) - 1}); for all channels, set "
+            "bands to luminance",
         )
 
     @warning
@@ -345,7 +349,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             f"only band {self.band} is read: the file contains {header.bands} bands",
-            f"for another band set band, 0 to {header.bands - 1}",
+            f"for another band, set band (0 to {header.bands - 1})",
         )
 
     @readout("samples")

@@ -71,12 +71,11 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     file_unit = stored.integrated if integrated else stored
     if not chosen and file_unit.photons:
         raise FileError(
-            f"{info.path}: its samples are in {info.unit}, and the energy of a photon depends "
-            f"on its wavelength; set unit = {file_unit.name} to keep photons, or give scale "
-            "for watts"
+            f"{info.path}: the samples are in {info.unit}, and the energy of a photon depends on "
+            f"its wavelength; set unit = {file_unit.name} to keep photons, or give scale for watts"
         )
     if chosen and (own is None or own.name != file_unit.name):
-        allowed = f"it must be of the same kind as the file's unit, {info.unit}; or give scale"
+        allowed = f"give a unit of the same kind as the file's, {info.unit}, or give scale"
         raise ParameterError("unit", typed, allowed)
     return SampleUnit(file_unit.name, file_unit.factor)
 
@@ -95,7 +94,7 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
         except DataError as error:
             raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
         if chosen and (own and own.name) != (stored and stored.name):
-            allowed = f"it must be of the same kind as the file's unit, {info.unit}; or give scale"
+            allowed = f"give a unit of the same kind as the file's, {info.unit}, or give scale"
             raise ParameterError("unit", typed, allowed)
         return stored
     _refuse_unnamed(info, named=chosen or scale != 1.0)
@@ -108,7 +107,7 @@ def _refuse_unnamed(info: PictureInfo, *, named: bool) -> None:
     """Refuse the cube of a file of which nobody says what its samples are in."""
     if info.kind == "envi" and info.wavelengths_um and not info.unit and not named:
         raise FileError(
-            f"{info.path}: its header has no data units: add a line such as data units = "
+            f"{info.path}: the header has no data units: add a line such as data units = "
             "W/m^2/sr/um, or set unit to the samples' unit, such as W/cm²/sr/µm or DN"
         )
 
@@ -129,7 +128,9 @@ def _of_typed(
         return SampleUnit(own.name, own.factor)
     if own.spectral != "µm":
         raise ParameterError(
-            "unit", typed, "per µm or nm, because the samples are integrated over wavelength"
+            "unit",
+            typed,
+            "the unit must be per µm or nm, because the samples are integrated over wavelength",
         )
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None
@@ -174,7 +175,7 @@ def radiance_caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
             "like temperatures in kelvin but are read as W/m²/sr, a radiance that no scene below "
             f"{least:.0f} K emits over all wavelengths",
-            f"{_REMEDY}; if it is radiance, give cut_on_um and cut_off_um",
+            f"{_REMEDY}; if the samples are radiance, give cut_on_um and cut_off_um",
         )
     return None
 

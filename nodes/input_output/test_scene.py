@@ -36,18 +36,18 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
 
     Planck's law converts temperatures and emissivities to band radiance. Edges are area-sampled, so
     they do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
-    ground. The airfield is seen from above, with straight roads, for Camera Geometry.
+    ground. The airfield is seen from above and has straight roads, for use with Camera Geometry.
 
-    `bands` divides the scene's band into that many bands of equal width. Optics and atmosphere
-    treat each at its own wavelength, until a detector sums them. Surfaces then have the spectra of
-    grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They
-    emit at their temperature and reflect the sky. With `sun_elevation_deg` they also reflect
-    sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all bands. With
-    `emissivity` grey every surface keeps its single emissivity; the sum of all bands is then the
-    picture without bands, except for sunlight. `quantity` reflectance gives what the surfaces
-    reflect instead of their radiance, for Reflected Light; shade and sky get the reflectance that
-    would look as bright in sunlight. Targets then have `target_reflectance`, and their background
-    `background_reflectance`, at all wavelengths.
+    `bands` divides the scene's band into spectral bands of equal width. Optics and atmosphere treat
+    each spectral band at its own wavelength until a detector sums them. Surfaces then have the
+    spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely
+    sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
+    surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all
+    bands. With `emissivity` grey, every surface keeps a single emissivity; without sunlight, the
+    bands then add up to the picture for `bands` = 0. With `quantity` reflectance, the samples are
+    surface reflectances for Reflected Light instead of radiances; shade and sky get the reflectance
+    that would look equally bright in sunlight. Targets then have `target_reflectance` and their
+    background has `background_reflectance`, at all wavelengths.
     """
 
     formulas = (
@@ -93,10 +93,12 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ] = "radiance"
     background_reflectance: Annotated[
         float,
-        Param("reflectance of a target's background, for quantity reflectance", low=0, high=1),
+        Param(
+            "reflectance of a target's background, used if quantity is reflectance", low=0, high=1
+        ),
     ] = 0.07
     target_reflectance: Annotated[
-        float, Param("reflectance of a target, for quantity reflectance", low=0, high=1)
+        float, Param("reflectance of a target, used if quantity is reflectance", low=0, high=1)
     ] = 0.15
     sun_elevation_deg: Annotated[
         float,
@@ -106,7 +108,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         float, Param("background temperature", low=0, above=True, slider=(200, 400))
     ] = 303.15
     delta_K: Annotated[
-        float, Param("target temperature minus the background's", slider=(-50, 50))
+        float, Param("target temperature minus background temperature", slider=(-50, 50))
     ] = 10.0
     angle_deg: Annotated[
         float, Param("direction of the edge's normal or of the wave", slider=(-90, 90))
@@ -145,7 +147,9 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
                 "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}"
             )
         if self.quantity == "reflectance" and self.kind in DRAWN and not self.bands:
-            raise ParameterError("bands", 0, f"1 or more for the {self.kind} in reflectance")
+            raise ParameterError(
+                "bands", 0, f"1 or more for the {self.kind} if quantity = reflectance"
+            )
 
     def run(self, here: NodeContext) -> ImageOutput:
         x, y = self.fov_x_deg, self.fov_y_deg

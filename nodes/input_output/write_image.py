@@ -47,7 +47,7 @@ _FLOATS: dict[str, np.dtype[Any]] = {"float": np.dtype(np.float32), "double": np
 class WriteImage(
     Module, key="write_image", title="Write Image", group="Input and output", sink=True
 ):
-    """Write the picture to a file, only in runs that save outputs.
+    """Write the picture to a file in runs that save outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
     to the full range of the type. If both are empty, a picture in digital numbers (DN) is not

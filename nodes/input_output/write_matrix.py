@@ -35,7 +35,7 @@ class WriteMatrix(
     written only in runs that save outputs.
     """
 
-    without_formula = "It writes numbers unchanged."
+    without_formula = "Write Matrix writes numbers unchanged."
 
     renamed = MappingProxyType({"curve": "image", "transfer": "image"})
 

@@ -252,7 +252,7 @@ def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
     temperatures = temperature_K + offsets * delta_K
     if not float(temperatures.min()) > 0.0:
         low, high = -temperature_K / offsets.max(), -temperature_K / offsets.min()
-        allowed = f"this scene allows more than {low:g} and less than {high:g}"
+        allowed = f"above {low:g} and below {high:g} for this scene"
         raise ParameterError("delta_K", delta_K, allowed)
     return np.asarray(temperatures)
 

@@ -187,7 +187,7 @@ def test_what_is_left_of_an_earlier_picture(tmp_path):
     np.testing.assert_allclose(bench.value("it.image"), expected, rtol=1e-14)
     assert bench.readouts("it")["lag_percent"] == pytest.approx(5 * np.exp(-2))
     assert "32 × 21" in str(bench.error("wrong"))
-    assert "is in 'K' and the image in 'W/m²/sr'" in str(bench.error("mixed"))
+    assert "is in 'K' and the image is in 'W/m²/sr'" in str(bench.error("mixed"))
     assert "slow_percent = 30.0 % is not allowed" in str(bench.error("more"))
 
 

@@ -152,7 +152,7 @@ class TestFiles:
         assert ("one_band" in found) is warned
         if warned:
             assert found["one_band"].message == "only band 0 is read: the file contains 3 bands"
-            assert found["one_band"].remedy == "for another band set band, 0 to 2"
+            assert found["one_band"].remedy == "for another band, set band (0 to 2)"
 
     def test_a_focal_length_other_than_the_files(self):
         init = InitTrans.build({"focal_length_mm": 100.0})
