@@ -65,7 +65,7 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
         # A plug-in's module may need more than the nodes that stand before it here, or be at fault:
         # its page states it, and the others are made.
         kind = "" if isinstance(error, ImagechainError) else f"{type(error).__name__}: "
-        return Example(reason=f"This page's example was not run: {kind}{in_line(str(error))}.")
+        return Example(reason=f"The example on this page failed: {kind}{in_line(str(error))}.")
     return example
 
 
@@ -83,7 +83,7 @@ def _draw(example: Example, declared: Declaration, engine: Engine, plan: Plan, w
     for name, value in outputs.items():
         if isinstance(value, Pupil):
             samples = engine.value(plan, f"{IT}.{name}", work)
-            shown.append(picture(np.abs(samples), "the pupil: white transmits light"))
+            shown.append(picture(np.abs(samples), "the pupil; white areas transmit light"))
     if declared.key == "init_trans":
         spectrum = np.fft.fftshift(np.abs(engine.value(plan, f"{IT}.magnitude", work)))
         shown.append(picture(np.log(spectrum + 1e-6), "logarithm of the magnitude"))

@@ -172,7 +172,7 @@ NO_EXAMPLE: Mapping[str, str] = MappingProxyType(
     {
         "write_image": "This module writes a file, so it has no picture to show.",
         "write_matrix": "This module writes a file, so it has no picture to show.",
-        "noise_file": "This module adds noise from your own file, which must have the same size "
+        "noise_file": "This module needs a noise file of your own, which must have the same size "
         "as the picture.",
     }
 )

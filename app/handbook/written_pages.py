@@ -250,7 +250,7 @@ def write_handbook(
     target = folder.resolve()
     if folder.exists() and not _may_be_replaced(folder):
         raise FileError(
-            f"cannot write the handbook to {folder}: it contains other files; name a new folder"
+            f"cannot write the handbook to {folder}: it contains other files; choose a new folder"
         )
     if not target.parent.is_dir():
         raise FileError(
@@ -376,7 +376,7 @@ def page_figure(words: str, engine: Engine) -> str:
         elif kind == "curve" and isinstance(plan.output(what), Curve):
             drawings.append(curves(engine.value(plan, what, work), text))
         else:
-            raise UsageError(f"unknown line in a figure of the handbook: {kind} {what}")
+            raise UsageError(f"unknown line in a handbook figure: {kind} {what}")
     return f'<div class="figures">\n{"".join(drawings)}\n</div>\n'
 
 
