@@ -56,7 +56,7 @@ class ChargeTransfer(Module):
 class ChargeEffMTF(
     ChargeTransfer, MtfModule, key="charge_eff_mtf", title="Charge Transfer MTF", group="Detector"
 ):
-    """Blur along the read-out direction (x) by incomplete charge transfer.
+    """Blur along the read-out direction (x) from incomplete charge transfer.
 
     With w = 2π·xi·Δ, the MTF is |ε/(1 − (1−ε)e^{−iw})|^N (`exact`) or exp(−N(1−ε)(1 − cos w))
     (`published` and `leading`). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.

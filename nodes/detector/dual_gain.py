@@ -26,15 +26,15 @@ class DualGainOutputs(NamedTuple):
 class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     """Combine two read-outs of one scene: high gain for dark areas, low gain for bright areas.
 
-    Use it for pixels that are read at two gains, or for HDR from a long and a short exposure. Give
-    each read-out its own Focal Plane, with `units` = electrons. Pixels of `image` come from `high`
-    up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
-    seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
-    set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
-    dynamic range, and a warning if `low_factor` does not fit. Focal Plane warns if the high gain
-    clips; this is expected. Noise budgets and figures use the noise of `high`, which is the noise
-    of the picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range: saturation
-    over dark noise), applied to the two read-outs.
+    Use this module for pixels that are read at two gains, or for HDR from a long and a short
+    exposure. Give each read-out its own Focal Plane, with `units` = electrons. Pixels of `image`
+    come from `high` up to `switch_level`, and from `low` above this level. For two gains of one
+    exposure, enter the same seed on both Focal Planes, so that they share shot noise and fixed
+    pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
+    tables to get the combined dynamic range, and a warning if `low_factor` does not fit. Focal
+    Plane warns if the high gain clips; this is expected. Noise budgets and figures use the noise of
+    `high`, which is the noise of the picture up to `switch_level`. Source: EMVA 1288 release 4.0
+    (dynamic range: saturation over dark noise), applied to the two read-outs.
     """
 
     formulas = (

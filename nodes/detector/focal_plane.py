@@ -561,7 +561,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("well_fill_percent", "%", "Fraction of the full well filled by all electrons."),
         ("shot_noise_e", "e-", "Shot noise of all electrons."),
         ("excess_noise_e", "e-", "Excess noise of the charge gain."),
-        ("read_noise_e", "e-", "Read noise, averaged over the frames."),
+        ("read_noise_e", "e-", "Read noise after frame averaging."),
         ("quantization_noise_e", "e-", "Quantization noise of the converter."),
         ("temporal_noise_e", "e-", "Temporal noise: shot, excess, read and quantization noise "
          "together."),

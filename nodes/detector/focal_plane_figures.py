@@ -343,7 +343,7 @@ def figures(
         ("well_fill_percent", fill, "%", "fraction of the full well filled by all electrons"),
         ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
         ("excess_noise_e", excess, "e-", "excess noise of the charge gain"),
-        ("read_noise_e", read, "e-", "read noise, averaged over the frames"),
+        ("read_noise_e", read, "e-", "read noise after frame averaging"),
         ("quantization_noise_e", rounding, "e-", "quantization noise"),
         ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
         ("fixed_pattern_e", slope * pattern, "e-", "PRNU and DSNU"),

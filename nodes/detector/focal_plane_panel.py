@@ -105,7 +105,7 @@ class FocalPlanePanel(SeededModule):
         "dark current per unit of pixel area, instead of dark_current_e_per_s",
         low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
     dark_reference_K: Annotated[float | None, Param(
-        "temperature at which the dark current is given; empty: the detector's own",
+        "temperature at which the dark current is given; empty: the detector's temperature",
         low=0, high=1e3, slider=(60, 320))] = None  # fmt: skip
     dark_doubling_K: Annotated[float | None, Param(
         "temperature rise that doubles the dark current; empty: no change with temperature",
@@ -158,7 +158,9 @@ class FocalPlanePanel(SeededModule):
     ] = 0.0
     bad_pixel_percent: Annotated[
         float,
-        Param("share of dead and hot pixels, some in clusters", low=0, high=100, slider=(0, 1)),
+        Param(
+            "share of dead and hot pixels, some of them clustered", low=0, high=100, slider=(0, 1)
+        ),
     ] = 0.0
     binning: Annotated[Literal["charge", "digital"], Param(
         "sum the pixels' charge before read noise, or their digital numbers afterwards",

@@ -21,10 +21,11 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     corner are designed. The lens's data sheet gives the CRA of the lens. If the two angles are
     equal, the picture does not change. A difference lowers the response: to half at
     `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
-    picture; the corner is the picture's corner. Only the chief ray counts: the response is not
-    averaged over the cone of a fast lens. Put this module before Focal Plane, which then computes
-    the shot noise of the darkened picture. Signal and SNR use the mean over the field; transfer
-    functions do not change. Source: Catrysse and Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
+    picture, and the corner angles apply at the picture's corners. Only the chief ray counts: the
+    response is not averaged over the cone of a fast lens. Put this module before Focal Plane, which
+    then computes the shot noise of the darkened picture. Signal and SNR use the mean response over
+    the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt. Soc. Am.
+    A 19, 1610.
     """
 
     formulas = (
@@ -47,7 +48,7 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     ] = 0.0  # fmt: skip
     response: Annotated[
         Literal["half_angle", "file"],
-        Param("response over angle: from half_response_deg, or measured"),
+        Param("response versus angle: from half_response_deg, or measured"),
     ] = "half_angle"
     half_response_deg: Annotated[
         float,

@@ -18,10 +18,10 @@ from nodes.shared.shared_warnings import is_radiance
 class Persistence(BeforeDigits, key="persistence", title="Persistence", group="Detector"):
     """Add image lag: a remnant of an earlier exposure that decays with two time constants.
 
-    Connect the picture of the earlier exposure to `earlier`; it must have the same size and unit.
-    fast_percent and slow_percent refer to the end of the earlier exposure. Budgets treat the lag as
-    a fixed pattern. Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021,
-    70210J (infrared detectors).
+    Connect the picture of the earlier exposure to `earlier`; both pictures must have the same size
+    and unit. fast_percent and slow_percent refer to the end of the earlier exposure. Budgets treat
+    the lag as a fixed pattern. Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE
+    7021, 70210J (infrared detectors).
     """
 
     formulas = (

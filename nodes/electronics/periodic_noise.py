@@ -99,7 +99,7 @@ class PeriodicNoise(
                 name="y",
             ),
         )
-        across = Axis(0.0, end, "from the first sample (mrad)")
+        across = Axis(0.0, end, "distance from the first sample (mrad)")
         words = (
             f"sinusoid of amplitude {brief(self.amplitude)} at {brief(self.xi)} cyc/mrad "
             f"horizontally and {brief(self.eta)} vertically"

@@ -113,8 +113,8 @@ class PoissonNoise(
         return Caution(
             f"the amount of noise depends on the picture's unit{named} because the 1996 model "
             "draws Poisson deviates in that unit; the noise is added before the optics",
-            "keep this node to compare with the thesis; for a camera's shot noise, delete this "
-            "node and use Focal Plane, which counts electrons at the detector",
+            "keep this node to compare with Tantalo's thesis; for a camera's shot noise, delete "
+            "this node and use Focal Plane, which counts electrons at the detector",
         )
 
     @readout("W/m²/sr")

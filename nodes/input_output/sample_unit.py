@@ -75,7 +75,7 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
             f"its wavelength; set unit = {file_unit.name} to keep photons, or give scale for watts"
         )
     if chosen and (own is None or own.name != file_unit.name):
-        allowed = f"give a unit of the same kind as the file's, {info.unit}, or give scale"
+        allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"
         raise ParameterError("unit", typed, allowed)
     return SampleUnit(file_unit.name, file_unit.factor)
 
@@ -94,7 +94,7 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
         except DataError as error:
             raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
         if chosen and (own and own.name) != (stored and stored.name):
-            allowed = f"give a unit of the same kind as the file's, {info.unit}, or give scale"
+            allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"
             raise ParameterError("unit", typed, allowed)
         return stored
     _refuse_unnamed(info, named=chosen or scale != 1.0)
@@ -163,10 +163,10 @@ def radiance_caution(
         where = (
             "at all wavelengths" if band_um is None else f"in {band_um[0]:g} to {band_um[1]:g} µm"
         )
-        looks = "; they look like temperatures in kelvin" if kelvin else ""
+        looks = "; the samples look like temperatures in kelvin" if kelvin else ""
         return Caution(
-            f"the samples' mean, {stats.mean:.4g} W/m²/sr, is more than the {limit:.3g} that a "
-            f"surface on Earth can emit and reflect {where}{looks}",
+            f"the samples' mean, {stats.mean:.4g} W/m²/sr, exceeds {limit:.3g} W/m²/sr, the most "
+            f"that a surface on Earth can emit and reflect {where}{looks}",
             f"{_REMEDY}; ignore this for flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:

@@ -39,7 +39,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ground. The airfield is seen from above and has straight roads, for use with Camera Geometry.
 
     `bands` divides the scene's band into spectral bands of equal width. Optics and atmosphere treat
-    each spectral band at its own wavelength until a detector sums them. Surfaces then have the
+    each spectral band at its own wavelength until a detector sums the bands. Surfaces then have the
     spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely
     sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
     surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all

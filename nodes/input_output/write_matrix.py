@@ -30,9 +30,9 @@ class WriteMatrix(
     """Write values as plain text, one row per line, readable by MathCad's READPRN.
 
     A .csv file separates values with commas and names the columns of curves; .txt and .prn files
-    use spaces. For bars, the first column holds their names in a .csv file, and their numbers from
-    0 in other files. A transfer function is written in FFT order, zero frequency first. Files are
-    written only in runs that save outputs.
+    use spaces. For bar charts, the first column holds the names of the bars in a .csv file, and
+    their numbers, counted from 0, in other files. A transfer function is written in FFT order, zero
+    frequency first. Files are written only in runs that save outputs.
     """
 
     without_formula = "Write Matrix writes numbers unchanged."

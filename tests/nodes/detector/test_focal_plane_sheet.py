@@ -168,7 +168,7 @@ def test_a_gain_of_no_kind_is_warned_of(tmp_path):
          "dark_current_A_per_cm2 = 1e-09 A/cm² is not allowed: 0 if dark_current_e_per_s = 5"),
         ({**SILICON, "dark_reference_K": None}, "dark_reference_K"),
         ({**SILICON, "dark_doubling_K": None}, "dark_doubling_K"),
-        ({**SILICON, "detector_K": None}, "rule_07 and dark_doubling_K need the detector's temperature"),
+        ({**SILICON, "detector_K": None}, "dark_doubling_K need the detector's temperature"),
         ({"quantum_efficiency_percent": 60, "responsivity_A_per_W": 1, "responsivity_um": 4},
          "quantum_efficiency_percent = 60.0 % is not allowed: empty if responsivity_A_per_W is"),
         ({"responsivity_A_per_W": 4.0, "responsivity_um": 4.5}, "at most 3.629 at 4.5 µm"),

@@ -140,7 +140,7 @@ def test_bands_that_the_header_marks_as_bad_are_left_out(tmp_path, fwhm, params)
     np.testing.assert_allclose(bench.value("in.image"), truth, rtol=1e-14)
     said = said_by(bench)
     assert any("1 band is left out, because the header marks it as bad" in it for it in said)
-    assert any("they cover 75 % of the wavelengths from 7.5 to 11.5" in it for it in said) == (
+    assert any("the bands cover 75 % of the wavelengths from 7.5 to 11.5" in it for it in said) == (
         fwhm is not None
     )
 
@@ -162,7 +162,7 @@ def test_bands_that_cover_a_part_of_the_range_are_warned_of(tmp_path, interval, 
     widths = {"fwhm": "{0.5, 1, 0.5, 1}"}
     envi(tmp_path, np.ones((4, 3, 5)), **BANDS, **widths)
     said = said_by(reading(tmp_path, path="x.img", bands="all", **interval))
-    found = [line for line in said if "they cover" in line]
+    found = [line for line in said if "the bands cover" in line]
     assert len(found) == (share is not None)
     assert share is None or share in found[0]
 

@@ -100,8 +100,9 @@ class TestRadianceOfElectronics:
         assert (caution.node, caution.check) == ("electronics", "radiance")
         limit = planck(8.0, 12.0, 353.95) + (6.957e8 / 1.495978707e11) ** 2 * planck(8, 12, 5772.0)
         assert caution.message == (
-            f"the samples' mean, 290 W/m²/sr, is more than the {limit:.3g} that a surface on Earth "
-            "can emit and reflect in 8 to 12 µm; they look like temperatures in kelvin"
+            f"the samples' mean, 290 W/m²/sr, exceeds {limit:.3g} W/m²/sr, the most that a surface "
+            "on Earth can emit and reflect in 8 to 12 µm; the samples look like temperatures in "
+            "kelvin"
         )
 
 
@@ -132,7 +133,7 @@ class TestFiles:
     def test_one_channel_of_a_colour_picture(self):
         outputs = ImageOutput(image(Header(channels=("R", "G", "B"))))
         caution = ReadImage.build({}).one_channel(outputs, frozenset())
-        assert caution.message == "only channel R of R, G, B of this colour picture is read"
+        assert caution.message == "only channel R of this colour picture (R, G, B) is read"
         assert "0 to 2" in caution.remedy
         one = ImageOutput(image(Header(channels=("Y",))))
         assert ReadImage.build({}).one_channel(one, frozenset()) is None
