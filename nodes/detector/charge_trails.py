@@ -96,8 +96,8 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
             along = factor.x if isinstance(factor, Separable) else None
             if along is not None and "efficiency" in dict(along.parameters):
                 return Caution(
-                    f"incomplete charge transfer along the rows is applied twice: {factor.node} "
-                    "applies it too",
+                    "incomplete charge transfer along the rows is applied twice, here and on "
+                    f"{factor.node}",
                     "delete one of the two nodes, or set its efficiency to 1",
                 )
         return None

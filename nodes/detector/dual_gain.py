@@ -81,7 +81,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
         ):
             if one != other:
                 raise DataError(
-                    f"high and low must have the same {what}: they have {one} and {other}"
+                    f"high and low must have the same {what}: high has {one} and low has {other}"
                 )
         how: dict[str, Any] = {"level": self.switch_level, "blend": self.blend_percent / 100.0}
         share = here.step(share_of_low, high.recipe, **how)
@@ -175,7 +175,7 @@ def switch_caution(
         )
     if high.high <= level < factor * low.high:
         return Caution(
-            "low is never used, although its picture is brighter: high reaches only "
+            "low is never used, although low is brighter than high: high reaches only "
             f"{high.high:.4g}, below switch_level = {level:g}",
             "set switch_level below the saturation of high",
         )

@@ -60,7 +60,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). F₀, τ₀, the
     background and t₀ come from the data sheet; √(t₀/t) applies if both integration times are given.
     For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the lens, so enter
-    the lens's F-number and transmission as reference values too. Ω is the solid angle defined in
+    the lens's F-number and transmission as reference values too. The solid angle Ω is defined in
     Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at another background
     scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change
     remains, so a changing scene leaves traces in later frames. With a scan velocity on Init &

@@ -41,10 +41,11 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     `one_point`: the pattern at `low_K` is subtracted; the residual grows with the difference from
     `low_K`, because the gains differ. `two_point`: gain and offset come from a straight line
     through both references; the residual comes from the noise of the averaged references and from
-    nonlinearity. `drift_K` adds the offset drift since the correction, given as the rms over the
-    pixels in scene temperature. A pixel with less than a tenth of the mean response gets a gain of
-    1. The frames of a reference share their 1/f noise, but budgets treat it as independent from
-    frame to frame. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    nonlinearity. `drift_K` adds the offset drift since the correction: the rms over the pixels,
+    expressed as a scene temperature. A pixel with less than a tenth of the mean response gets a
+    gain of 1. The frames of a reference share their 1/f noise, but budgets treat this noise as
+    independent from frame to frame. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995;
+    Holst 2008.
     """
 
     formulas = (

@@ -19,9 +19,9 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     """Add image lag: a remnant of an earlier exposure that decays with two time constants.
 
     Connect the picture of the earlier exposure to `earlier`; both pictures must have the same size
-    and unit. fast_percent and slow_percent refer to the end of the earlier exposure. Budgets treat
-    the lag as a fixed pattern. Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE
-    7021, 70210J (infrared detectors).
+    and unit. The shares fast_percent and slow_percent refer to the end of the earlier exposure.
+    Budgets treat the lag as a fixed pattern. Source: Smith, Zavodny, Rahmer and Bonati 2008,
+    Proceedings of SPIE 7021, 70210J (infrared detectors).
     """
 
     formulas = (
@@ -55,8 +55,7 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
     def check(self) -> None:
         if self.fast_percent + self.slow_percent > 100.0 + 1e-9:  # rounding
             allowed = (
-                f"the sum of slow_percent and fast_percent = {self.fast_percent:g} % must not "
-                "exceed 100 %"
+                f"slow_percent plus fast_percent ({self.fast_percent:g} %) must not exceed 100 %"
             )
             raise ParameterError("slow_percent", self.slow_percent, allowed)
 

@@ -19,7 +19,7 @@ from nodes.shared.module_ports import ImageOutput
 
 
 class ReadWindow(Module, key="read_window", title="Read-out Window", group="Detector"):
-    """Read a window of the detector, its region of interest (ROI), and drop all other pixels.
+    """Read a window of the detector, the region of interest (ROI), and drop all other pixels.
 
     An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the
     pixels keep their noise and their fixed pattern, whatever the window. Transfer functions, NETD

@@ -30,11 +30,12 @@ class RollingShutter(
 
     The top line is exposed first. Velocities refer to the image on the detector, in pixels per
     second. Put this module before Sample Pixels or Combine Pixels: all samples of a line of pixels
-    are exposed together. Put modules that add noise after this one. A windowed sinc interpolates
-    between samples. Detail above 70 % of the samples' Nyquist frequency loses contrast, and sharp
-    edges show ringing. Beyond its edges, the frame is extended as in Interpolate. Use Relative
-    Motion MTF for the blur within one exposure. Predicted MTFs and budgets assume an image at rest.
-    Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
+    are exposed together. Put modules that add noise after Rolling Shutter. A windowed sinc
+    interpolates between samples. Detail above 70 % of the samples' Nyquist frequency loses
+    contrast, and sharp edges show ringing. Beyond its edges, the frame is extended as in
+    Interpolate. Use Relative Motion MTF for the blur within one exposure. Predicted MTFs and
+    budgets assume an image at rest. Source: Liang, Chang and Chen 2008, IEEE Transactions on Image
+    Processing 17, 1323.
     """
 
     formulas = (

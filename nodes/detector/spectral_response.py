@@ -36,11 +36,11 @@ class SpectralResponse(
 ):
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after this
-    module counts the remaining photons; its NETD refers to the scene before the response is
-    applied. The response weights only light from the scene, not radiation from optics and housing.
-    A picture with one band is multiplied by the mean response over the band, weighted by the
-    radiance of a black body. The temperature of the black body is `source_K`. If `source_K` is
+    Each band of a spectral picture is multiplied by the mean response in that band. A Focal Plane
+    after this module counts the remaining photons; its NETD refers to the scene before the response
+    is applied. The response weights only light from the scene, not radiation from optics and
+    housing. A picture with one band is multiplied by the mean response over the band, weighted by
+    the radiance of a black body. The temperature of the black body is `source_K`. If `source_K` is
     empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise
     the picture's mean brightness temperature. `file`: a CSV file of wavelength (µm) and response,
     interpolated linearly and 0 outside its points. `gaussian`: `width_um` is the full width at half

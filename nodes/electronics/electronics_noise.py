@@ -110,7 +110,7 @@ class ElectronicsNoise(
         ),
         Formula(
             r"q=\frac{L_{high}-L_{low}}{2^b-1}",
-            where="step of a b-bit quantizer; L_low, L_high: its lowest and highest levels",
+            where="step of a b-bit quantizer; L_low, L_high: lowest and highest levels",
         ),
     )
 

@@ -169,8 +169,8 @@ def value_range(
     if lowest > highest:
         name, value = ("range_low", low) if high is None else ("range_high", high)
         allowed = (
-            f"inside the picture's range, {picture.min():.6g} to {picture.max():.6g}, or give both "
-            "levels"
+            f"give a level within the picture's range, {picture.min():.6g} to {picture.max():.6g}, "
+            "or give both levels"
         )
         raise ParameterError(name, value, allowed, unit="W/m²/sr")
     return lowest, highest

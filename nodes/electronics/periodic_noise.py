@@ -30,9 +30,9 @@ class PeriodicNoise(
 ):
     """Add sinusoidal noise, such as pick-up from a power supply, optionally modulated in amplitude.
 
-    The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
-    are 0 at the first sample. Frequencies beyond Nyquist are aliased. An amplitude of 0 changes
-    nothing. Source: Tantalo 1996, chapter 3.
+    The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). The
+    coordinates x and y are 0 at the first sample. Frequencies beyond Nyquist are aliased. An
+    amplitude of 0 changes nothing. Source: Tantalo 1996, chapter 3.
     """
 
     formulas = (

@@ -52,8 +52,7 @@ class ExamineImage(
         ),
         Formula(
             r"\int_{\lambda_1}^{\lambda_2}L_\lambda(T)\,d\lambda=L",
-            where="T: apparent temperature, the temperature at which a black body has the same "
-            "band radiance",
+            where="T: apparent temperature, at which a black body has the same band radiance",
             when="radiance in a known band",
         ),
     )
@@ -79,7 +78,7 @@ class ExamineImage(
     def check(self) -> None:
         if (self.probe_x is None) != (self.probe_y is None):
             name = "probe_x" if self.probe_x is None else "probe_y"
-            raise ParameterError(name, None, "give both coordinates, or neither")
+            raise ParameterError(name, None, "give both probe_x and probe_y, or neither")
 
     def run(self, image: Image | Magnitude | Phase | Transfer, here: NodeContext) -> ExamineOutputs:
         band, unit = None, ""

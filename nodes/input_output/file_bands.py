@@ -128,8 +128,8 @@ def bands_of(
     info = cube.info
     if info.wavelengths_um is None or (isinstance(cube, Source) and info.kind != "envi"):
         raise FileError(
-            f"{info.path}: the bands have no wavelengths; give them in an ENVI header, or set "
-            "bands = one to read a single band"
+            f"{info.path}: the bands have no wavelengths; give the wavelengths in an ENVI header, "
+            "or set bands = one to read a single band"
         )
     low, high = interval_um or (0.0, _WIDEST_UM)
     first, last = envi.band_ends_um(info)

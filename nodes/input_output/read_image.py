@@ -305,11 +305,11 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def wavelengths_without_unit(self, outputs: ImageOutput) -> Caution | None:
-        """The header gives no unit for its wavelengths; they are read as µm."""
+        """The header gives no unit for the wavelengths, which are read as µm."""
         if not outputs.image.header.wavelengths_assumed:
             return None
         return Caution(
-            "wavelengths are read as µm: the header gives no unit for them",
+            "the wavelengths are read as µm: the header gives no unit for wavelengths",
             "add a line to the header: wavelength units = Micrometers, or the actual unit",
         )
 
@@ -330,7 +330,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def one_channel(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
-        """Only one channel of a colour picture is read, and you did not choose it."""
+        """Only one channel of a colour picture is read, and `band` is not set."""
         channels = outputs.image.header.channels
         if len(channels) < 2 or "band" in given or self.bands == "luminance":
             return None
@@ -343,7 +343,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def one_band(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
-        """Only one band, plane or frame of a cube is read, and you did not choose it."""
+        """Only one band, plane or frame of a cube is read, and `band` is not set."""
         header = outputs.image.header
         if header.bands < 2 or header.channels or "band" in given:
             return None

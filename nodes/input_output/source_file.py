@@ -171,7 +171,7 @@ def _filled(work: Work, samples: NDArray[Any], missing: Missing, file: Path) -> 
     if number == samples.size:
         return samples
     if not number:
-        raise DataError(f"{file}: none of its {samples.size} samples is finite")
+        raise DataError(f"{file}: none of the {samples.size} samples is finite")
     value = 0.0
     if missing == "mean":
         finite = (samples[rows][np.isfinite(samples[rows])] for rows in slabs)

@@ -50,10 +50,10 @@ class WriteImage(
     """Write the picture to a file in runs that save outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
-    to the full range of the type. If both are empty, a picture in digital numbers (DN) is not
-    stretched: 12-bit samples stay 0 to 4095 in the file. `automatic` uses the precision of the
-    computation if the format allows it, and 16-bit integers for PNG and for digital numbers up to
-    65535.
+    to the full range of the type. If `range_low` and `range_high` are empty, a picture in digital
+    numbers (DN) is not stretched: 12-bit samples stay 0 to 4095 in the file. `automatic` uses the
+    precision of the computation if the format allows it, and 16-bit integers for PNG and for
+    digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
     in W/m²/sr/µm. Bands are written one at a time, so the whole cube is never in memory. Every

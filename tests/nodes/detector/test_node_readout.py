@@ -162,7 +162,7 @@ def test_charge_transfer_that_counts_twice_is_warned_of(tmp_path, module, axis, 
     bench, _ = short_chain(tmp_path, np.eye(9), chain, interval_mrad=INTERVAL, init=init)
     twice = [str(caution) for caution in bench.warnings() if caution.check == "twice"]
     assert len(twice) == warned
-    assert all(f"{module} applies it too" in text for text in twice)
+    assert all(f"here and on {module}" in text for text in twice)
 
 
 def test_what_is_left_of_an_earlier_picture(tmp_path):

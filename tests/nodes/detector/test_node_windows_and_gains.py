@@ -117,7 +117,7 @@ def test_a_switch_at_the_wrong_place_is_warned_of(tmp_path, level, scale, warned
 
 def test_read_outs_of_other_sizes_are_refused(tmp_path):
     bench = dual(tmp_path, {"switch_level": 1}, low=RAMP[:-1])
-    assert "same size: they have 60 × 46 and 60 × 45" in str(bench.error("dual"))
+    assert "same size: high has 60 × 46 and low has 60 × 45" in str(bench.error("dual"))
 
 
 @pytest.mark.parametrize(("low", "factor", "warned"), [

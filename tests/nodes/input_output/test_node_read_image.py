@@ -234,5 +234,5 @@ def test_missing_samples_are_counted_and_stood_in_for_if_asked(tmp_path, bad, pr
 
 def test_a_picture_of_nothing_has_no_mean(tmp_path):
     np.save(tmp_path / "a.npy", np.full((3, 4), np.nan))
-    with pytest.raises(DataError, match="none of its 12 samples is finite"):
+    with pytest.raises(DataError, match="none of the 12 samples is finite"):
         reading(tmp_path, path="a.npy", missing="mean").value("in.image")
