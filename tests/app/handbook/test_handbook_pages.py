@@ -201,7 +201,7 @@ def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch):
     assert (done.returncode, done.stderr) == (
         2,
         "imagechain: cannot write the handbook to mine: it contains other files; "
-        "name a new folder\n",
+        "choose a new folder\n",
     )
     done = run_here("handbook", "--html", "no/where", folder=tmp_path)
     assert done.returncode == 2
