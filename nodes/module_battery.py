@@ -128,7 +128,7 @@ def _of_declaration(declared: Declaration) -> Iterator[str]:
     if not declared.text:
         yield "help: the class has no docstring"
     if len(declared.title) > 40:
-        yield f"title: {len(declared.title)} characters do not fit on a node"
+        yield f"title: {len(declared.title)} characters do not fit on a node; at most 40 do"
     for parameter in declared.parameters:
         if not parameter.param.text:
             yield f"{parameter.name}: has no help text"
@@ -209,8 +209,8 @@ def _of_regions(trial: _Trial) -> Iterator[str]:
             error = float(np.abs(part - whole[region.slices]).max()) / span
             if error > DOUBLE_ERROR:
                 yield (
-                    f"output {name}: a part computed alone differs from the whole by {error:.1g} "
-                    "of the range"
+                    f"output {name}: a region computed on its own differs from the full picture by "
+                    f"{error:.1g} of the range"
                 )
 
 
@@ -234,7 +234,8 @@ def _of_keys(trial: _Trial) -> Iterator[str]:
                 if same_key and not _same(before[name], after[name]):
                     yield (
                         f"output {name} changes with {parameter.name} = {value}, but its key does "
-                        "not: everything that it depends on must be an argument of the recipe"
+                        "not: everything that the output depends on must be an argument of the "
+                        "recipe"
                     )
 
 
@@ -307,8 +308,8 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
         measured = (means[1][name] - means[0][name]) / span
         if abs(measured - gain) > GAIN_ERROR * max(abs(gain), abs(measured)):
             yield (
-                f"output {name}: a change of the scene is multiplied by {measured:.4g}, but "
-                f"the step states a gain of {gain:.4g}: give its linear gain in picture_step"
+                f"output {name}: a change in the scene is multiplied by {measured:.4g}, but the "
+                f"step states a gain of {gain:.4g}: give the step's linear gain in picture_step"
             )
 
 
@@ -323,7 +324,10 @@ def _of_noise(trial: _Trial) -> Iterator[str]:
         behind = lineage.linear.carried(work, white, temporal=True)
         variance = 0.0 if behind is None else behind.moments().sample
         if not (math.isfinite(variance) and variance >= 0):
-            yield f"output {name}: noise of variance 1 comes out with a variance of {variance}"
+            yield (
+                f"output {name}: noise of variance 1 gives a variance of {variance}, which must "
+                "be finite and not negative"
+            )
 
 
 def _of_readouts(trial: _Trial) -> Iterator[str]:

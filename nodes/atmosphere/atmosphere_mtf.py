@@ -34,16 +34,16 @@ NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 
 
 class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", group="Atmosphere"):
-    """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
+    """Blur by atmospheric turbulence and aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of given width, or Fried's long- or short-exposure MTF, with r0
+    Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
     entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
-    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateaus 0.99, 0.975, 0.955), a
-    number, or the scattering coefficient along the path. On a path down or up, this coefficient
-    falls exponentially with height. Absorption attenuates all frequencies equally and does not
-    blur: use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is
-    near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. A spectral
-    picture is blurred at each band's own wavelength.
+    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
+    number, or the scattering coefficient along the path. On a downward or upward path, this
+    coefficient falls exponentially with height. Absorption attenuates all frequencies equally and
+    does not blur: use Atmospheric Path. Looking up blurs more than looking down, because the
+    strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff
+    ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
@@ -85,30 +85,44 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     ] = None
     wavelength_um: Annotated[
         float | None,
-        Param("wavelength; empty: the middle of the band, or of each band of a cube", low=0),
+        Param(
+            "wavelength of the blur; empty: the middle of the band, or of each band of a cube",
+            low=0,
+        ),
     ] = None
     r0_wavelength_um: Annotated[
         float | None,
         Param(
-            "wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur", low=0
+            "wavelength for which r0 is given, often 0.5 µm; empty: the wavelength of the blur",
+            low=0,
         ),
     ] = None
     aperture_mm: Annotated[
-        float | None, Param("aperture, for a short exposure; empty: from Camera", low=0)
+        float | None, Param("aperture diameter, for a short exposure; empty: from Camera", low=0)
     ] = None
     alpha: Annotated[
-        float, Param("short exposure: 1 in the near field, 0.5 in the far field", low=0, high=1)
+        float,
+        Param(
+            "α for a short exposure, 1 in the near field and 0.5 in the far field", low=0, high=1
+        ),
     ] = 0.5
     cn2: Annotated[
-        float | None, Param("Cn² along a horizontal path, or at the ground", unit="m^(-2/3)", low=0)
+        float | None,
+        Param(
+            "Cn² along a horizontal path, or at the ground for a vertical path",
+            unit="m^(-2/3)",
+            low=0,
+        ),
     ] = None
     turbidity: Annotated[
         Literal["none", "low", "moderate", "high", "custom"],
-        Param("aerosol level; custom: optical depth τ or the coefficients below"),
+        Param("aerosol level; custom: from the optical depth τ or the coefficients below"),
     ] = "none"
     scatter_depth: Annotated[
         float | None,
-        Param("optical depth τ if turbidity is custom; empty: from the coefficients", low=0),
+        Param(
+            "optical depth τ, used when turbidity is custom; empty: from the coefficients", low=0
+        ),
     ] = None
     turbidity_cutoff_cyc_per_mrad: Annotated[
         float,
@@ -116,31 +130,31 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     ] = 0.001
     particle_radius_um: Annotated[
         float | None,
-        Param("particle radius, from which the cutoff follows (radius over wavelength); "
-              "empty: the cutoff above", low=0, high=1e6, slider=(0.1, 20)),
+        Param("particle radius, which sets the cutoff (radius over wavelength); empty: the cutoff "
+              "above", low=0, high=1e6, slider=(0.1, 20)),
     ] = None  # fmt: skip
     view: Annotated[
         Literal["horizontal", "vertical", "up"],
         Param(
-            "line of sight, for coefficients and Cn²; vertical: looking down from a height; "
-            "up: looking up to a height"
+            "line of sight, used with the coefficients and Cn²; vertical: looking down from a "
+            "height; up: looking up to a height"
         ),
     ] = "horizontal"
     absorption_per_km: Annotated[
         float,
         Param(
-            "has no effect here: absorption dims the scene and does not blur it; use "
-            "Atmospheric Path",
+            "absorption coefficient, which has no effect here: absorption dims the scene without "
+            "blurring it; use Atmospheric Path",
             low=0,
         ),
     ] = 0.0
     scattering_per_km: Annotated[
-        float, Param("scattering coefficient if turbidity is custom", low=0)
+        float, Param("scattering coefficient, used when turbidity is custom", low=0)
     ] = 0.0
 
     scale_height_km: Annotated[
         float,
-        Param("scale height of the aerosol, for looking down or up", low=0, above=True),
+        Param("scale height of the aerosol, used when looking down or up", low=0, above=True),
     ] = 1.0
 
     panel = (
@@ -225,14 +239,14 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @warning
     def cutoff(self, given: frozenset[str]) -> Caution | None:
-        """A cutoff frequency is entered, but it already follows from the particle radius."""
+        """A cutoff frequency is entered, but the particle radius already sets the cutoff."""
         if self.particle_radius_um is None or "turbidity_cutoff_cyc_per_mrad" not in given:
             return None
         return Caution(
             f"turbidity_cutoff_cyc_per_mrad = {self.turbidity_cutoff_cyc_per_mrad:g} is not "
             f"used: the cutoff follows from particle_radius_um = {self.particle_radius_um:g} "
             "µm",
-            "leave one of the two empty",
+            "leave turbidity_cutoff_cyc_per_mrad at its default, or leave particle_radius_um empty",
         )
 
     @warning
@@ -253,7 +267,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             "scattering and extinction disagree: absorption_per_km and "
             f"scattering_per_km add up to {scattering + self.absorption_per_km:g} 1/km, but "
             f"the extinction of Atmospheric Path is {extinction:.4g} 1/km at {middle:g} µm",
-            "lower them, or raise the extinction on Atmospheric Path",
+            "lower absorption_per_km or scattering_per_km, or raise the extinction on Atmospheric "
+            "Path",
         )
 
     @warning
@@ -277,7 +292,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             {"aperture_mm": context.focal_length_mm / context.f_number},
             where="from focal_length_mm and f_number on Init & Trans",
             near=F_NUMBER_NEAR,
-            remedy="make them agree",
+            remedy="make aperture_mm agree with focal_length_mm and f_number",
         )
 
     @readout("m")
@@ -309,7 +324,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def optical_depth(self, context: Context) -> float:
-        """Optical depth τ of scattering alone."""
+        """Optical depth τ due to scattering alone."""
         if self.turbidity == "none":
             return 0.0
         if self.turbidity != "custom":
@@ -334,7 +349,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def negligible(self, outputs: MtfOutputs) -> Step | str:
-        """Whether the largest change is below one 8-bit step."""
+        """Whether largest_change is below one 8-bit step."""
         if not outputs.mtf.factors:
             return "yes"
         return Step.of(_negligible, Step.of(_largest_change, transfer=outputs.mtf))

@@ -56,19 +56,20 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
     mid-latitude summer, the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are interpolated
-    over height and ground range. If every second table is left out, a band's transmission is off by
-    0.007 rms, at most 0.06. For a camera above 24.5 km, only the air below that height counts: at
-    nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. This model needs the
-    extra `atmosphere`.
+    over height and ground range. With every second table left out, a band's transmission is off by
+    0.007 rms and by 0.06 at most. For a camera above 24.5 km, only the air below that height
+    counts: at nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. Install the
+    extra `atmosphere` to use this model.
 
-    A picture with one band is multiplied by the band's mean transmission. The mean weights
-    wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
-    sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
-    of Read Image) has each band multiplied by its own transmission. Absorption and scattering both
-    count as attenuation here; for the blur from scattering, use Atmosphere MTF. Figures of Merit,
-    if placed after this module, uses its transmission at each range, by Beer's law at every
-    wavelength. Two of these modules in a row represent two constituents of the same air. Put the
-    module after Camera to use Camera's range and orbit; otherwise enter `range_m` here.
+    A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
+    the radiance of a black body. Its temperature is `source_K` if given, otherwise 5800 K
+    (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness temperature.
+    In a spectral picture (`bands` of Read Image), each band is multiplied by its own transmission.
+    Absorption and scattering both count as attenuation here; for the blur from scattering, use
+    Atmosphere MTF. If Figures of Merit comes after this module, it scales the transmission to each
+    range with Beer's law at every wavelength. Two Atmospheric Path modules in a row represent two
+    constituents of the same air. Put the module after Camera to use Camera's range and orbit;
+    otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
@@ -80,9 +81,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         ),
         Formula(
             r"\tau=e^{-\beta R},\quad L_{path}=(1-\tau)\,L_B(T_{air})",
-            where="β: extinction, 1/km; R: range, km; T_air: air_K; if it is empty, the air "
-            "adds nothing",
-            when="models other than tables",
+            where="β: extinction, 1/km; R: range, km; T_air: air_K; with air_K empty, the air "
+            "adds no radiance",
+            when="models without MODTRAN",
         ),
         Formula(
             r"\beta=\frac{3.912}{V}\left(\frac{0.55}{\lambda}\right)^q",
@@ -93,14 +94,14 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     model: Annotated[
         Literal["transmission", "extinction_per_km", "visibility_km", "modtran", "modtran_tables"],
-        Param("what describes the air: a transmission, an extinction, a visibility, a file, or "
-              "MODTRAN's tables in pyBSM"),
+        Param("model of the air: a transmission, an extinction, a visibility, a MODTRAN file, or "
+              "pyBSM's MODTRAN tables"),
     ] = "transmission"  # fmt: skip
     transmission: Annotated[float, Param("transmission of the path", low=0, high=1)] = 1.0
     path: Annotated[
         Path | None,
-        Param("CSV of wavelength (µm) and transmission, used instead of the number; for modtran: "
-              "a tape7, JSON or CSV"),
+        Param("CSV of wavelength (µm) and transmission, used instead of `transmission`; for "
+              "modtran: a tape7, JSON or CSV"),
     ] = None  # fmt: skip
     extinction_per_km: Annotated[
         float,
@@ -113,7 +114,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     angstrom_q: Annotated[
         float,
         Param(
-            "exponent with which the extinction falls with wavelength",
+            "Ångström exponent q: the extinction is proportional to wavelength^−q",
             low=-5,
             high=5,
             slider=(0, 2),
@@ -129,8 +130,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     ] = None  # fmt: skip
     range_m: Annotated[
         float | None,
-        Param("length of the path; empty: from a Camera before this node, or from Init & Trans "
-              "through context", low=0, high=1e9, slider=(10, 20000)),
+        Param("length of the path; empty: from a Camera before this node, or from Init & Trans if "
+              "context is connected", low=0, high=1e9, slider=(10, 20000)),
     ] = None  # fmt: skip
     air_K: Annotated[
         float | None,
@@ -153,7 +154,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     def check(self) -> None:
         if self.model == "modtran" and self.path is None:
-            raise ParameterError("path", None, "a MODTRAN tape7 or JSON, or a CSV of three columns")
+            raise ParameterError(
+                "path", None, "give a MODTRAN tape7 or JSON file, or a CSV with three columns"
+            )
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PictureTable:
         factor = watts_factor(image.unit, temperature="a temperature", needed=_NEEDED)
@@ -161,8 +164,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
             raise DataError(
-                "the image has no band for the transmission and radiance of the air: set "
-                "cut_on_um and cut_off_um on Read Image"
+                "the image has no band, so the air's transmission and radiance are "
+                "unknown: set cut_on_um and cut_off_um on Read Image"
             )
         if band is not None:
             air.require_covered(*band)
@@ -182,7 +185,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         table: Any = planned.sound().outputs["table"]
         figures, how = work.value(table.recipe).as_dict(), dict(table.recipe.parameters)
         air, band = how["air"], how["band_um"]
-        words = [f"mean transmission of the band {brief(figures['transmission'])}"]
+        words = [f"mean band transmission {brief(figures['transmission'])}"]
         if figures["path_radiance"] > 0.0:
             words.append(f"the air adds {brief(figures['path_radiance'])} W/m²/sr")
         if band is None:
@@ -242,10 +245,12 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         altitude_m = self.altitude_m or _orbit_altitude_m(image)
         if altitude_m is None:
             raise ParameterError(
-                "altitude_m", None, "give it here, or altitude_km on a Camera before this node"
+                "altitude_m", None, "give a value here, or altitude_km on a Camera before this node"
             )
         if range_m is None:
-            raise ParameterError("range_m", None, "give it here, or on a Camera before this node")
+            raise ParameterError(
+                "range_m", None, "give a value here, or on a Camera before this node"
+            )
         ihaze = 1 if self.haze == "rural_23_km" else 2
         return table_path(height_km=altitude_m / 1e3, range_km=range_m / 1e3, ihaze=ihaze)
 
@@ -262,7 +267,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def unused(self, given: frozenset[str]) -> Caution | None:
-        """A number is entered, but the file is used instead."""
+        """A number or file is entered that the model does not use."""
         if self.model in _TABLES and self.air_K is not None:
             return Caution(
                 f"air_K = {self.air_K:g} K is not used: {_TABLES[self.model]} the path radiance",
@@ -274,31 +279,31 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return Caution(
                 f"transmission = {self.transmission:g} is not used: the transmission comes "
                 "from the file in path",
-                "leave one of the two empty",
+                "set transmission to 1, or leave path empty",
             )
         if self.model in ("extinction_per_km", "visibility_km", "modtran_tables"):
             return Caution(
-                f"path is not used: model is {self.model}",
-                "choose the model transmission or modtran, or leave path empty",
+                f"path is not used by model = {self.model}",
+                "set model to transmission or modtran, or leave path empty",
             )
         return None
 
     @warning
     def dark_air(self, image: Image, outputs: PictureTable) -> Caution | None:
-        """The air dims a thermal scene and emits nothing."""
+        """The air dims a thermal scene but emits nothing."""
         if self.model in _TABLES or self.air_K is not None or image.band_um is None:
             return None
         if image.band_um[0] < SHORTEST_THERMAL_UM or outputs.image.air == image.air:
             return None
         return Caution(
-            "the scene will look colder than it does through real air: air_K is empty, so the "
-            "air dims a thermal scene and emits nothing",
+            "the scene will look colder than it does through real air: air_K is empty, so the air "
+            "dims the thermal scene but emits nothing",
             "give air_K, the temperature of the air",
         )
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A black-body temperature is entered, but a picture with several bands needs none."""
+        """A black-body temperature is entered, but a picture with several bands ignores it."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -322,15 +327,16 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
                 apart_caution(
                     "range_m", own, before.range_m,
                     where="on the Atmospheric Path before this node",
-                    remedy="two Atmospheric Paths in a row are constituents of the same air: "
-                           "give both the same range",
+                    remedy="two Atmospheric Paths in a row represent constituents of the same "
+                           "air: give both the same range",
                 )
                 for before in image.air
             ),
         )  # fmt: skip
 
     figures = TableFigures(
-        ("transmission", "", "Mean transmission over the band, weighted by the light in it."),
+        ("transmission", "", "Mean transmission over the band, weighted by the spectrum of the "
+                             "light."),
         ("path_radiance", "W/m²/sr", "Radiance that the air adds in the band."),
         ("optical_depth", "", "Optical depth: −ln of the band's transmission; empty if no light "
          "passes."),
@@ -356,8 +362,8 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
     mean = factor * float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(
-            f"a picture with mean radiance {mean:g} W/m²/sr has no brightness temperature "
-            "to weight the transmission: give source_K"
+            f"the transmission cannot be weighted: a picture with mean radiance {mean:g} W/m²/sr "
+            "has no brightness temperature; give source_K"
         )
     low, high = band_um
     return float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
@@ -434,7 +440,9 @@ def path_table(
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows = [
         TableRow("transmission", over.transmission, "", "mean over the band"),
-        TableRow("path_radiance", over.path_radiance, "W/m²/sr", "added by the air, in the band"),
+        TableRow(
+            "path_radiance", over.path_radiance, "W/m²/sr", "radiance that the air adds in the band"
+        ),
         TableRow("optical_depth", depth, "", "−ln of the transmission; empty if no light passes"),
         TableRow("range_m", air.range_m, "m", "range for which the transmission holds"),
         TableRow("weighted_by_K", weighted_by, "K", "black body that weights the transmission"),

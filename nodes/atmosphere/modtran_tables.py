@@ -44,7 +44,9 @@ def table_path(*, height_km: float, range_km: float, ihaze: int) -> tuple[Points
         raise ParameterError("range_m", 1e3 * range_km, allowed)
     # Sine of the elevation at the target, and what of the path lies in the tables.
     sine = min((height_km * (2 * R + height_km) - range_km**2) / (2 * R * range_km), 1.0)
-    beyond = ParameterError("range_m", 1e3 * range_km, "up to the horizon and 300 km")
+    beyond = ParameterError(
+        "range_m", 1e3 * range_km, "at most 300 km along the ground, and not beyond the horizon"
+    )
     if sine < 0.0:
         raise beyond
     height = min(height_km, _HEIGHTS[-1])

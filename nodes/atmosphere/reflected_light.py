@@ -38,8 +38,8 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
     of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
     sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with `bands`
-    above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
+    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths. With `bands`
+    above 1, the radiance has that many bands; a cube of reflectances keeps its own bands. Add
     Atmospheric Path for the path from the surface to the camera.
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
@@ -80,13 +80,16 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     ] = "standard"
     solar_irradiance: Annotated[
         float | None,
-        Param("solar irradiance above the air, normal to the sun, used instead of the spectrum; "
+        Param("solar irradiance above the air at normal incidence, used instead of the spectrum; "
               "empty: from `sun`", unit="W/m²/µm", low=0, high=1e12,
               slider=(0, 2500), zero_is_empty=False),
     ] = None  # fmt: skip
     path: Annotated[
         Path | None,
-        Param("CSV of wavelength (µm) and W/m²/µm, used instead of the number; or empty"),
+        Param(
+            "CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of the number; "
+            "or empty"
+        ),
     ] = None
     sun_elevation_deg: Annotated[
         float, Param("elevation of the sun above the horizon", low=0, high=90)
@@ -112,7 +115,10 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
     bands: Annotated[
-        int, Param("bands into which the radiance is divided", low=1, high=10000, slider=(1, 60))
+        int,
+        Param(
+            "number of bands into which the radiance is divided", low=1, high=10000, slider=(1, 60)
+        ),
     ] = 1
 
     panel = (
@@ -181,14 +187,14 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             return Caution(
                 f"solar_irradiance = {self.solar_irradiance:g} W/m²/µm is not used: the "
                 "irradiance comes from the file in path",
-                "leave one of the two empty",
+                "leave solar_irradiance or path empty",
             )
         own = sorted({"bands", "cut_on_um", "cut_off_um"} & given)
         own = [name for name in own if getattr(self, name) not in (None, 1)]
         if image.bands is None or not own:
             return None
         return Caution(
-            f"{', '.join(own)} is not used: the picture already has {image.bands.count} bands",
+            f"the picture already has {image.bands.count} bands, which replace {', '.join(own)}",
             "choose bands and wavelengths on Read Image",
         )
 
@@ -243,8 +249,8 @@ def _share(unit: str) -> float:
         elif is_temperature(unit):
             what = "a temperature"
         raise DataError(
-            f"the picture, in {unit!r:.40}, is {what}: Reflected Light needs 1, %, reflectance "
-            "or albedo; set the unit on Read Image"
+            f"the picture, in {unit!r:.40}, is {what}: Reflected Light needs a reflectance; set "
+            "the unit on Read Image to 1, %, reflectance or albedo"
         )
     return share
 
@@ -269,7 +275,9 @@ def reflected(work: Work, image: Array, *, white: float, reflectance: float) -> 
     """Radiance of reflectances; `white` is that of a sample of 1, whose reflectance is told."""
     least = float(image.min())
     if not least >= 0.0:
-        raise DataError(f"reflectance: the smallest sample is {least:g}; samples must be 0 to 1")
+        raise DataError(
+            f"reflectance: the smallest sample is {least:g}; samples must not be negative"
+        )
     return np.multiply(image, work.policy.dtype.type(white), dtype=work.policy.dtype)
 
 
@@ -331,7 +339,7 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
     looks = "; they look like percentages" if share == 1.0 and float(np.mean(image)) > 1.0 else ""
     return Caution(
         f"the largest reflectance is {most:.4g}, but a matt surface reflects at most 1{looks}",
-        "set the unit of the samples on Read Image (% or 1), or a scale",
+        "on Read Image, set the unit of the samples (% or 1) or a scale",
     )
 
 

@@ -286,7 +286,7 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
 def _real(array: ArrayLike) -> NDArray[Any]:
     samples = np.asarray(array)
     if samples.dtype.kind not in "buif":
-        raise DataError(f"samples of type {samples.dtype} cannot be written: not real numbers")
+        raise DataError(f"samples of type {samples.dtype} cannot be written; allowed: real numbers")
     wanted = np.float32 if samples.dtype == np.float32 else np.float64
     return samples.astype(wanted, copy=False)
 

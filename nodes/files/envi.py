@@ -120,9 +120,8 @@ def _wavelengths(
     if not unit:
         if centres is not None and max(centres) > _LONGEST_ASSUMED_UM:
             raise FileError(
-                f"{layout.header}: wavelength reaches {max(centres):g}, and the header has no "
-                "wavelength units; without them, only wavelengths up to "
-                f"{_LONGEST_ASSUMED_UM:g} are read as µm; "
+                f"{layout.header}: the header gives wavelengths up to {max(centres):g} without "
+                f"wavelength units; only values up to {_LONGEST_ASSUMED_UM:g} are then read as µm: "
                 "add a line such as wavelength units = Nanometers"
             )
         return centres, widths
@@ -259,8 +258,8 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
     spacing = np.diff(centres[order])
     if order.size < 2 or not np.all(spacing > 0):
         raise FileError(
-            f"{info.path}: the header gives no fwhm; without it, bands can be integrated only "
-            "if two or more differ in wavelength"
+            f"{info.path}: the header gives no fwhm, so the bands can be integrated only if there "
+            "are two or more, all at different wavelengths"
         )
     low, high = centres.copy(), centres.copy()  # a bad band has no width
     low[order] = centres[order] - np.concatenate([spacing[:1], spacing]) / 2
@@ -302,8 +301,8 @@ def _per_um(info: PictureInfo) -> float:
         raise FileError(f"{info.path}: {error.message}") from error
     if unit is None or unit.spectral != "µm":
         raise FileError(
-            f"{info.path}: its samples are in {info.unit}, which is not per wavelength; read "
-            "one band instead of integrating"
+            f"{info.path}: the samples are in {info.unit}, not per unit wavelength; read one band "
+            "instead of integrating"
         )
     return unit.per_um
 

@@ -165,7 +165,9 @@ def _fields(header: Path) -> Fields:
 def _text_of(header: Path) -> str:
     size = header.stat().st_size
     if size > _LONGEST_HEADER:
-        raise FileError(f"{header}: {size} bytes are too many for an ENVI header")
+        raise FileError(
+            f"{header}: {size} bytes; an ENVI header may have at most {_LONGEST_HEADER}"
+        )
     raw = first_bytes(header, size)
     if not raw.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"ENVI") or b"\0" in raw:
         raise FileError(f"{header}: not an ENVI header; its first line must be ENVI")
@@ -305,10 +307,10 @@ def _check_size(layout: EnviLayout) -> None:
     difference = size_bytes - expected
     verdict = f"{-difference} missing" if difference < 0 else f"{difference} too many"
     fits = _what_would_fit(layout, size_bytes)
-    hint = f"; it would fit with {' or '.join(fits)}" if fits else ""
+    hint = f"; the size would fit with {' or '.join(fits)}" if fits else ""
     cause = "; the file is truncated or one of these values is wrong" if difference < 0 else ""
     raise FileError(
-        f"{layout.data}: holds {size_bytes} bytes, but {layout.header.name} says header offset "
+        f"{layout.data}: contains {size_bytes} bytes, but {layout.header.name} gives header offset "
         f"{layout.offset_bytes} + lines {layout.rows} × samples {layout.columns} × bands "
         f"{layout.bands} × {size} bytes = {expected} ({verdict}){cause}{hint}"
     )

@@ -96,10 +96,10 @@ def refuse_unsupported(path: Path) -> None:
             "its samples cannot be interpreted; allowed: T"
         )
     if header.cards.get("NAXIS") == "0":
-        where = ", only its extensions hold data" if extension else ""
+        where = "; only the extensions contain data" if extension else ""
         remedy = ": save the extension as a separate file" if extension else ""
         raise FileError(
-            f"{path}: the primary header of this FITS file holds no picture (NAXIS = 0){where}; "
+            f"{path}: the primary header of this FITS file has no picture (NAXIS = 0){where}; "
             f"allowed: a picture in the primary header{remedy}"
         )
     bits = header.cards.get("BITPIX", "")

@@ -75,7 +75,7 @@ def open_frames(path: Path) -> FrameFile:
     elif is_envi(file):
         found = _envi(file)
     else:
-        raise FileError(f"{path}: frames cannot be read from it; allowed: {_READ}")
+        raise FileError(f"{path}: frames cannot be read from this file; allowed: {_READ}")
     if reason := oversized(found.rows, found.columns, delivered_dtype(found.dtype)):
         raise FileError(f"{path}: {reason}")
     return found
@@ -112,8 +112,8 @@ def _tiff(path: Path) -> FrameFile:
             first = layout if first is None else first
             if _shape(layout) != _shape(first):
                 raise FileError(
-                    f"{path}: its frames differ: page {frames} has {_words(layout)}, the first "
-                    f"page {_words(first)}; allowed: frames of one size and type"
+                    f"{path}: the frames differ: page {frames} has {_words(layout)}, but the first "
+                    f"page has {_words(first)}; allowed: frames of the same size and type"
                 )
     if first is None:
         raise FileError(f"{path}: contains no picture")
@@ -127,7 +127,7 @@ def _pages(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
     for number, layout in enumerate(tiff_layouts(content, path), start=1):
         if layout.channels != 1 or not layout.is_plain:
             raise FileError(
-                f"{path}: page {number} has {layout.channels} channels in compression "
+                f"{path}: page {number} has channels = {layout.channels}, compression = "
                 f"{layout.compression}; allowed: one channel of plain numbers, uncompressed or "
                 "deflate"
             )
@@ -155,5 +155,5 @@ def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:
         if (file.rows, file.columns) != (first.rows, first.columns):
             raise DataError(
                 f"{file.path}: contains frames of {file.rows} × {file.columns} samples, but "
-                f"{first.path} has {first.rows} × {first.columns}: give files from one camera"
+                f"{first.path} has {first.rows} × {first.columns}: give files from the same camera"
             )

@@ -133,11 +133,11 @@ def read_listing(path: Path) -> Listing:
         if values is None and not rows:
             header.append(line)
         elif values is None:
-            raise line_refused(path, number, f"{len(rows[0])} numbers, like the rows above")
+            raise line_refused(path, number, f"{len(rows[0])} numbers, as in the rows above")
         elif rows and len(values) != len(rows[0]):
             raise FileError(
-                f"{path}: line {number} has {len(values)} numbers; allowed: {len(rows[0])}, "
-                "like the rows above"
+                f"{path}: line {number} has {len(values)} numbers; allowed: {len(rows[0])}, as in "
+                "the rows above"
             )
         else:
             rows.append(np.array(values))  # a fifth of the memory of the tuple

@@ -60,7 +60,7 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     without the diffraction limit; its tangential column is the MTF along y, as for a field along y.
     """
     refuse_long_table(path, _LONGEST_BYTES, "MTF against frequency")
-    lines = list(enumerate(lens_lines(path, what="columns, frequency and MTF"), 1))
+    lines = list(enumerate(lens_lines(path, what="frequency and MTF columns"), 1))
     if any(_HEADING.fullmatch(line) for _, line in lines):
         return _zemax(path, lines, field)
     rows = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
@@ -135,8 +135,8 @@ def _check_of(name: str, unit: str) -> Check:
         what = f"a phase between −{_LARGEST_PHASE:g} and {_LARGEST_PHASE:g} {unit or 'rad'}"
         return (lambda value: abs(value) <= _LARGEST_PHASE), what
     allowed = (
-        f"MTF from 0 to {LARGEST_MTF:g}; write a negative lobe as a phase of π, and divide "
-        "percent by 100"
+        f"an MTF from 0 to {LARGEST_MTF:g}; write a negative lobe as a phase of π, and divide "
+        "percentages by 100"
     )
     return (lambda value: 0.0 <= value <= LARGEST_MTF), allowed
 

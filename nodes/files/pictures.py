@@ -109,8 +109,8 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
             if misread:
                 raise FileError(
                     f"{path}: 64-bit samples in tiles or a single row cannot be read from this "
-                    "file; allowed: photometric interpretation 1 (black is 0) or 2 (RGB), bits in "
-                    "order"
+                    "file; allowed: photometric interpretation 1 (black is 0) or 2 (RGB), with "
+                    "FillOrder 1"
                 )
             check_deflate(path)
         values = _values(path, picture, info)
@@ -185,7 +185,9 @@ def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]
 def _unread(path: Path, message: str) -> FileError:
     """A packing that this build of the library does not support is no damage."""
     if "support is not configured" in message:
-        return FileError(f"{path}: cannot be read: {message}; allowed: none, deflate or LZW")
+        return FileError(
+            f"{path}: cannot be read: {message}; allowed compression: none, deflate or LZW"
+        )
     return FileError(f"{path}: damaged: {message}")
 
 

@@ -100,9 +100,9 @@ def read_motion(path: Path) -> tuple[Points, Points]:
 
     Two columns hold for both axes.
     """
-    lines = table_lines(path, what="power density", wanted=f" of columns, {_COLUMNS}")
+    lines = table_lines(path, what="power density", wanted=f" with the columns {_COLUMNS}")
     rows: list[tuple[float, ...]] = []
-    allowed = f"numbers in columns: {_COLUMNS}"
+    allowed = f"numbers in the columns {_COLUMNS}"
     for number, row in point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
         if not all(0.0 < value < math.inf for value in row):
             raise line_refused(path, number, "finite numbers above 0")
@@ -121,7 +121,7 @@ COLUMNS = ("wavelength_um", "transmission", "path_radiance")
 _LONGEST_BYTES = 50_000_000
 _LARGEST_RADIANCE = 1e30
 _ALLOWED = (
-    f"a wavelength above 0, at most {_LARGEST_UM:g} µm, a transmission from 0 to 1 and a path "
+    f"a wavelength above 0 and up to {_LARGEST_UM:g} µm, a transmission from 0 to 1, and a path "
     "radiance of at least 0"
 )
 
@@ -168,8 +168,8 @@ def _json_table(text: str, file: Path) -> list[str]:
         return [" ".join(names), *(" ".join(map(str, row)) for row in rows), f"{_END}"]
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         raise FileError(
-            f"{file}: not the JSON output of one radiance run of MODTRAN 6, which has lists of "
-            "equal length under MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
+            f"{file}: not the JSON output of a single MODTRAN 6 radiance run; that output has "
+            "lists of equal length under MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
         ) from error
 
 
@@ -186,11 +186,13 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         if places is None:
             places = (0, 1, 2)
             if len(cells) != len(COLUMNS):
-                raise line_refused(file, number, f"three numbers, {', '.join(COLUMNS)}")
+                raise line_refused(file, number, f"three numbers: {', '.join(COLUMNS)}")
         try:
             place, passed, added = (number_of(cells[index]) for index in places)
         except (ValueError, IndexError):
-            raise line_refused(file, number, f"numbers in {', '.join(COLUMNS)}") from None
+            raise line_refused(
+                file, number, f"numbers in the columns {', '.join(COLUMNS)}"
+            ) from None
         if not (0.0 < place <= _LARGEST_UM and 0.0 <= passed <= 1.0):
             raise line_refused(file, number, _ALLOWED)
         if not (0.0 <= added <= _LARGEST_RADIANCE and math.isfinite(added)):
@@ -228,8 +230,8 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
     for name in needed:
         if known.count(name) != 1:
             raise FileError(
-                f"{file}: line {start + 1}: {known.count(name)} columns are named {name}; a tape7 "
-                "of radiance (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
+                f"{file}: line {start + 1}: {known.count(name)} columns are named {name}; a "
+                "radiance tape7 (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
             )
     transmission: list[tuple[float, float]] = []
     radiance: list[tuple[float, float]] = []
@@ -259,7 +261,9 @@ def _rows(
             continue
         row = _row(lines[index], names)
         if row is None:
-            raise line_refused(file, index + 1, "numbers below their names, up to -9999.")
+            raise line_refused(
+                file, index + 1, "numbers below the column names, up to the final -9999."
+            )
         if row.get("FREQ") == _END:
             if _is_tape7(lines[index + 1 :]):
                 raise FileError(f"{file}: contains several runs: keep one per file")

@@ -13,7 +13,7 @@ from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
 from nodes.files.common.picture_info import oversized_file
 from nodes.files.common.stored_bytes import readable_file
 
-_ALLOWED = "allowed: a new name, or a store to replace"
+_ALLOWED = "allowed: a new name, or an existing store to replace"
 _MARKS = ("zarr.json", ".zarray", ".zgroup")  # version 3, arrays and groups of version 2
 _METADATA = (*_MARKS, ".zattrs", ".zmetadata")
 

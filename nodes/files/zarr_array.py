@@ -224,8 +224,8 @@ def _opened(folder: Path) -> _Opened:
             if len(pictures) != 1:
                 names = ", ".join(f"{folder.name}/{name}" for name in sorted(pictures)) or "none"
                 raise FileError(
-                    f"{folder}: a group; allowed: the path of an array of 2 or 3 dimensions in "
-                    f"it ({names})"
+                    f"{folder}: a Zarr group; allowed: the path of one array in the group, with 2 "
+                    f"or 3 dimensions ({names})"
                 )
             (stored,) = pictures.values()
         attributes = {**group, **stored.attrs.asdict()}

@@ -25,7 +25,7 @@ from nodes.shared.shared_warnings import Band, is_radiance
 Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[
     Path | None,
-    Param("CSV of wavelength (µm) and detector response, which also weights the light; or empty"),
+    Param("CSV of wavelength (µm) and a detector response that also weights the light; or empty"),
 ]
 _KELVIN = ("K", "kelvin")
 
@@ -60,13 +60,13 @@ def source_temperature(
         return SUNLIGHT_K
     image = magnitude.image
     if image is None:
-        allowed = "a temperature, because no picture is connected to derive it from"
+        allowed = "give a temperature: no picture is connected from which to derive one"
         raise ParameterError("source_K", None, allowed)
     if image.unit.strip() in _KELVIN:
         return Step.of(mean_kelvin, image.recipe, node=node)
     if not is_radiance(image.unit):
         allowed = (
-            f"a temperature, or weighting uniform, because the picture's unit is "
+            "give a temperature or set weighting to uniform: the picture's unit is "
             f"{image.unit or 'unknown'!r:.40}, not W/m²/sr"
         )
         raise ParameterError("source_K", None, allowed)
@@ -80,7 +80,7 @@ def source_temperature(
 def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
     mean = float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
-        raise DataError(f"a picture with mean {mean:g} K contains no light: give source_K")
+        raise DataError(f"a picture with a mean of {mean:g} K emits no light: give source_K")
     return mean
 
 

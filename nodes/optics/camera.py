@@ -27,8 +27,8 @@ _ORBIT = (
     ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
     ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
     ("velocity_m_per_s", "m/s", "Velocity of the scene across the line of sight."),
-    ("gsd_ground_x_m", "m", "Ground sample distance on the ground, horizontal."),
-    ("gsd_ground_y_m", "m", "Ground sample distance on the ground, vertical."),
+    ("gsd_ground_x_m", "m", "Horizontal ground sample distance, projected onto the ground."),
+    ("gsd_ground_y_m", "m", "Vertical ground sample distance, projected onto the ground."),
     ("line_rate_Hz", "Hz", "Line rate at which the image moves by one pixel per line."),
 )
 
@@ -36,13 +36,13 @@ _ORBIT = (
 class Camera(Module, key="camera", title="Camera", group="Optics"):
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes unchanged and carries the data: pitch, focal length, F-number, fill factor and
-    range for Init & Trans and all modules after it; aperture and obscuration for Diffraction MTF;
-    pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
-    focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the pixels' angle on the axis. So does an image with the same field of view as the
-    lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
-    values that disagree; nothing is corrected.
+    The image passes through unchanged and carries the data: pitch, focal length, F-number, fill
+    factor and range for Init & Trans and all modules after it; aperture and obscuration for
+    Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
+    there. Two of focal length, F-number and aperture give the third. An image without a sampling
+    interval gets one from the pixels' angle on the axis. So does an image with the same field of
+    view as the lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A
+    warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
@@ -53,8 +53,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
     depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
-    the axis and usual in infrared work, `sine` (π/(4F²)) is exact for a lens corrected for coma,
-    such as a fast photographic or infrared lens. They differ by 25 % at F/1 and by 1.6 % at F/4.
+    the axis and usual in infrared work; `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    such as a fast photographic or infrared lens. The two differ by 25 % at F/1 and by 1.6 % at F/4.
     Sources: Holst 2008, Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle,
     f-number, GSD); Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number);
     Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
@@ -70,7 +70,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             r"\Omega=\frac{\pi}{4F^2+1}\left(1-\varepsilon^2\right)\ \mathrm{(disc)},\quad"
             r"\Omega=\frac{\pi}{4F^2}\left(1-\varepsilon^2\right)\ \mathrm{(sine)},\quad"
             r"\tau\,\Omega=\Omega(T,\varepsilon=0)",
-            where="Ω: solid angle of the light, sr; ε: obscuration; T: T-number; τ: transmission",
+            where="Ω: solid angle of the light cone, sr; ε: obscuration; T: T-number; τ: "
+            "transmission",
         ),
         Formula(
             r"v_g=\frac{R_E}{r}\sqrt{\frac{GM}{r}},\quad\cos E=\frac{r}{R_E}\sin\eta,\quad R=r"
@@ -88,7 +89,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     pitch_um: Annotated[float | None, Param("horizontal pixel pitch", low=0, slider=(2, 50))] = None
     pitch_y_um: Annotated[
         float | None,
-        Param("vertical pixel pitch; empty: equal to pitch_x_um", low=0, slider=(2, 50)),
+        Param("vertical pixel pitch; empty: equal to pitch_um", low=0, slider=(2, 50)),
     ] = None
     fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = None
@@ -112,13 +113,13 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     ] = 0.0  # fmt: skip
     t_number: Annotated[
         float | None,
-        Param("T-number: F-number of a lossless, unobscured lens that passes as much light; empty: "
-              "from F-number, obscuration and transmission", low=0, slider=(0.5, 32)),
+        Param("T-number: F-number of a lossless, unobscured lens that passes the same amount of "
+              "light; empty: from F-number, obscuration and transmission", low=0, slider=(0.5, 32)),
     ] = None  # fmt: skip
     irradiance: Annotated[
         Irradiance,
-        Param("how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine "
-              "condition, π/(4F²)"),
+        Param("how the light depends on the F-number: π/(4F² + 1), or π/(4F²) for a lens that "
+              "obeys the sine condition"),
     ] = "disc"  # fmt: skip
     range_m: Annotated[float | None, Param("distance to the scene", low=0, slider=(10, 10000))] = (
         None
@@ -196,10 +197,10 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def orbit(self) -> Caution | None:
-        """The range differs from the orbit's, the orbit is high, or a look angle has no orbit."""
+        """The range contradicts the orbit, the orbit is high, or a look angle lacks an orbit."""
         orbit = self.sheet().orbit
         if orbit is not None:
-            where = "by altitude and look angle"
+            where = "from altitude and look angle"
             return first(
                 apart_caution("range_m", self.range_m, orbit.range_m, where=where),
                 _rotation_caution(orbit),
@@ -221,8 +222,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             {"f_number": self.focal_length_mm / self.aperture_mm},
             where=f"from {self.focal_length_mm:g} mm / {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
-            remedy="leave one of the three empty; otherwise diffraction uses the aperture and "
-            "radiometry the F-number",
+            remedy="leave focal_length_mm, f_number or aperture_mm empty; otherwise diffraction "
+            "uses the aperture and radiometry uses the F-number",
         )
 
     @warning
@@ -244,7 +245,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             f"t_number = {sheet.t_number:g} implies more light than a lossless lens with "
             f"f_number = {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} passes "
             f"({clear:.4g} sr, {most:.4g} sr): the T-number is used",
-            "correct one of them; a T-number is larger than the F-number",
+            "correct t_number or f_number; a T-number is larger than the F-number",
         )
 
     @warning
@@ -255,12 +256,13 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             self.sheet().focal_length_mm,
             image.header.focal_length_mm,
             where="in the picture's file",
-            remedy="the value here is used; correct it, or use a picture from this camera",
+            remedy="the value on Camera is used; correct this value, or use a picture from this "
+            "camera",
         )
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
-        """The picture's field of view differs from the pixels'."""
+        """The picture's field of view differs from the field of view of the pixels."""
         sheet = self.sheet()
         return first(
             *(
@@ -287,8 +289,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         if alike(pixel, sample):
             return None
         return Caution(
-            "samples per pixel differ between horizontal and vertical: the picture's "
-            f"samples are {sample:.4g} times as high as wide, the pixels {pixel:.4g} times",
+            "samples per pixel differ between horizontal and vertical: the height-to-width ratio "
+            f"is {sample:.4g} for the picture's samples and {pixel:.4g} for the pixels",
             "correct pitch, pixels or the picture's field of view, unless this sampling is "
             "intended",
         )
@@ -303,9 +305,9 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         ):
             if pitch and interval and pitch < interval * (1 - NEAR):
                 return Caution(
-                    f"aliasing cannot be simulated: a sample is {interval:.4g} mrad {name} "
-                    f"and a pixel {pitch:.4g} mrad, so the picture is sampled more "
-                    "coarsely than the camera",
+                    f"aliasing cannot be simulated: a sample is {interval:.4g} mrad {name} and a "
+                    f"pixel {pitch:.4g} mrad, so the picture's sampling is coarser than the "
+                    "camera's",
                     "use a picture with two or more samples per pixel",
                 )
             if pitch and interval and pitch < 2 * interval * (1 - NEAR):

@@ -50,15 +50,16 @@ class DiffractionMTF(
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
     Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
-    divided by the F-number, from Init & Trans. No pupil array is needed. Over a band, each
-    wavelength's OTF is weighted by the photons or the energy of a black body, or all equally as in
-    Tantalo 1996. The black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for
-    a band that begins below 2.5 µm, and otherwise at the brightness temperature of the picture's
-    mean radiance. `response`, and a Spectral Response before this module, also weight the light,
-    like a detector behind the optics. `wavelengths` auto uses as many wavelengths as `tolerance`
-    requires, placed between the kinks of the OTF. A number sets how many wavelengths sample the
-    band; 1 uses the band's middle. With auto, a spectral picture is blurred band by band, and the
-    MTF shown is the mean weighted by the picture's own light.
+    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band, each
+    wavelength's OTF is weighted by the photons or the energy of a black body, or all wavelengths
+    are weighted equally, as in Tantalo 1996. The black body's temperature is `source_K`. If
+    `source_K` is empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm,
+    and otherwise the brightness temperature of the picture's mean radiance. `response`, and a
+    Spectral Response before this module, also weight the light, like a detector behind the optics.
+    With `wavelengths` set to auto, the module uses as many wavelengths as `tolerance` requires,
+    placed between the kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses
+    the band's middle. With auto, a spectral picture is blurred band by band, and the MTF shown is
+    the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
     negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
@@ -70,12 +71,13 @@ class DiffractionMTF(
     formulas = (
         Formula(
             r"H(\rho)=\sum_j w_j\,H_0(\nu_j),\quad\nu_j=\frac{\lambda_j\,\rho}{D}",
-            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that sample "
-            "the band, and their weights from the light at each",
+            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that sample the "
+            "band, and their weights, set by the light at each",
         ),
         Formula(
             r"H_0(\nu)=\frac{2}{\pi}\left(\arccos\nu-\nu\sqrt{1-\nu^2}\right)",
-            where="0 for ν ≥ 1; for an annular aperture, its overlap with itself shifted by ν",
+            where="0 for ν ≥ 1; for an annular aperture, the overlap of the annulus with a copy "
+            "shifted by ν",
             when="clear aperture in focus",
         ),
         Formula(
@@ -107,7 +109,8 @@ class DiffractionMTF(
     weighting: Annotated[
         Literal["photons", "energy", "uniform"],
         Param(
-            "weight of the wavelengths: by photons (as in a photon detector), by energy, or equal"
+            "weighting of the wavelengths: by photons (as in a photon detector), by energy, or "
+            "equal"
         ),
     ] = "photons"
     source_K: LightingSource = None
@@ -122,8 +125,8 @@ class DiffractionMTF(
     tolerance: Annotated[
         float,
         Param(
-            "largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a "
-            "response of many points 1e-6",
+            "largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or "
+            "1e-6 with a response of many points",
             low=0,
             high=1,
         ),
@@ -211,7 +214,7 @@ class DiffractionMTF(
         """The aperture here, else of Camera, else by F-number and focal length."""
         diameter = self.aperture_mm or _of_context(context)
         if diameter is None:
-            allowed = "give it here or on Camera, or F-number and focal length on Init & Trans"
+            allowed = "give a value here or on Camera, or F-number and focal length on Init & Trans"
             raise ParameterError("aperture_mm", None, allowed)
         inner = self.obscuration_ratio
         return Aperture(
@@ -246,7 +249,7 @@ class DiffractionMTF(
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
-        """The aperture or obscuration differs from the one on Camera or Init & Trans."""
+        """The aperture or obscuration differs from the value on Camera or Init & Trans."""
         where = "from Camera, or focal length over F-number on Init & Trans"
         diameter = {"aperture_mm": _of_context(context)}
         return apart(self, diameter, where=where, near=F_NUMBER_NEAR) or apart_from_context(
@@ -282,7 +285,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Number of wavelengths used; bands for a cube, integration panels for a long response."""
+        """Number of wavelengths used, of bands for a cube, or of panels for a long response."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count

@@ -38,22 +38,22 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
 
     The incoming picture must be free of distortion: distances from the axis are tangents of field
     angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
-    `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds its ray
-    (to 1e-11) and interpolates the picture there with 8 × 8 samples: sinusoids of up to 0.2 cycles
-    per sample are displaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
-    well above 1, sample the scene more finely. A lens with barrel distortion sees beyond the frame:
-    give the scene more samples at the same interval (its field is samples times interval, not the
-    lens's 2·arctan), and set `width` and `height` to the camera's samples; the warning gives the
-    numbers. Beyond the scene, its outermost samples are repeated. MTF and noise apply to the axis,
-    where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera
-    calibration.
+    `fisheye` with all coefficients at 0 is an f-θ lens. The module traces the ray of each sample
+    (to 1e-11) and interpolates the picture there from 8 × 8 samples. Sinusoids of up to 0.2 cycles
+    per sample are misplaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
+    well above 1, sample the scene more finely. A lens with barrel distortion images points beyond
+    the frame. Give the scene more samples at the same interval; the scene's field is samples times
+    interval, not the lens's 2·arctan. Set `width` and `height` to the camera's samples. The warning
+    gives the numbers. Beyond the scene, the outermost samples are repeated. MTF and noise are valid
+    on the axis, where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV,
+    camera calibration.
     """
 
     formulas = (
         Formula(
             r"x'=x\,(1+k_1r^2+k_2r^4+k_3r^6)+2p_1xy+p_2(r^2+2x^2)",
             where="x, y: tangents of angles from the axis, to the right and down; r² = x² + y²; "
-            "the same for y with p₁ and p₂ exchanged",
+            "y' has the same form, with p₁ and p₂ exchanged",
             when="brown",
         ),
         Formula(
@@ -136,8 +136,7 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
                 f"= {y:.9g}, and set width = {rays.new[1]} and height = {rays.new[0]} here"
             )
         return Caution(
-            f"{100 * found.beyond:.3g} % of the samples look beyond the scene and repeat its "
-            "border",
+            f"{100 * found.beyond:.3g} % of the samples lie beyond the scene and repeat its border",
             remedy,
         )
 
@@ -149,22 +148,22 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
             return None
         return Caution(
             f"fine detail may alias: neighbouring rays are up to {step:.3g} scene samples apart",
-            "sample the scene more finely, and combine or sample pixels after this node",
+            "sample the scene more finely, and put Combine Pixels or Sample Pixels after this node",
         )
 
     @readout("%")
     def corner_percent(self, image: Image) -> float:
-        """Distortion at the corner: distance from the axis over the undistorted distance, − 1."""
+        """Distortion at the corner: distorted over undistorted distance from the axis, minus 1."""
         return 100.0 * survey(self.rays(image)).corner
 
     @readout("%")
     def beyond_percent(self, image: Image) -> float:
-        """Share of the samples that look beyond the scene."""
+        """Share of the samples that lie beyond the scene."""
         return 100.0 * survey(self.rays(image)).beyond
 
     @readout("samples")
     def largest_step(self, image: Image) -> float:
-        """Largest distance in the scene from one ray of a row or column to the next."""
+        """Largest distance in the scene between neighbouring rays of a row or column."""
         return survey(self.rays(image)).step
 
 

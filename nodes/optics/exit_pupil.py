@@ -42,27 +42,27 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
     `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
-    over the full height. `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with
-    vanes at 360°/n from +x.
+    over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
+    with vanes at 360°/n from +x.
 
-    The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
-    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
-    It is centred on the array if that makes its radius at most one sample larger. A `radius` that
-    you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
-    A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus and Zernike
-    terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
-    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a map in
-    µm is an optical path difference, the same at all wavelengths. A complex `.npy` in `path`
-    contains amplitude and phase, valid only at its own wavelength. Row 0 is at the top. W enters as
-    exp(2πiW), so a W that increases to the right moves the picture to the left. Sources: Tantalo
-    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
+    aperture's radius. For a file this disc is the smallest circle around all samples above 1 % of
+    the largest. It is centred on the array if that makes its radius at most one sample larger. A
+    `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives the
+    radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus
+    and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border of the
+    array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
+    wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
+    `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
+    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
+    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     formulas = (
         Formula(
             r"P=t\,e^{2\pi iW},\quad W=W_{20}\,r^2+\sum_j a_j\,Z_j(r,\theta)",
-            where="t: amplitude, 0 to 1; W: wavefront error in waves; W₂₀: defocus_waves; "
-            "a_j: zernike_waves, rms, in Noll's order; r: from 0 to 1 at the rim",
+            where="t: amplitude, 0 to 1; W: wavefront error in waves; W₂₀: defocus_waves; a_j: "
+            "zernike_waves, rms, in Noll's order; r: radius, 1 at the rim",
         ),
     )
 
@@ -91,11 +91,15 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     ] = 4.0
     path: Annotated[
         Path | None,
-        Param("amplitude transmission, real or complex `.npy`, for `file`; empty: from the map"),
+        Param(
+            "amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map"
+        ),
     ] = None
     wavefront_path: Annotated[
         Path | None,
-        Param("map of the wavefront error, for `file`, relative to the network file's folder"),
+        Param(
+            "map of the wavefront error for the shape `file`, relative to the network file's folder"
+        ),
     ] = None
     wavefront_unit: Annotated[Literal["waves", "rad", "um", "nm"], Param("unit of the map")] = (
         "waves"
@@ -223,13 +227,13 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         size = wavefront.samples.rows, wavefront.samples.columns
         if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
             raise DataError(
-                "a complex pupil already contains its wavefront: give it in path alone, or "
-                "give amplitude and wavefront as two files of real numbers"
+                "a complex pupil already contains its wavefront: give this pupil in path alone, "
+                "or give amplitude and wavefront as two files of real numbers"
             )
         if wavefront.samples.bands > 1:
             raise DataError(
-                f"{wavefront.file.name} has {wavefront.samples.bands} bands; a wavefront map "
-                "must have one"
+                f"{wavefront.file.name} has {wavefront.samples.bands} bands; a wavefront map must "
+                "have one band"
             )
         factor, wavelength_um = map_scale(
             self.wavefront_unit, self.map_wavelength_um or wavefront.samples.wavelength_um

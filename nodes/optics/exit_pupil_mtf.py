@@ -41,17 +41,18 @@ EXACT_ERROR = 1e-12  # of the closed forms, as tested
 
 
 class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
-    """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
+    """Apply the incoherent OTF of an exit pupil: the pupil's normalised autocorrelation.
 
-    The OTF of a geometric shape is exact, for one wavelength or a band. Pupils from files or with
-    wavefront errors are autocorrelated from their samples. Wavelengths are weighted equally, or by
-    the photons or the energy of a black body (`weighting`), and by the detector's `response`. The
-    black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for a band that begins
-    below 2.5 µm, and otherwise at the brightness temperature of the picture's mean radiance. A
-    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
-    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
-    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
-    cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
+    The OTF of a geometric shape is exact, for one wavelength or a band. For pupils from files or
+    with wavefront errors, the sampled pupil is autocorrelated. Wavelengths are weighted equally, or
+    by the photons or the energy of a black body (`weighting`), and by the detector's `response`.
+    The black body's temperature is `source_K`. If `source_K` is empty, the temperature is 5800 K
+    (sunlight) for a band that begins below 2.5 µm, and otherwise the brightness temperature of the
+    picture's mean radiance. A spectral picture is blurred band by band, each band at its own
+    wavelength. Interpolation `none` shows the raw autocorrelation at the pupil's own frequency
+    intervals and does not blur the picture. Sizes refer to the whole pupil array. Source: Tantalo
+    1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's
+    half width over λ.
     """
 
     formulas = (
@@ -72,7 +73,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     size_y_cm: Annotated[float, Param("height of the whole pupil array", low=0, above=True)] = 25.6
     method: Annotated[
         Literal["exact", "autocorrelation"],
-        Param("the closed form if there is one, or always the sampled pupil"),
+        Param("exact: closed form if there is one; autocorrelation: always from the sampled pupil"),
     ] = "exact"
     interpolation: Annotated[
         Literal["none", "linear", "bilinear"],
@@ -82,7 +83,8 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         int, Param("number of wavelengths that sample the band; 1 uses its mean", low=1, high=256)
     ] = 1
     weighting: Annotated[
-        Weighting, Param("weight of the wavelengths: equal (as in 1996), by photons, or by energy")
+        Weighting,
+        Param("weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy"),
     ] = "uniform"
     source_K: LightingSource = None
     response: DetectorResponse = None

@@ -50,37 +50,39 @@ _Path = Annotated[Path | None, Param("MTF or PSF file of one position, in the or
 class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     """Blur the picture by a PSF that changes over the field.
 
-    `positions` are distances from the picture's middle, as fractions of the half diagonal. For
-    each, give a Gaussian (rms widths: tangential, along the radius, and sagittal, across it), or a
-    file that MTF File or PSF File can read. A file describes a point straight above the middle:
-    `mtf_y` is the tangential curve, and the top of a PSF's picture points away from the axis. A
-    single Zemax listing in `path_1` supplies a field for each position. Between positions, the
-    widths of Gaussians or the OTFs of files are interpolated linearly in the square of the
-    position; beyond the last position they stay constant. The PSF rotates with the direction of the
-    point from the middle.
+    `positions` are distances from the picture's middle, as fractions of the half diagonal. For each
+    position, give a Gaussian or a file that MTF File or PSF File can read. A Gaussian has a
+    tangential rms width (along the radius) and a sagittal one (across the radius). A file describes
+    a point straight above the middle: `mtf_y` is the tangential curve, and the top of a PSF's
+    picture points away from the axis. A single Zemax listing in `path_1` supplies a field for each
+    position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
+    linearly in the square of the position; beyond the last position they stay constant. The PSF
+    rotates with the direction of the point from the middle.
 
-    The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
-    them. `error_percent` is an upper limit of the error of any sample, compared with a sum over its
-    own PSF, in percent of the picture's range; in real scenes the error is about ten times smaller.
-    Smaller tiles reduce the blending error. The blur uses a margin around each tile: half a tile,
-    at least 16 samples, and up to 1024 where more than 0.5 % of a PSF's light would be lost. A tile
-    is at least a quarter as wide as its margin. Beyond the frame the picture is mirrored, or
-    repeated if Back Transform made it periodic. Budgets, MTFs and figures use the PSF of the first
-    position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
+    The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
+    blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
+    that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
+    times smaller. Smaller tiles reduce the blending error. The blur uses a margin around each tile:
+    half a tile, at least 16 samples, and up to 1024 if a narrower margin would lose more than 0.5 %
+    of a PSF's light. A tile is at least a quarter as wide as its margin. Beyond the frame the
+    picture is mirrored, or repeated if Back Transform made it periodic. Budgets, MTFs and figures
+    use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
     """
 
     formulas = (
         Formula(
             r"L'(x)=\sum_{c}w_c(x)\,(h_c*L)(x),\quad\sum_c w_c(x)=1",
-            where="c: the four corners of the tile around x; h_c: PSF there; w_c: bilinear weights",
+            where="c: the four corners of the tile around x; h_c: PSF at corner c; w_c: bilinear "
+            "weights",
         ),
     )
 
-    kind: Annotated[Literal["gaussian", "mtf", "psf"], Param("Gaussians, or MTF or PSF files")] = (
-        "gaussian"
-    )
+    kind: Annotated[
+        Literal["gaussian", "mtf", "psf"],
+        Param("source of the PSFs: Gaussians, MTF files or PSF files"),
+    ] = "gaussian"
     positions: Annotated[
-        Row, Param("positions, as fractions of the half diagonal; rising", low=0, high=10)
+        Row, Param("positions in rising order, as fractions of the half diagonal", low=0, high=10)
     ] = (0.0, 0.5, 1.0)
     tangential_mrad: Annotated[
         Row, Param("rms width along the radius, at each position", low=0, high=1e6)
@@ -149,7 +151,10 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
             path = paths[number] if number < len(paths) else None
             if path is None:
                 name = f"path_{min(number, 3) + 1}"
-                allowed = f"a file for each of the {len(self.positions)} positions, at most 4"
+                allowed = (
+                    f"give a file for each of the {len(self.positions)} positions; at most 4 files "
+                    "are possible"
+                )
                 raise ParameterError(name, None, allowed)
             of_listing = number if paths[0] is paths[-1] else 0
             lens: Any = (
@@ -163,7 +168,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
 
     @readout("%")
     def error_percent(self, outputs: ImageOutput) -> Step | float:
-        """Upper limit of the tiling error of any sample, relative to the picture's range."""
+        """Upper limit on the tiling error of any sample, relative to the picture's range."""
         if self._off:
             return 0.0
         assert isinstance(outputs.image.recipe, Step)

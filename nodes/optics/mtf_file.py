@@ -38,22 +38,22 @@ Curves = dict[str, tuple[Column, Column]]
 
 
 class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics"):
-    """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
+    """Apply an MTF from a file: measured, from a data sheet, or from a lens design.
 
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
     unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
     enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
     Zemax's text listing of MTF against frequency is read too; its tangential curve acts along y.
-    `direction` sets the direction in which a column `mtf` acts, or selects one of several curves;
-    radial means equal in all directions. Between points the curve is a monotone cubic (PCHIP). A
-    table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the MTF is 0;
-    it is never extrapolated. The phase is odd in frequency and is interpolated the shorter way
-    round.
+    `direction` sets the axis along which a column `mtf` acts, or selects one of several curves;
+    `radial` means the same MTF in all directions. Between points the curve is a monotone cubic
+    (PCHIP). A table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the
+    MTF is 0; it is never extrapolated. The phase is odd in frequency and is interpolated the
+    shorter way round.
 
     Frequencies are per mm at the focal plane (converted with the focal length), per mrad, or per
-    pixel (converted with pitch and focal length). `imagechain measure` writes such a table from a
-    camera's pictures; its MTF includes the pixel. Without a file nothing changes. Source: Fritsch
-    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    pixel (converted with pitch and focal length). `imagechain measure` writes a table in this
+    format from a camera's pictures; the measured MTF includes the pixel. Without a file nothing
+    changes. Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
 
     formulas = (
@@ -75,12 +75,16 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     ] = "file"
     direction: Annotated[
         Literal["file", "x", "y", "radial"],
-        Param("axis along which the curve acts; `file`: from its column's name; `mtf` is radial"),
+        Param(
+            "axis along which the curve acts; `file`: from the name of the curve's column, "
+            "where `mtf` is radial"
+        ),
     ] = "file"
     normalise: Annotated[
         Literal["refuse", "at_zero"],
         Param(
-            "what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value"
+            "treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the "
+            "MTF by that value"
         ),
     ] = "refuse"
     field: Annotated[
@@ -134,8 +138,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             raise ParameterError("frequency_unit", self.frequency_unit, allowed)
         if unit is None:
             allowed = (
-                f"cyc/mm, cyc/mrad or cyc/pixel, because {table.file.name} does not name it, "
-                "for example by a header 'frequency (cyc/mm)'"
+                f"choose cyc/mm, cyc/mrad or cyc/pixel, because {table.file.name} names no unit, "
+                "for example in a header 'frequency (cyc/mm)'"
             )
             raise ParameterError("frequency_unit", "file", allowed)
         if unit == "cyc/mrad":
@@ -238,7 +242,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             return None
         return Caution(
             f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics cannot exceed 1",
-            "check the table; such a curve comes from a sharpened picture",
+            "check the table; an MTF above 1 comes from a sharpened picture",
         )
 
     @warning

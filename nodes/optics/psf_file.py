@@ -23,17 +23,18 @@ COARSE = 0.02  # MTF at the samples' Nyquist frequency, likewise
 
 
 class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics"):
-    """Blur by a point spread function from a picture: measured, or from a lens design.
+    """Blur with a point spread function from a file: measured, or from a lens design.
 
-    Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
-    the right in the file is a tail to the right in the picture. The file may be in any format of
-    Read Image, `.npy`, text, or a Zemax listing, whose spacing is used if `sample_pitch` is empty.
-    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
-    (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
-    With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
-    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF
-    measured with a detector includes the pixel: leave out Detector MTF. Without a file nothing
-    changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
+    Every point of the picture is spread into the PSF in the file. Row 0 is at the top, and a tail
+    to the right in the file is a tail to the right in the picture. The file may be in any format of
+    Read Image, `.npy`, text, or a Zemax listing. The spacing in a Zemax listing is used if
+    `sample_pitch` is empty. Samples are divided by their sum. With `centroid` kept, the point is at
+    the middle of the file, (n − 1)/2, which lies between samples for even sizes. A centroid
+    elsewhere shifts the picture. With `centroid` removed nothing shifts. The OTF is the exact sum
+    over the samples at the picture's own frequencies, for any pitch, and 0 beyond the file's
+    Nyquist frequency. A PSF measured with a detector includes the pixel: leave out Detector MTF.
+    Without a file nothing changes. Source: Goodman 2005, Introduction to Fourier Optics, section
+    6.3.
     """
 
     formulas = (
@@ -67,11 +68,12 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         ),
     ] = None
     pitch_unit: Annotated[
-        Literal["um", "mrad"], Param("unit of both: µm at the focal plane, or mrad")
+        Literal["um", "mrad"],
+        Param("unit of both sampling intervals: µm at the focal plane, or mrad"),
     ] = "um"
     focal_length_mm: Annotated[
         float | None,
-        Param("focal length, for µm; empty: from Init & Trans", low=0, slider=(10, 10000)),
+        Param("focal length, used with µm; empty: from Init & Trans", low=0, slider=(10, 10000)),
     ] = None
     centroid: Annotated[
         Literal["kept", "removed"],
@@ -99,7 +101,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             source = lens_source(self.path, here, band=self.band or 0)
             if self.band is None and source.samples.bands > 1:
                 allowed = (
-                    f"{source.file.name} has {source.samples.bands} bands: 0 to "
+                    f"{source.file.name} has {source.samples.bands} bands: choose 0 to "
                     f"{source.samples.bands - 1}"
                 )
                 raise ParameterError("band", None, allowed)
@@ -143,8 +145,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             across, unit = source.samples.spacing_um, "um"
         if across is None:
             allowed = (
-                f"{source.file.name} does not state its sampling interval: give it in µm at "
-                "the focal plane or in mrad"
+                f"{source.file.name} does not state its sampling interval: give the interval in µm "
+                "at the focal plane or in mrad"
             )
             raise ParameterError("sample_pitch", None, allowed)
         along = across if self.sample_pitch_y is None else self.sample_pitch_y
@@ -196,7 +198,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @readout()
     def sum_of_samples(self, outputs: OtfOutputs) -> Step | None:
-        """Sum of the file's samples minus the background; the samples are divided by it."""
+        """Sum of the file's samples minus the background; the samples are divided by this sum."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_total, psf)
 

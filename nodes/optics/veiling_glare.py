@@ -10,20 +10,21 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group="Optics"):
-    """Spread a share of the light widely, as scatter and ghosts in the lens do.
+    """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
     The point spread function has two parts: a share 1 − g of the light is not spread, and the share
     g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to 1 −
-    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses g
-    of its contrast. If g is not known otherwise, enter the veiling glare index of the lens; ISO
-    9358 measures it in a small black area within an evenly bright field. Light that leaves the
-    frame is mirrored or repeated, as for all filters.
+    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses a
+    fraction g of its contrast. If g is not known otherwise, enter the veiling glare index of the
+    lens; ISO 9358 measures it in a small black area within an evenly bright field. Light that
+    leaves the frame is mirrored or repeated, as for all filters.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
-    where β and β₀ are the sines of the angles of the scattered and the direct ray. Its integral
-    over the hemisphere is the total scatter of a surface, and is lost from the direct light. Angles
-    refer to the space in front of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l
-    = B^(1/g) and s = −g: the two models agree near the direct ray and far from it.
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. The integral of
+    the BSDF over the hemisphere is the total scatter of a surface; this share is lost from the
+    direct light. Angles refer to the space in front of the lens, at the entrance pupil. For an ABg
+    fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray and far from
+    it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -33,7 +34,8 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     formulas = (
         Formula(
             r"H(\rho)=1-g+g\,e^{-2\pi\ell\rho}",
-            where="g: share of the light that is spread; ℓ: spread, mrad; ρ: radial frequency",
+            where="g: share of the light that is spread; ℓ: length of the spread, mrad; ρ: radial "
+            "frequency",
             when="length",
         ),
         Formula(
@@ -47,7 +49,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     form: Annotated[
         Literal["length", "harvey"],
-        Param("share and length of the spread, or Harvey's surface scatter"),
+        Param("model of the spread: by share and length, or Harvey's surface scatter"),
     ] = "length"
 
     share_percent: Annotated[
@@ -55,7 +57,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     ] = 0.0
     length_mrad: Annotated[
         float,
-        Param("length of the spread: half of it falls within 1.73 lengths", low=0,
+        Param("length of the spread: half of the spread light falls within 1.73 lengths", low=0,
               high=1e6, above=True, slider=(0.1, 100)),
     ] = 10.0  # fmt: skip
     b_per_sr: Annotated[
@@ -94,7 +96,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     @warning
     def unused(self) -> Caution | None:
-        """A stray-light value is entered for the form that is not chosen."""
+        """A stray-light value is entered that the chosen form does not use."""
         name, other = ("share_percent", "length") if self.form == "harvey" else (
             "b_per_sr", "harvey")  # fmt: skip
         value = getattr(self, name)
@@ -102,12 +104,12 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
             return None
         return Caution(
             f"{name} = {value:g} is not used: form is {self.form}",
-            f"set {name} to 0, or form to {other}",
+            f"set {name} to 0, or set form to {other}",
         )
 
     @readout("%")
     def scatter_percent(self) -> float:
-        """Share of the light that is spread by all surfaces."""
+        """Share of the light that all surfaces together spread."""
         if self.form == "length":
             return self.share_percent
         return 100.0 * (1.0 - (1.0 - harvey_scatter(**self._surface())) ** self.surfaces)

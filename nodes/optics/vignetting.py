@@ -51,20 +51,20 @@ class LightOverField(Module):
 
 
 class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Optics"):
-    """Darken the picture with distance from the optical axis, at the picture's middle.
+    """Darken the picture with distance from the optical axis, which is at the picture's middle.
 
     `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
-    `measured` adds a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴
-    + …. `against` sets what the heights are: field angle, image height, or the fraction of the
-    picture's half diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off.
-    Put the module before Focal Plane, so that shot noise follows from the vignetted light. Transfer
-    functions do not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to
-    the scene before the vignetting. For a thermal picture with one band, Focal Plane converts
-    radiance to photons at the brightness temperature before the mean loss: a sample with half the
-    mean light gets 0.3 % too many photons (3.7 to 4.8 µm). Spectral pictures, and
-    `photon_weighting` other than scene, do not have this error. Source: Kingslake 1983, Optical
-    System Design, chapter 6.
+    `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
+    c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
+    the picture's half diagonal. A lens maker's curve usually includes cos⁴; in that case, switch
+    `natural` off. Put the module before Focal Plane, so that shot noise follows from the vignetted
+    light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
+    `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
+    Plane converts radiance to photons at the brightness temperature that the picture had before the
+    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm).
+    Spectral pictures do not have this error, nor does any `photon_weighting` other than scene.
+    Source: Kingslake 1983, Optical System Design, chapter 6.
     """
 
     formulas = (
@@ -104,7 +104,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
 
     def check(self) -> None:
         if self.measured == "file" and self.path is None:
-            raise ParameterError("path", None, "a CSV of height and relative illumination")
+            raise ParameterError("path", None, "give a CSV of height and relative illumination")
         if self.measured == "polynomial" and not self.coefficients:
             raise ParameterError("coefficients", (), "at least one number, such as -0.3")
 
@@ -133,7 +133,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
             of_camera = None if image.camera is None else image.camera.focal_length_mm
             law["scale"] = self.focal_length_mm or of_camera
             if law["scale"] is None:
-                raise ParameterError("focal_length_mm", None, "give it here or on Camera")
+                raise ParameterError("focal_length_mm", None, "give a value here or on Camera")
         if self.measured == "polynomial":
             return (*law.items(), ("coefficients", self.coefficients))
         assert self.path is not None
@@ -157,8 +157,9 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
             return None
         unit = _UNITS[self.against]
         return Caution(
-            f"the light may be wrong at the corners: the file ends at {last:.4g} {unit} but "
-            f"the picture at {reached:.4g} {unit}; the last value is used between them",
+            f"the light may be wrong at the corners: the curve in the file ends at {last:.4g} "
+            f"{unit}, but the picture reaches {reached:.4g} {unit}; the last value is used beyond "
+            "the end of the curve",
             "extend the file to the corner",
         )
 

@@ -22,7 +22,7 @@ def of_context(name: str, context: Context, *, where: str = "on Init & Trans") -
     """The value of Init & Trans, for a module without a parameter of its own for it."""
     value = getattr(context, name)
     if value is None:
-        raise ParameterError(name, None, f"give it {where}")
+        raise ParameterError(name, None, f"give a value {where}")
     return float(value)
 
 
@@ -74,7 +74,7 @@ def lens(context: Context, *, optics_transmission: float, f_number: float | None
     obscured = context.obscuration_ratio
     if context.t_number is None:
         if number is None:
-            raise ParameterError("f_number", None, "give it on Init & Trans")
+            raise ParameterError("f_number", None, "give a value on Init & Trans")
         return Lens(number, obscured, context.irradiance, optics_transmission)
     clear = Lens(context.t_number, 0.0, context.irradiance, 1.0)
     if number is None:
@@ -109,7 +109,7 @@ def given_band(
     )
     for name, value in (("cut_on_um", low), ("cut_off_um", high)):
         if value is None:
-            raise ParameterError(name, None, "the image has no band: give it here")
+            raise ParameterError(name, None, "the image has no band: give a value here")
     assert low is not None
     assert high is not None
     if not (low <= high if empty else low < high):

@@ -134,7 +134,7 @@ SEED_SECTIONS = (
 
 
 class SeededModule(Module):
-    """Base of noise sources: the seed is derived from network and node, or entered."""
+    """Base of noise sources, whose seed is derived from network and node, or entered."""
 
     draws_noise = True
 
@@ -142,7 +142,7 @@ class SeededModule(Module):
         Literal["automatic", "typed"],
         Param("derive the seed from the network's seed and this node's name, or enter it below"),
     ] = "automatic"
-    seed: Annotated[int, Param("seed, for seed_mode typed", low=0, high=2**63 - 1)] = 0
+    seed: Annotated[int, Param("seed, used when seed_mode is typed", low=0, high=2**63 - 1)] = 0
 
     def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
         """The stream of one noise field; a typed seed gives the same noise under any name.

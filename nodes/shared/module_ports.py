@@ -41,7 +41,7 @@ def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Transfe
 
 
 class NyquistReadouts(Module):
-    """Base of modules with an MTF: its values at both Nyquist frequencies."""
+    """Base of modules with an MTF: read-outs at both Nyquist frequencies."""
 
     @readout()
     def mtf_at_nyquist_x(self, outputs: Any) -> TransferAt | None:
@@ -73,8 +73,8 @@ class BeforeDigits(Module):
         if image.unit.strip() != "DN":
             return None
         return Caution(
-            "this node acts on digital numbers, with their offset and noise",
-            "put it before Focal Plane",
+            "this node acts on digital numbers, which include offset and noise",
+            "put this node before Focal Plane",
         )
 
 
@@ -162,8 +162,8 @@ class PtfModule(Module):
 
 # Parameters that several modules have alike, by their annotations.
 
-CutOn = Annotated[float | None, Param("shortest wavelength; empty: the image's band", low=0)]
-CutOff = Annotated[float | None, Param("longest wavelength; empty: the image's band", low=0)]
+CutOn = Annotated[float | None, Param("shortest wavelength; empty: from the image's band", low=0)]
+CutOff = Annotated[float | None, Param("longest wavelength; empty: from the image's band", low=0)]
 NewWidth = Annotated[
     int | None, Param("samples per row; empty: unchanged", low=1, high=65536, slider=(16, 2048))
 ]
@@ -177,14 +177,14 @@ LongestPeriod = Annotated[
 ]  # fmt: skip
 WeightingSource = Annotated[
     float | None,
-    Param("black body whose spectrum weights a single band; empty: at the scene's temperature, or "
-          "sunlight",
+    Param("temperature of the black body that weights a single band; empty: the scene's "
+          "temperature, or 5800 K for sunlight",
           low=0, high=1e6, slider=(250, 6500)),
 ]  # fmt: skip
 LightingSource = Annotated[
     float | None,
-    Param("black body whose spectrum fills the band; empty: at the temperature of the "
-          "picture's mean, or sunlight",
+    Param("temperature of the black body that weights the band; empty: the picture's mean "
+          "temperature, or 5800 K for sunlight",
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip
 

@@ -45,7 +45,7 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
         return None
     named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
     return Caution(
-        f"the picture {named}, but {meant} would require radiance in W/m²/sr",
+        f"the picture {named}; radiance in W/m²/sr is required for {meant}",
         "put To Radiance before this node to convert temperatures to radiance"
         if is_temperature(unit)
         else "convert the picture with scale and unit on Read Image",
@@ -71,7 +71,7 @@ def band_caution(
         f"the picture's radiance covers {_band(picture)}, but cut_on_um to cut_off_um is "
         f"{_band((low, high))}: the bands {apart}",
         "leave cut_on_um and cut_off_um empty to use the picture's band, or set the picture's "
-        "band to this one",
+        "band to match",
     )
 
 
@@ -86,7 +86,7 @@ def wavelength_caution(
         return None
     return Caution(
         f"{name} = {wavelength_um:g} µm lies outside the picture's band, {_band(picture)}",
-        "leave it empty to use the band's middle, or correct the band",
+        "leave wavelengths empty to use the picture's band, or correct the band",
     )
 
 
@@ -122,7 +122,7 @@ def apart_caution(
     unit = f" {unit or unit_of(name)}".rstrip()
     return Caution(
         f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
-        remedy or f"leave {name} empty to use that value, unless the difference is intended",
+        remedy or f"leave {name} empty to use the other value, unless the difference is intended",
     )
 
 
@@ -153,7 +153,7 @@ def apart_from_context(
     return apart(module, {name: getattr(context, name) for name in names}, where=where)
 
 
-ELECTRONICS = "on Init & Trans, which the electronics use"
+ELECTRONICS = "on Init & Trans, the value that the electronics use"
 
 
 def alike(one: float, other: float, *, near: float = NEAR) -> bool:

@@ -70,7 +70,7 @@ def refuse_shape(
 ) -> None:
     if len(shape) not in (2, 3) or 0 in shape:
         raise FileError(
-            f"{path}: contains an array of shape {shape}; allowed: {allowed}, none of them 0"
+            f"{path}: contains an array of shape {shape}; allowed: {allowed}, all above 0"
         )
 
 
@@ -113,7 +113,7 @@ def oversized(
     if not memory or needed <= _SHARE * memory:
         return ""
     return (
-        f"{rows} × {columns} samples need {_gb(needed)}; allowed on this machine: "
+        f"{rows} × {columns} samples need {_gb(needed)}; the limit on this machine is "
         f"{_gb(_SHARE * memory)}, half of the memory this process may use"
     )
 
@@ -124,8 +124,8 @@ def oversized_file(length: int) -> str:
     if not memory or length <= _SHARE * memory:
         return ""
     return (
-        f"a file of {_gb(length)}; allowed on this machine: {_gb(_SHARE * memory)}, half of the "
-        "memory this process may use"
+        f"a file of {_gb(length)} is too large; the limit on this machine is "
+        f"{_gb(_SHARE * memory)}, half of the memory this process may use"
     )
 
 
@@ -138,8 +138,8 @@ def refuse_oversized_text(path: Path) -> None:
     most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
     if length > most:
         raise FileError(
-            f"{path}: a text file of {_gb(length)}; allowed: {_gb(most)}; store this many "
-            "samples as .npy"
+            f"{path}: a text file of {_gb(length)} is too large; the limit is {_gb(most)}: store "
+            "the samples as .npy"
         )
 
 
@@ -155,8 +155,8 @@ def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None
     claimed = info.rows * info.columns * info.bands * bits / 8
     if claimed > most * length:
         raise FileError(
-            f"{info.path}: damaged: {info.rows} × {info.columns} × {info.bands} samples of "
-            f"{bits} bits cannot come from a file of {length} bytes"
+            f"{info.path}: damaged: {info.rows} × {info.columns} × {info.bands} samples of {bits} "
+            f"bits do not fit in a file of {length} bytes"
         )
 
 
@@ -297,11 +297,13 @@ def _quantity(text: str, factors: Mapping[str, float], key: str, where: str) -> 
     value = float(match[1]) * factor if match and factor else math.nan
     if not math.isfinite(value) or value < 0:
         units = ", ".join(unit for unit in factors if unit.isascii() and unit)
-        raise FileError(f"{where}: {key} = {text!r:.60} is not a positive number (with {units})")
+        raise FileError(f"{where}: {key} = {text!r:.60} is not a positive number (units: {units})")
     return value
 
 
 def _angle(degrees: float | None, where: str) -> float | None:
     if degrees is not None and degrees >= 180:
-        raise FileError(f"{where}: field of view {degrees:g} deg; allowed: above 0, below 180")
+        raise FileError(
+            f"{where}: field of view {degrees:g} deg; allowed: above 0 and below 180 deg"
+        )
     return degrees

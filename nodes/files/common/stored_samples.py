@@ -62,7 +62,7 @@ def as_stored(
         raise ParameterError(
             "low, high",
             (low, high),
-            f"leave them empty with dtype {dtype}; only uint8 and uint16 use them",
+            f"leave low and high empty with dtype {dtype}; only uint8 and uint16 are scaled",
         )
     return _as_floats(samples, kind)
 
@@ -107,7 +107,7 @@ def _as_integers(
     if not np.isfinite(values).all():
         row, column, _ = np.argwhere(~np.isfinite(values))[0]
         raise DataError(
-            f"sample at row {first + row}, column {column} is not finite and cannot be stored "
+            f"the sample at row {first + row}, column {column} is not finite and cannot be stored "
             f"as {dtype}"
         )
     if low is None and high is None:
@@ -115,9 +115,9 @@ def _as_integers(
         if wrong.any():
             row, column, _ = np.argwhere(wrong)[0]
             raise DataError(
-                f"sample {values[row, column].ravel()[0]:g} at row {first + row}, column "
-                f"{column} does not fit {dtype} (whole numbers, 0 to {top}); give low and high to "
-                "scale"
+                f"sample {values[row, column].ravel()[0]:g} at row {first + row}, column {column} "
+                f"does not fit {dtype} (whole numbers, 0 to {top}); give low and high to scale the "
+                "samples"
             )
         return values.astype(dtype)
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high - low)):

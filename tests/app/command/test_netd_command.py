@@ -84,7 +84,7 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(works, tmp_path):
          "huge.npy: the samples are too large to compute their variance"),
         (("hot.npy=300K", "small.npy=310K"),
          "small.npy: contains frames of 20 × 20 samples, but hot.npy has 48 × 64: give files "
-         "from one camera"),
+         "from the same camera"),
         (("hot.npy=300", "cold.npy=20C"),
          "netd 'hot.npy=300': give a file and the temperature of its black body, such as "
          "FILE=293.15K or FILE=20C"),

@@ -95,7 +95,7 @@ def test_frames_of_a_simulated_camera(works, small, write, tmp_path):
         (
             ("flat0.npy", "other.npy"),
             "other.npy: contains frames of 5 × 6 samples, but flat0.npy has 60 × 80: give files "
-            "from one camera",
+            "from the same camera",
         ),
         (("flat0.npy", "--offset-dn", "much"), "--offset-dn 'much': give a number"),
         (

@@ -12,7 +12,7 @@ WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readou
 BAND = (
     "electronics: the picture's radiance covers 8 to 14 µm, but cut_on_um to cut_off_um is 3 "
     "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty to use the "
-    "picture's band, or set the picture's band to this one"
+    "picture's band, or set the picture's band to match"
 )
 
 

@@ -76,10 +76,10 @@ def test_a_satellite_sees_the_air_below_the_highest_table(tables):
     [
         (0.001, 1.0, "altitude_m = 1.0 m.*2 or more"),
         (5.0, 4.0, "range_m = 4000.0 m.*at least the altitude, 5000 m"),
-        (0.002, 5.5, "up to the horizon"),
-        (20.0, 310.0, "up to the horizon and 300 km"),
-        (600.0, 2750.0, "up to the horizon"),
-        (5.0, 2e4, "up to the horizon"),
+        (0.002, 5.5, "not beyond the horizon"),
+        (20.0, 310.0, "at most 300 km along the ground"),
+        (600.0, 2750.0, "not beyond the horizon"),
+        (5.0, 2e4, "not beyond the horizon"),
     ],
 )
 def test_paths_outside_the_tables(tables, height, length, words):

@@ -107,7 +107,7 @@ def test_a_cube_of_reflectances(tmp_path):
     seen = bench.engine.value(bench.plan, "light.image", bench.engine.work(Policy("double")))
     np.testing.assert_allclose(seen, expected, rtol=1e-11)
     assert bench.port("light.image").bands.density
-    assert "bands is not used: the picture already has 6 bands" in warned(bench)[0]
+    assert "the picture already has 6 bands, which replace bands" in warned(bench)[0]
 
 
 @pytest.mark.parametrize(

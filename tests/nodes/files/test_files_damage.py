@@ -120,7 +120,7 @@ def refused_for_its_size(path, rows, columns, reads=(read_info, read_pixels)):
     for read in reads:
         with pytest.raises(FileError) as caught:
             read(path)
-        words = rf"{rows} × {columns} samples need .* GB; allowed on this machine: .* GB"
+        words = rf"{rows} × {columns} samples need .* GB; the limit on this machine is .* GB"
         assert re.search(words, str(caught.value))
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
@@ -160,12 +160,12 @@ def test_a_one_bit_png_takes_the_memory_of_its_samples(tmp_path):
 
 def test_a_header_that_claims_more_than_the_file_can_hold_is_damaged(tmp_path):
     (tmp_path / "a.png").write_bytes(png(20000, 20000, 8, zlib.compress(bytes(1000))))
-    with pytest.raises(FileError, match=r"20000 × 20000 × 1 samples of 8 bits cannot come from"):
+    with pytest.raises(FileError, match=r"20000 × 20000 × 1 samples of 8 bits do not fit in"):
         read_info(tmp_path / "a.png")
     whole, _ = tiff(TRUTH, packed=True, strip_rows=48)
     claim = whole.replace(tiff_tag(257, 48), tiff_tag(257, 9**6))
     (tmp_path / "a.tif").write_bytes(claim)
-    with pytest.raises(FileError, match="cannot come from a file of"):
+    with pytest.raises(FileError, match="do not fit in a file of"):
         read_info(tmp_path / "a.tif")
 
 
@@ -194,5 +194,5 @@ def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):
     info = PictureInfo(path=Path("a.tif"), **shape)
     refuse_oversized(info)
     monkeypatch.setattr("core.machine._limits", lambda: [3_999_999])
-    with pytest.raises(FileError, match="allowed on this machine: "):
+    with pytest.raises(FileError, match="the limit on this machine is "):
         refuse_oversized(info)

@@ -123,7 +123,7 @@ def test_missing_field(tmp_path, key):
         ("wavelength", "{1, 2, x}", "wavelength contains a value that is not a number"),
         ("fwhm", "{1, 2, -1}", "fwhm of band 2 = -1; allowed: positive"),
         ("fov", "wide", "fov = 'wide' is not a positive number"),
-        ("fov", "190", "field of view 190 deg; allowed: above 0, below 180"),
+        ("fov", "190", "field of view 190 deg; allowed: above 0 and below 180"),
         ("focal_length", "-38", "focal length = '-38'"),
     ],
 )
@@ -142,12 +142,14 @@ def test_truncated_and_oversized(tmp_path):
     data.write_bytes(whole[:-3])
     with pytest.raises(
         FileError,
-        match=r"holds 837 bytes, but x\.img\.hdr says header offset 0 \+ lines 5 × samples 7 × "
+        match=r"contains 837 bytes, but x\.img\.hdr gives header offset 0 \+ lines 5 × samples 7 × "
         r"bands 3 × 8 bytes = 840 \(3 missing\); the file is truncated",
     ):
         envi.read_band(data)
     data.write_bytes(whole + b"12345")
-    with pytest.raises(FileError, match=r"\(5 too many\); it would fit with header offset = 5"):
+    with pytest.raises(
+        FileError, match=r"\(5 too many\); the size would fit with header offset = 5"
+    ):
         envi.read_band(data)
     data.write_bytes(b"")
     with pytest.raises(FileError, match="file is empty"):
@@ -230,7 +232,9 @@ def test_wavelengths_without_their_unit(tmp_path, units):
     assert info.wavelengths_um == (8, 9, 14.5)
     assert info.wavelengths_assumed
     nanometres = write(tmp_path, wavelength="{99, 450, 550}", **units)
-    with pytest.raises(FileError, match=r"reaches 550, and .* no wavelength units.*Nanometers"):
+    with pytest.raises(
+        FileError, match=r"wavelengths up to 550 without wavelength units.*Nanometers"
+    ):
         envi.read_info(nanometres)
     named = envi.read_info(write(tmp_path, wavelength="{8, 9, 14.5}", wavelength_units="um"))
     assert not named.wavelengths_assumed

@@ -71,9 +71,9 @@ EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
     [
         (
             fits(EMPTY, b"") + EXTENSION,
-            "holds no picture (NAXIS = 0), only its extensions hold data;",
+            "has no picture (NAXIS = 0); only the extensions contain data;",
         ),
-        (fits(EMPTY, b""), "holds no picture (NAXIS = 0); allowed: a picture in the primary"),
+        (fits(EMPTY, b""), "has no picture (NAXIS = 0); allowed: a picture in the primary"),
         (
             fits([("SIMPLE", "T"), ("BITPIX", 64), *CARDS[2:]], STORED.astype(">i8").tobytes()),
             "BITPIX = 64; allowed: 8, 16, 32, -32, -64",

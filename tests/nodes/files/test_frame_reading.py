@@ -70,30 +70,30 @@ def refusal(path):
 
 def test_what_is_refused(tmp_path):
     assert refusal(pages(tmp_path / "a.tif", [FRAMES[0], FRAMES[1], FRAMES[2, :4]])) == (
-        "its frames differ: page 3 has 4 × 13 samples of uint16, the first page 9 × 13 samples of "
-        "uint16; allowed: frames of one size and type"
+        "the frames differ: page 3 has 4 × 13 samples of uint16, but the first page has 9 × 13 "
+        "samples of uint16; allowed: frames of the same size and type"
     )
-    assert "page 2 has 9 × 13 samples of float32, the first page" in refusal(
+    assert "page 2 has 9 × 13 samples of float32, but the first page" in refusal(
         pages(tmp_path / "b.tif", [FRAMES[0], FRAMES[1].astype(np.float32)])
     )
     colour = np.zeros((4, 5, 3), np.uint8)
     assert refusal(pages(tmp_path / "c.tif", [colour, colour])) == (
-        "page 1 has 3 channels in compression 1; allowed: one channel of plain numbers, "
+        "page 1 has channels = 3, compression = 1; allowed: one channel of plain numbers, "
         "uncompressed or deflate"
     )
-    assert "page 1 has 1 channels in compression 5" in refusal(
+    assert "page 1 has channels = 1, compression = 5" in refusal(
         pages(tmp_path / "d.tif", FRAMES, compression="tiff_lzw")
     )
     assert refusal(npy(tmp_path / "e.npy", np.zeros(5))) == (
-        "contains an array of shape (5,); allowed: (frames, rows, columns), none of them 0"
+        "contains an array of shape (5,); allowed: (frames, rows, columns), all above 0"
     )
     assert "contains samples of type complex128" in refusal(
         npy(tmp_path / "f.npy", np.zeros((2, 3, 4), complex))
     )
     Pillow.fromarray(colour).save(tmp_path / "g.png")
     assert refusal(tmp_path / "g.png") == (
-        "frames cannot be read from it; allowed: .npy (frames, rows, columns), TIFF with one "
-        "page per frame, ENVI with one band per frame"
+        "frames cannot be read from this file; allowed: .npy (frames, rows, columns), TIFF with "
+        "one page per frame, ENVI with one band per frame"
     )
     cut = pages(tmp_path / "h.tif", FRAMES)
     cut.write_bytes(cut.read_bytes()[:-300])

@@ -71,7 +71,7 @@ def test_tape7(tmp_path, head, solar):
         (tape7(rows=[(2000.0, 1.3, 0.0, 0.0), ROWS[1]]), "line 4.*TOT TRANS from 0 to 1"),
         (tape7(rows=[(2000.0, 0.3, -1e-7, 0.0), ROWS[1]]), "line 4.*radiance of at least 0"),
         (tape7() + "", None),
-        (tape7().replace("0.1234", "0,1234"), "line 4.*numbers below their names"),
+        (tape7().replace("0.1234", "0,1234"), "line 4.*numbers below the column names"),
     ],
 )
 def test_damaged_tape7(tmp_path, text, words):
@@ -118,9 +118,9 @@ def test_modtran_6_in_both_its_forms(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (json_6(cases=2), "one radiance run of MODTRAN 6"),
+        (json_6(cases=2), "a single MODTRAN 6 radiance run"),
         (json_6({**PARTS_6, "FREQ": [2000.0]}), "lists of equal length"),
-        (json_6({**PARTS_6, "TOT_TRANS": [0.5, None]}), "numbers below their names"),
+        (json_6({**PARTS_6, "TOT_TRANS": [0.5, None]}), "numbers below the column names"),
         (json_6({"FREQ": [2000.0, 2500.0], "TOT_TRANS": [0.5, 0.4]}), "0 columns are named"),
         ('{"MODTRAN": [{"MODTRANINPUT": {}}]}', "under MODTRAN, MODTRANOUTPUT"),
         (json_6()[:-4], "not the JSON output"),

@@ -89,7 +89,7 @@ def test_groups(tmp_path):
     assert read_info(tmp_path / "a.zarr").fov_x_deg == 4.0
     np.testing.assert_array_equal(read_pixels(tmp_path / "a.zarr"), scene)
     group.create_array("other", data=scene + 1, chunks=(2, 2))
-    with pytest.raises(FileError, match=r"of 2 or 3 dimensions in it \(a.zarr/other, a.zarr/scene"):
+    with pytest.raises(FileError, match=r"with 2 or 3 dimensions \(a.zarr/other, a.zarr/scene"):
         read_info(tmp_path / "a.zarr")
     np.testing.assert_array_equal(read_pixels(tmp_path / "a.zarr" / "other"), scene + 1)
 

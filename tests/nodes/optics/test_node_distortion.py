@@ -122,7 +122,7 @@ def test_figures_and_warnings(tmp_path):
     assert shown["largest_step"] == pytest.approx(stretch, rel=0.02)
     texts = [caution.message for caution in bench.warnings()]
     assert len(texts) == 1 + (stretch > 1.5)
-    assert "look beyond the scene" in texts[0]
+    assert "lie beyond the scene" in texts[0]
 
 
 def test_the_scene_that_the_warning_asks_for(tmp_path):
