@@ -500,11 +500,11 @@ def to_radiance(
         temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
         to 10000 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
 
     Notes
     -----
@@ -537,11 +537,11 @@ def to_temperature(
         temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
         to 10000 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
 
     Notes
     -----
@@ -570,8 +570,8 @@ def reflected_light(
     is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
     of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
     sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths. With `bands`
-    above 1, the radiance has that many bands; a cube of reflectances keeps its own bands. Add
+    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with `bands`
+    above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera.
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
@@ -590,11 +590,11 @@ def reflected_light(
         spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K: one of
         standard, black_body; default 'standard'
     solar_irradiance : float | Expression | None
-        solar irradiance above the air at normal incidence, used instead of the spectrum; empty:
-        from `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
+        solar irradiance above the air, normal to the sun, used instead of the spectrum; empty: from
+        `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
     path : str | PathLike[str] | None
-        CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of the number; or empty:
-        a file name or empty; default empty
+        CSV of wavelength (µm) and W/m²/µm, used instead of the number; or empty: a file name or
+        empty; default empty
     sun_elevation_deg : float | Expression
         elevation of the sun above the horizon [deg]: a number from 0 to 90; default 45.0
     optical_depth : float | Expression
@@ -605,14 +605,13 @@ def reflected_light(
         illuminance on the ground to which sun and sky are scaled; empty: no scaling [lx]: a number
         above 0 to 1e+09 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     bands : int | Expression
-        number of bands into which the radiance is divided: a whole number from 1 to 10000; default
-        1
+        bands into which the radiance is divided: a whole number from 1 to 10000; default 1
 
     Notes
     -----
@@ -647,42 +646,40 @@ def atmospheric_path(
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
     mid-latitude summer, the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are interpolated
-    over height and ground range. With every second table left out, a band's transmission is off by
-    0.007 rms and by 0.06 at most. For a camera above 24.5 km, only the air below that height
-    counts: at nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. Install the
-    extra `atmosphere` to use this model.
+    over height and ground range. If every second table is left out, a band's transmission is off by
+    0.007 rms, at most 0.06. For a camera above 24.5 km, only the air below that height counts: at
+    nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. This model needs the
+    extra `atmosphere`.
 
-    A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
-    the radiance of a black body. Its temperature is `source_K` if given, otherwise 5800 K
-    (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness temperature.
-    In a spectral picture (`bands` of Read Image), each band is multiplied by its own transmission.
-    Absorption and scattering both count as attenuation here; for the blur from scattering, use
-    Atmosphere MTF. If Figures of Merit comes after this module, it scales the transmission to each
-    range with Beer's law at every wavelength. Two Atmospheric Path modules in a row represent two
-    constituents of the same air. Put the module after Camera to use Camera's range and orbit;
-    otherwise enter `range_m` here.
+    A picture with one band is multiplied by the band's mean transmission. The mean weights
+    wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
+    sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
+    of Read Image) has each band multiplied by its own transmission. Absorption and scattering both
+    count as attenuation here; for the blur from scattering, use Atmosphere MTF. Figures of Merit,
+    if placed after this module, uses its transmission at each range, by Beer's law at every
+    wavelength. Two of these modules in a row represent two constituents of the same air. Put the
+    module after Camera to use Camera's range and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
     Parameters
     ----------
     model : Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran', 'modtran_tables']
-        model of the air: a transmission, an extinction, a visibility, a MODTRAN file, or pyBSM's
-        MODTRAN tables: one of transmission, extinction_per_km, visibility_km, modtran,
+        what describes the air: a transmission, an extinction, a visibility, a file, or MODTRAN's
+        tables in pyBSM: one of transmission, extinction_per_km, visibility_km, modtran,
         modtran_tables; default 'transmission'
     transmission : float | Expression
         transmission of the path: a number from 0 to 1; default 1.0
     path : str | PathLike[str] | None
-        CSV of wavelength (µm) and transmission, used instead of `transmission`; for modtran: a
-        tape7, JSON or CSV: a file name or empty; default empty
+        CSV of wavelength (µm) and transmission, used instead of the number; for modtran: a tape7,
+        JSON or CSV: a file name or empty; default empty
     extinction_per_km : float | Expression
         extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
         0.2
     visibility_km : float | Expression
         visibility (2 % contrast) [km]: a number above 0 to 1e+06; default 23.0
     angstrom_q : float | Expression
-        Ångström exponent q: the extinction is proportional to wavelength^−q: a number from -5 to 5;
-        default 0.0
+        exponent with which the extinction falls with wavelength: a number from -5 to 5; default 0.0
     haze : Literal['rural_23_km', 'rural_5_km']
         haze type and visibility of MODTRAN's tables: one of rural_23_km, rural_5_km; default
         'rural_23_km'
@@ -690,14 +687,14 @@ def atmospheric_path(
         height of the camera above the ground, for MODTRAN's tables; empty: from Camera's orbit [m]:
         a number from 0 to 1e+08 or empty; default empty
     range_m : float | Expression | None
-        length of the path; empty: from a Camera before this node, or from Init & Trans if context
-        is connected [m]: a number from 0 to 1e+09 or empty; default empty
+        length of the path; empty: from a Camera before this node, or from Init & Trans through
+        context [m]: a number from 0 to 1e+09 or empty; default empty
     air_K : float | Expression | None
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
         empty; default empty
     source_K : float | Expression | None
-        temperature of the black body that weights a single band; empty: the scene's temperature, or
-        5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: at the scene's temperature, or
+        sunlight [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -727,16 +724,16 @@ def atmosphere_mtf(
     scattering_per_km: float | Expression = 0.0,
     scale_height_km: float | Expression = 1.0,
 ) -> Part:
-    """Blur by atmospheric turbulence and aerosol scattering (turbidity).
+    """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
+    Turbulence is a Gaussian blur of given width, or Fried's long- or short-exposure MTF, with r0
     entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
-    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
-    number, or the scattering coefficient along the path. On a downward or upward path, this
-    coefficient falls exponentially with height. Absorption attenuates all frequencies equally and
-    does not blur: use Atmospheric Path. Looking up blurs more than looking down, because the
-    strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff
-    ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
+    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateaus 0.99, 0.975, 0.955), a
+    number, or the scattering coefficient along the path. On a path down or up, this coefficient
+    falls exponentially with height. Absorption attenuates all frequencies equally and does not
+    blur: use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is
+    near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. A spectral
+    picture is blurred at each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -752,44 +749,41 @@ def atmosphere_mtf(
     fried_r0_m : float | Expression | None
         Fried's r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
     wavelength_um : float | Expression | None
-        wavelength of the blur; empty: the middle of the band, or of each band of a cube [µm]: a
-        number of at least 0 or empty; default empty
+        wavelength; empty: the middle of the band, or of each band of a cube [µm]: a number of at
+        least 0 or empty; default empty
     r0_wavelength_um : float | Expression | None
-        wavelength for which r0 is given, often 0.5 µm; empty: the wavelength of the blur [µm]: a
+        wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur [µm]: a
         number of at least 0 or empty; default empty
     aperture_mm : float | Expression | None
-        aperture diameter, for a short exposure; empty: from Camera [mm]: a number of at least 0 or
-        empty; default empty
+        aperture, for a short exposure; empty: from Camera [mm]: a number of at least 0 or empty;
+        default empty
     alpha : float | Expression
-        α for a short exposure, 1 in the near field and 0.5 in the far field: a number from 0 to 1;
-        default 0.5
+        short exposure: 1 in the near field, 0.5 in the far field: a number from 0 to 1; default 0.5
     cn2 : float | Expression | None
-        Cn² along a horizontal path, or at the ground for a vertical path [m^(-2/3)]: a number of at
-        least 0 or empty; default empty
+        Cn² along a horizontal path, or at the ground [m^(-2/3)]: a number of at least 0 or empty;
+        default empty
     turbidity : Literal['none', 'low', 'moderate', 'high', 'custom']
-        aerosol level; custom: from the optical depth τ or the coefficients below: one of none, low,
+        aerosol level; custom: optical depth τ or the coefficients below: one of none, low,
         moderate, high, custom; default 'none'
     scatter_depth : float | Expression | None
-        optical depth τ, used when turbidity is custom; empty: from the coefficients: a number of at
-        least 0 or empty; default empty
+        optical depth τ if turbidity is custom; empty: from the coefficients: a number of at least 0
+        or empty; default empty
     turbidity_cutoff_cyc_per_mrad : float | Expression
         cutoff frequency: particle radius over wavelength [cyc/mrad]: a number above 0; default
         0.001
     particle_radius_um : float | Expression | None
-        particle radius, which sets the cutoff (radius over wavelength); empty: the cutoff above
-        [µm]: a number from 0 to 1e+06 or empty; default empty
+        particle radius, from which the cutoff follows (radius over wavelength); empty: the cutoff
+        above [µm]: a number from 0 to 1e+06 or empty; default empty
     view : Literal['horizontal', 'vertical', 'up']
-        line of sight, used with the coefficients and Cn²; vertical: looking down from a height; up:
-        looking up to a height: one of horizontal, vertical, up; default 'horizontal'
+        line of sight, for coefficients and Cn²; vertical: looking down from a height; up: looking
+        up to a height: one of horizontal, vertical, up; default 'horizontal'
     absorption_per_km : float | Expression
-        absorption coefficient, which has no effect here: absorption dims the scene without blurring
-        it; use Atmospheric Path [1/km]: a number of at least 0; default 0.0
+        has no effect here: absorption dims the scene and does not blur it; use Atmospheric Path
+        [1/km]: a number of at least 0; default 0.0
     scattering_per_km : float | Expression
-        scattering coefficient, used when turbidity is custom [1/km]: a number of at least 0;
-        default 0.0
+        scattering coefficient if turbidity is custom [1/km]: a number of at least 0; default 0.0
     scale_height_km : float | Expression
-        scale height of the aerosol, used when looking down or up [km]: a number above 0; default
-        1.0
+        scale height of the aerosol, for looking down or up [km]: a number above 0; default 1.0
 
     Notes
     -----
@@ -821,13 +815,13 @@ def camera(
 ) -> Part:
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes through unchanged and carries the data: pitch, focal length, F-number, fill
-    factor and range for Init & Trans and all modules after it; aperture and obscuration for
-    Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
-    there. Two of focal length, F-number and aperture give the third. An image without a sampling
-    interval gets one from the pixels' angle on the axis. So does an image with the same field of
-    view as the lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A
-    warning names values that disagree; nothing is corrected.
+    The image passes unchanged and carries the data: pitch, focal length, F-number, fill factor and
+    range for Init & Trans and all modules after it; aperture and obscuration for Diffraction MTF;
+    pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
+    focal length, F-number and aperture give the third. An image without a sampling interval gets
+    one from the pixels' angle on the axis. So does an image with the same field of view as the
+    lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
+    values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
@@ -838,8 +832,8 @@ def camera(
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
     depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
-    the axis and usual in infrared work; `sine` (π/(4F²)) is exact for a lens corrected for coma,
-    such as a fast photographic or infrared lens. The two differ by 25 % at F/1 and by 1.6 % at F/4.
+    the axis and usual in infrared work, `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    such as a fast photographic or infrared lens. They differ by 25 % at F/1 and by 1.6 % at F/4.
     Sources: Holst 2008, Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle,
     f-number, GSD); Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number);
     Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
@@ -853,7 +847,7 @@ def camera(
     pitch_um : float | Expression | None
         horizontal pixel pitch [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        vertical pixel pitch; empty: equal to pitch_um [µm]: a number of at least 0 or empty;
+        vertical pixel pitch; empty: equal to pitch_x_um [µm]: a number of at least 0 or empty;
         default empty
     fill_x : float | Expression | None
         horizontal fill factor; empty: 1: a number from 0 to 1 or empty; default empty
@@ -872,12 +866,11 @@ def camera(
         obscuration: inner diameter of the aperture divided by the outer: a number from 0 below 1;
         default 0.0
     t_number : float | Expression | None
-        T-number: F-number of a lossless, unobscured lens that passes the same amount of light;
-        empty: from F-number, obscuration and transmission: a number of at least 0 or empty; default
-        empty
+        T-number: F-number of a lossless, unobscured lens that passes as much light; empty: from
+        F-number, obscuration and transmission: a number of at least 0 or empty; default empty
     irradiance : Literal['disc', 'sine']
-        how the light depends on the F-number: π/(4F² + 1), or π/(4F²) for a lens that obeys the
-        sine condition: one of disc, sine; default 'disc'
+        how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine condition,
+        π/(4F²): one of disc, sine; default 'disc'
     range_m : float | Expression | None
         distance to the scene [m]: a number of at least 0 or empty; default empty
     altitude_km : float | Expression | None
@@ -919,16 +912,15 @@ def diffraction_mtf(
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
     Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
-    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band, each
-    wavelength's OTF is weighted by the photons or the energy of a black body, or all wavelengths
-    are weighted equally, as in Tantalo 1996. The black body's temperature is `source_K`. If
-    `source_K` is empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm,
-    and otherwise the brightness temperature of the picture's mean radiance. `response`, and a
-    Spectral Response before this module, also weight the light, like a detector behind the optics.
-    With `wavelengths` set to auto, the module uses as many wavelengths as `tolerance` requires,
-    placed between the kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses
-    the band's middle. With auto, a spectral picture is blurred band by band, and the MTF shown is
-    the mean weighted by the picture's own light.
+    divided by the F-number, from Init & Trans. No pupil array is needed. Over a band, each
+    wavelength's OTF is weighted by the photons or the energy of a black body, or all equally as in
+    Tantalo 1996. The black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for
+    a band that begins below 2.5 µm, and otherwise at the brightness temperature of the picture's
+    mean radiance. `response`, and a Spectral Response before this module, also weight the light,
+    like a detector behind the optics. `wavelengths` auto uses as many wavelengths as `tolerance`
+    requires, placed between the kinks of the OTF. A number sets how many wavelengths sample the
+    band; 1 uses the band's middle. With auto, a spectral picture is blurred band by band, and the
+    MTF shown is the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
     negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
@@ -945,27 +937,27 @@ def diffraction_mtf(
         obscuration: inner diameter divided by the outer; empty: from Camera, or none: a number from
         0 below 1 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     weighting : Literal['photons', 'energy', 'uniform']
-        weighting of the wavelengths: by photons (as in a photon detector), by energy, or equal: one
-        of photons, energy, uniform; default 'photons'
+        weight of the wavelengths: by photons (as in a photon detector), by energy, or equal: one of
+        photons, energy, uniform; default 'photons'
     source_K : float | Expression | None
-        temperature of the black body that weights the band; empty: the picture's mean temperature,
-        or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
+        or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and a detector response that also weights the light; or empty: a file
+        CSV of wavelength (µm) and detector response, which also weights the light; or empty: a file
         name or empty; default empty
     wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
         auto: as many wavelengths as the tolerance requires; a number sets how many sample the band;
         1 uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32,
         48, 64; default 'auto'
     tolerance : float | Expression
-        largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or 1e-6 with
-        a response of many points: a number from 0 to 1; default 0.0
+        largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of many
+        points 1e-6: a number from 0 to 1; default 0.0
     defocus_waves : float | Expression
         defocus at the rim, W20 [waves]: a number from -20 to 20; default 0.0
     rms_wavefront_waves : float | Expression
@@ -1004,20 +996,20 @@ def exit_pupil(
 
     Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
     `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
-    over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
-    with vanes at 360°/n from +x.
+    over the full height. `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with
+    vanes at 360°/n from +x.
 
-    The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
-    aperture's radius. For a file this disc is the smallest circle around all samples above 1 % of
-    the largest. It is centred on the array if that makes its radius at most one sample larger. A
-    `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives the
-    radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus
-    and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border of the
-    array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
-    wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
-    `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
-    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
-    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
+    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
+    It is centred on the array if that makes its radius at most one sample larger. A `radius` that
+    you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
+    A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus and Zernike
+    terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
+    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a map in
+    µm is an optical path difference, the same at all wavelengths. A complex `.npy` in `path`
+    contains amplitude and phase, valid only at its own wavelength. Row 0 is at the top. W enters as
+    exp(2πiW), so a W that increases to the right moves the picture to the left. Sources: Tantalo
+    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -1040,11 +1032,11 @@ def exit_pupil(
     vane_width : float | Expression
         width of a vane [samples]: a number of at least 0; default 4.0
     path : str | PathLike[str] | None
-        amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map: a
-        file name or empty; default empty
+        amplitude transmission, real or complex `.npy`, for `file`; empty: from the map: a file name
+        or empty; default empty
     wavefront_path : str | PathLike[str] | None
-        map of the wavefront error for the shape `file`, relative to the network file's folder: a
-        file name or empty; default empty
+        map of the wavefront error, for `file`, relative to the network file's folder: a file name
+        or empty; default empty
     wavefront_unit : Literal['waves', 'rad', 'um', 'nm']
         unit of the map: one of waves, rad, um, nm; default 'waves'
     map_wavelength_um : float | Expression | None
@@ -1077,34 +1069,33 @@ def exit_pupil_mtf(
     response: str | PathLike[str] | None = None,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Apply the incoherent OTF of an exit pupil: the pupil's normalised autocorrelation.
+    """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
-    The OTF of a geometric shape is exact, for one wavelength or a band. For pupils from files or
-    with wavefront errors, the sampled pupil is autocorrelated. Wavelengths are weighted equally, or
-    by the photons or the energy of a black body (`weighting`), and by the detector's `response`.
-    The black body's temperature is `source_K`. If `source_K` is empty, the temperature is 5800 K
-    (sunlight) for a band that begins below 2.5 µm, and otherwise the brightness temperature of the
-    picture's mean radiance. A spectral picture is blurred band by band, each band at its own
-    wavelength. Interpolation `none` shows the raw autocorrelation at the pupil's own frequency
-    intervals and does not blur the picture. Sizes refer to the whole pupil array. Source: Tantalo
-    1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's
-    half width over λ.
+    The OTF of a geometric shape is exact, for one wavelength or a band. Pupils from files or with
+    wavefront errors are autocorrelated from their samples. Wavelengths are weighted equally, or by
+    the photons or the energy of a black body (`weighting`), and by the detector's `response`. The
+    black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for a band that begins
+    below 2.5 µm, and otherwise at the brightness temperature of the picture's mean radiance. A
+    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
+    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
+    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
+    cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
 
     Parameters
     ----------
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     size_x_cm : float | Expression
         width of the whole pupil array [cm]: a number above 0; default 25.6
     size_y_cm : float | Expression
         height of the whole pupil array [cm]: a number above 0; default 25.6
     method : Literal['exact', 'autocorrelation']
-        exact: closed form if there is one; autocorrelation: always from the sampled pupil: one of
-        exact, autocorrelation; default 'exact'
+        the closed form if there is one, or always the sampled pupil: one of exact, autocorrelation;
+        default 'exact'
     interpolation : Literal['none', 'linear', 'bilinear']
         interpolation from the sampled pupil to the image's frequencies: one of none, linear,
         bilinear; default 'bilinear'
@@ -1112,13 +1103,13 @@ def exit_pupil_mtf(
         number of wavelengths that sample the band; 1 uses its mean: a whole number from 1 to 256;
         default 1
     weighting : Literal['uniform', 'photons', 'energy']
-        weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy: one of
-        uniform, photons, energy; default 'uniform'
+        weight of the wavelengths: equal (as in 1996), by photons, or by energy: one of uniform,
+        photons, energy; default 'uniform'
     source_K : float | Expression | None
-        temperature of the black body that weights the band; empty: the picture's mean temperature,
-        or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
+        or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and a detector response that also weights the light; or empty: a file
+        CSV of wavelength (µm) and detector response, which also weights the light; or empty: a file
         name or empty; default empty
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
@@ -1143,20 +1134,20 @@ def vignetting(
     coefficients: Sequence[float] = (),
     focal_length_mm: float | Expression | None = None,
 ) -> Part:
-    """Darken the picture with distance from the optical axis, which is at the picture's middle.
+    """Darken the picture with distance from the optical axis, at the picture's middle.
 
     `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
-    `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
-    c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
-    the picture's half diagonal. A lens maker's curve usually includes cos⁴; in that case, switch
-    `natural` off. Put the module before Focal Plane, so that shot noise follows from the vignetted
-    light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
-    `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
-    Plane converts radiance to photons at the brightness temperature that the picture had before the
-    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm).
-    Spectral pictures do not have this error, nor does any `photon_weighting` other than scene.
-    Source: Kingslake 1983, Optical System Design, chapter 6.
+    `measured` adds a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴
+    + …. `against` sets what the heights are: field angle, image height, or the fraction of the
+    picture's half diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off.
+    Put the module before Focal Plane, so that shot noise follows from the vignetted light. Transfer
+    functions do not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to
+    the scene before the vignetting. For a thermal picture with one band, Focal Plane converts
+    radiance to photons at the brightness temperature before the mean loss: a sample with half the
+    mean light gets 0.3 % too many photons (3.7 to 4.8 µm). Spectral pictures, and
+    `photon_weighting` other than scene, do not have this error. Source: Kingslake 1983, Optical
+    System Design, chapter 6.
 
     Parameters
     ----------
@@ -1201,15 +1192,15 @@ def distortion(
 
     The incoming picture must be free of distortion: distances from the axis are tangents of field
     angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
-    `fisheye` with all coefficients at 0 is an f-θ lens. The module traces the ray of each sample
-    (to 1e-11) and interpolates the picture there from 8 × 8 samples. Sinusoids of up to 0.2 cycles
-    per sample are misplaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
-    well above 1, sample the scene more finely. A lens with barrel distortion images points beyond
-    the frame. Give the scene more samples at the same interval; the scene's field is samples times
-    interval, not the lens's 2·arctan. Set `width` and `height` to the camera's samples. The warning
-    gives the numbers. Beyond the scene, the outermost samples are repeated. MTF and noise are valid
-    on the axis, where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV,
-    camera calibration.
+    `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds its ray
+    (to 1e-11) and interpolates the picture there with 8 × 8 samples: sinusoids of up to 0.2 cycles
+    per sample are displaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
+    well above 1, sample the scene more finely. A lens with barrel distortion sees beyond the frame:
+    give the scene more samples at the same interval (its field is samples times interval, not the
+    lens's 2·arctan), and set `width` and `height` to the camera's samples; the warning gives the
+    numbers. Beyond the scene, its outermost samples are repeated. MTF and noise apply to the axis,
+    where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera
+    calibration.
 
     Parameters
     ----------
@@ -1261,32 +1252,31 @@ def field_psf(
 ) -> Part:
     """Blur the picture by a PSF that changes over the field.
 
-    `positions` are distances from the picture's middle, as fractions of the half diagonal. For each
-    position, give a Gaussian or a file that MTF File or PSF File can read. A Gaussian has a
-    tangential rms width (along the radius) and a sagittal one (across the radius). A file describes
-    a point straight above the middle: `mtf_y` is the tangential curve, and the top of a PSF's
-    picture points away from the axis. A single Zemax listing in `path_1` supplies a field for each
-    position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
-    linearly in the square of the position; beyond the last position they stay constant. The PSF
-    rotates with the direction of the point from the middle.
+    `positions` are distances from the picture's middle, as fractions of the half diagonal. For
+    each, give a Gaussian (rms widths: tangential, along the radius, and sagittal, across it), or a
+    file that MTF File or PSF File can read. A file describes a point straight above the middle:
+    `mtf_y` is the tangential curve, and the top of a PSF's picture points away from the axis. A
+    single Zemax listing in `path_1` supplies a field for each position. Between positions, the
+    widths of Gaussians or the OTFs of files are interpolated linearly in the square of the
+    position; beyond the last position they stay constant. The PSF rotates with the direction of the
+    point from the middle.
 
-    The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
-    blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
-    that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
-    times smaller. Smaller tiles reduce the blending error. The blur uses a margin around each tile:
-    half a tile, at least 16 samples, and up to 1024 if a narrower margin would lose more than 0.5 %
-    of a PSF's light. A tile is at least a quarter as wide as its margin. Beyond the frame the
-    picture is mirrored, or repeated if Back Transform made it periodic. Budgets, MTFs and figures
-    use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
+    The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
+    them. `error_percent` is an upper limit of the error of any sample, compared with a sum over its
+    own PSF, in percent of the picture's range; in real scenes the error is about ten times smaller.
+    Smaller tiles reduce the blending error. The blur uses a margin around each tile: half a tile,
+    at least 16 samples, and up to 1024 where more than 0.5 % of a PSF's light would be lost. A tile
+    is at least a quarter as wide as its margin. Beyond the frame the picture is mirrored, or
+    repeated if Back Transform made it periodic. Budgets, MTFs and figures use the PSF of the first
+    position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
 
     Parameters
     ----------
     kind : Literal['gaussian', 'mtf', 'psf']
-        source of the PSFs: Gaussians, MTF files or PSF files: one of gaussian, mtf, psf; default
-        'gaussian'
+        Gaussians, or MTF or PSF files: one of gaussian, mtf, psf; default 'gaussian'
     positions : Sequence[float]
-        positions in rising order, as fractions of the half diagonal: a list of numbers from 0 to
-        10; default [0.0, 0.5, 1.0]
+        positions, as fractions of the half diagonal; rising: a list of numbers from 0 to 10;
+        default [0.0, 0.5, 1.0]
     tangential_mrad : Sequence[float]
         rms width along the radius, at each position [mrad]: a list of numbers from 0 to 1e+06;
         default ()
@@ -1330,21 +1320,20 @@ def veiling_glare(
     l_mrad: float | Expression = 10.0,
     surfaces: int | Expression = 1,
 ) -> Part:
-    """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
+    """Spread a share of the light widely, as scatter and ghosts in the lens do.
 
     The point spread function has two parts: a share 1 − g of the light is not spread, and the share
     g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to 1 −
-    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses a
-    fraction g of its contrast. If g is not known otherwise, enter the veiling glare index of the
-    lens; ISO 9358 measures it in a small black area within an evenly bright field. Light that
-    leaves the frame is mirrored or repeated, as for all filters.
+    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses g
+    of its contrast. If g is not known otherwise, enter the veiling glare index of the lens; ISO
+    9358 measures it in a small black area within an evenly bright field. Light that leaves the
+    frame is mirrored or repeated, as for all filters.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
-    where β and β₀ are the sines of the angles of the scattered and the direct ray. The integral of
-    the BSDF over the hemisphere is the total scatter of a surface; this share is lost from the
-    direct light. Angles refer to the space in front of the lens, at the entrance pupil. For an ABg
-    fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray and far from
-    it.
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. Its integral
+    over the hemisphere is the total scatter of a surface, and is lost from the direct light. Angles
+    refer to the space in front of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l
+    = B^(1/g) and s = −g: the two models agree near the direct ray and far from it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -1356,13 +1345,13 @@ def veiling_glare(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     form : Literal['length', 'harvey']
-        model of the spread: by share and length, or Harvey's surface scatter: one of length,
-        harvey; default 'length'
+        share and length of the spread, or Harvey's surface scatter: one of length, harvey; default
+        'length'
     share_percent : float | Expression
         share of the light that is spread [%]: a number from 0 to 100; default 0.0
     length_mrad : float | Expression
-        length of the spread: half of the spread light falls within 1.73 lengths [mrad]: a number
-        above 0 to 1e+06; default 10.0
+        length of the spread: half of it falls within 1.73 lengths [mrad]: a number above 0 to
+        1e+06; default 10.0
     b_per_sr : float | Expression
         BSDF of a surface at the direct ray [1/sr]: a number from 0 to 1e+12; default 0.0
     s : float | Expression
@@ -1423,22 +1412,22 @@ def mtf_file(
     detector_y_um: float | Expression | None = None,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Apply an MTF from a file: measured, from a data sheet, or from a lens design.
+    """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
 
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
     unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
     enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
     Zemax's text listing of MTF against frequency is read too; its tangential curve acts along y.
-    `direction` sets the axis along which a column `mtf` acts, or selects one of several curves;
-    `radial` means the same MTF in all directions. Between points the curve is a monotone cubic
-    (PCHIP). A table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the
-    MTF is 0; it is never extrapolated. The phase is odd in frequency and is interpolated the
-    shorter way round.
+    `direction` sets the direction in which a column `mtf` acts, or selects one of several curves;
+    radial means equal in all directions. Between points the curve is a monotone cubic (PCHIP). A
+    table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the MTF is 0;
+    it is never extrapolated. The phase is odd in frequency and is interpolated the shorter way
+    round.
 
     Frequencies are per mm at the focal plane (converted with the focal length), per mrad, or per
-    pixel (converted with pitch and focal length). `imagechain measure` writes a table in this
-    format from a camera's pictures; the measured MTF includes the pixel. Without a file nothing
-    changes. Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    pixel (converted with pitch and focal length). `imagechain measure` writes such a table from a
+    camera's pictures; its MTF includes the pixel. Without a file nothing changes. Source: Fritsch
+    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
     ----------
@@ -1449,11 +1438,11 @@ def mtf_file(
         unit of the frequencies; `file`: from the file's header line: one of file, cyc/mm, cyc/mrad,
         cyc/pixel; default 'file'
     direction : Literal['file', 'x', 'y', 'radial']
-        axis along which the curve acts; `file`: from the name of the curve's column, where `mtf` is
-        radial: one of file, x, y, radial; default 'file'
+        axis along which the curve acts; `file`: from its column's name; `mtf` is radial: one of
+        file, x, y, radial; default 'file'
     normalise : Literal['refuse', 'at_zero']
-        treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the MTF by
-        that value: one of refuse, at_zero; default 'refuse'
+        what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value: one of
+        refuse, at_zero; default 'refuse'
     field : int | Expression
         field position in a Zemax listing, counted from 0, skipping the diffraction limit: a whole
         number from 0 to 1000; default 0
@@ -1491,18 +1480,17 @@ def psf_file(
     background: float | Expression = 0.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur with a point spread function from a file: measured, or from a lens design.
+    """Blur by a point spread function from a picture: measured, or from a lens design.
 
-    Every point of the picture is spread into the PSF in the file. Row 0 is at the top, and a tail
-    to the right in the file is a tail to the right in the picture. The file may be in any format of
-    Read Image, `.npy`, text, or a Zemax listing. The spacing in a Zemax listing is used if
-    `sample_pitch` is empty. Samples are divided by their sum. With `centroid` kept, the point is at
-    the middle of the file, (n − 1)/2, which lies between samples for even sizes. A centroid
-    elsewhere shifts the picture. With `centroid` removed nothing shifts. The OTF is the exact sum
-    over the samples at the picture's own frequencies, for any pitch, and 0 beyond the file's
-    Nyquist frequency. A PSF measured with a detector includes the pixel: leave out Detector MTF.
-    Without a file nothing changes. Source: Goodman 2005, Introduction to Fourier Optics, section
-    6.3.
+    Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
+    the right in the file is a tail to the right in the picture. The file may be in any format of
+    Read Image, `.npy`, text, or a Zemax listing, whose spacing is used if `sample_pitch` is empty.
+    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
+    (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
+    With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
+    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF
+    measured with a detector includes the pixel: leave out Detector MTF. Without a file nothing
+    changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
 
     Parameters
     ----------
@@ -1518,10 +1506,9 @@ def psf_file(
         vertical sampling interval of the file; empty: equal to sample_pitch: a number of at least 0
         or empty; default empty
     pitch_unit : Literal['um', 'mrad']
-        unit of both sampling intervals: µm at the focal plane, or mrad: one of um, mrad; default
-        'um'
+        unit of both: µm at the focal plane, or mrad: one of um, mrad; default 'um'
     focal_length_mm : float | Expression | None
-        focal length, used with µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
+        focal length, for µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
         default empty
     centroid : Literal['kept', 'removed']
         whether the picture shifts if the centroid is off the file's middle: one of kept, removed;
@@ -1744,7 +1731,7 @@ def line_of_sight(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     rms_x_mrad : float | Expression
         horizontal rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     rms_y_mrad : float | Expression
@@ -1854,11 +1841,11 @@ def charge_diffusion_mtf(
         thickness of a back-illuminated detector [µm]: a number from 0 to 10000 or empty; default
         empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
 
     Notes
     -----
@@ -2068,8 +2055,8 @@ def spectral_response(
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        temperature of the black body that weights a single band; empty: the scene's temperature, or
-        5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: at the scene's temperature, or
+        sunlight [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -2219,7 +2206,7 @@ def focal_plane(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
         integration time of one stage [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
@@ -2401,7 +2388,7 @@ def microbolometer(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     netd_mK : float | Expression
         NETD from the data sheet [mK]: a number from 0 to 1e+06; default 50.0
     reference_f_number : float | Expression
@@ -2424,11 +2411,11 @@ def microbolometer(
         integration time of the camera; empty: the data sheet's [s]: a number from 0 to 1000 or
         empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     time_constant_s : float | Expression
         thermal time constant [s]: a number from 0 to 1000; default 0.01
     frame_rate_Hz : float | Expression
@@ -2494,7 +2481,7 @@ def nuc(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     method : Literal['none', 'one_point', 'two_point']
         number of reference sources: none, one or two: one of none, one_point, two_point; default
         'two_point'
@@ -2797,7 +2784,7 @@ def poisson_noise(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     width_px : float | Expression
         standard deviation of the Gaussian that weights the local mean [px]: a number of at least 0;
         default 5.0
@@ -2862,13 +2849,13 @@ def electronics_noise(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     region : Literal['VIS', 'MWIR', 'LWIR']
         wavelength region: one of VIS, MWIR, LWIR; default 'VIS'
     material : Literal['HgCdTe', 'InSb', 'PtSi', 'Si', 'Si:Ga', 'Si:As', 'manual']
@@ -3038,7 +3025,7 @@ def noise_3d_source(
         derive the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
     sigma_tvh : float | Expression
         random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_tv : float | Expression
@@ -3265,11 +3252,11 @@ def figures_of_merit(
         parallel, array: staring): one of automatic, parallel_scan, serial_scan, staring; default
         'automatic'
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
-        default empty
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
     background_K : float | Expression | None
         background temperature; empty: brightness temperature of the picture's mean [K]: a number of
         at least 0 or empty; default empty

@@ -38,8 +38,8 @@ _PREVIEW_POINTS = 401
 _ROOM = 1.2  # above a transmission of 1, whose tick the title would hide
 _TITLE = "wavelength (µm)"
 _NEEDED = (
-    "Atmospheric Path needs W/m²/sr; set the unit on Read Image, or convert temperatures with To "
-    "Radiance"
+    "Atmospheric Path needs radiance in W/m²/sr; set the unit on Read Image, or convert "
+    "temperatures with To Radiance"
 )
 _TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables contain"}
 
@@ -54,22 +54,22 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L of a black
     body at `air_K`.
 
-    `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
-    mid-latitude summer, the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are interpolated
-    over height and ground range. With every second table left out, a band's transmission is off by
-    0.007 rms and by 0.06 at most. For a camera above 24.5 km, only the air below that height
-    counts: at nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. Install the
-    extra `atmosphere` to use this model.
+    `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
+    mid-latitude summer and the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are
+    interpolated over height and ground range. With every second table left out as a test, a band's
+    transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at nadir,
+    from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
+    `atmosphere` to use this model.
 
     A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
-    the radiance of a black body. Its temperature is `source_K` if given, otherwise 5800 K
-    (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness temperature.
-    In a spectral picture (`bands` of Read Image), each band is multiplied by its own transmission.
-    Absorption and scattering both count as attenuation here; for the blur from scattering, use
-    Atmosphere MTF. If Figures of Merit comes after this module, it scales the transmission to each
-    range with Beer's law at every wavelength. Two Atmospheric Path modules in a row represent two
-    constituents of the same air. Put the module after Camera to use Camera's range and orbit;
-    otherwise enter `range_m` here.
+    the radiance of a black body. The black body's temperature is `source_K` if given, otherwise
+    5800 K (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness
+    temperature. In a spectral picture (`bands` of Read Image), each band is multiplied by its own
+    transmission. Absorption and scattering both count as attenuation here; for the blur from
+    scattering, use Atmosphere MTF. When placed after this module, Figures of Merit scales the
+    transmission to each range with Beer's law at every wavelength. Two Atmospheric Path modules in
+    a row represent two constituents of the same air. Put the module after Camera to use Camera's
+    range and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
@@ -194,7 +194,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         transmission, added = np.exp(-air.depth(places)), air.added(places)
         least, most = transmission.min(), transmission.max()
         if brief(least) != brief(most):
-            words.insert(1, f"from {brief(least)} to {brief(most)} over wavelength")
+            words.insert(1, f"from {brief(least)} to {brief(most)} within the band")
         passed = Curve(places, transmission)
         across, along = Axis(band[0], band[1], _TITLE), Axis(0.0, _ROOM, "transmission", reach=1.0)
         if not added.max() > 0.0:
@@ -303,7 +303,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A black-body temperature is entered, but a picture with several bands ignores it."""
+        """A black-body temperature is entered but not used: the picture has several bands."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -387,8 +387,8 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
     total = float(light.sum())
     if not total > 0.0:
         raise DataError(
-            "the mean radiance of the picture's bands is not above zero, so it cannot weight the "
-            "transmission"
+            "the transmission cannot be weighted: the mean radiance of the picture's bands is not "
+            "above 0"
         )
     return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
 
@@ -439,13 +439,18 @@ def path_table(
     depth = over.optical_depth if math.isfinite(over.optical_depth) else None
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows = [
-        TableRow("transmission", over.transmission, "", "mean over the band"),
+        TableRow("transmission", over.transmission, "", "mean transmission over the band"),
         TableRow(
             "path_radiance", over.path_radiance, "W/m²/sr", "radiance that the air adds in the band"
         ),
         TableRow("optical_depth", depth, "", "−ln of the transmission; empty if no light passes"),
         TableRow("range_m", air.range_m, "m", "range for which the transmission holds"),
-        TableRow("weighted_by_K", weighted_by, "K", "black body that weights the transmission"),
+        TableRow(
+            "weighted_by_K",
+            weighted_by,
+            "K",
+            "temperature of the black body that weights the transmission",
+        ),
     ]
     places = np.empty(0) if band_um is None else np.linspace(*band_um, _LISTED)
     values = zip(places, np.exp(-air.depth(places)), air.added(places), strict=True)

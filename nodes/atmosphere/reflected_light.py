@@ -37,10 +37,10 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
     is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
     of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
-    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths. With `bands`
-    above 1, the radiance has that many bands; a cube of reflectances keeps its own bands. Add
-    Atmospheric Path for the path from the surface to the camera.
+    sky has the same radiance everywhere. The picture's unit, set on Read Image, must be 1, %,
+    reflectance or albedo. A reflectance applies to all wavelengths. With `bands` above 1, the
+    radiance has that many bands; a cube of reflectances keeps its own bands. Add Atmospheric Path
+    for the path from the surface to the camera.
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
@@ -222,8 +222,12 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     figures = TableFigures(
         ("air_mass", "", "Air mass: the sun's path through the air, relative to a vertical path."),
-        ("irradiance", "W/m²", "Irradiance of sun and sky on a horizontal surface, in the band."),
-        ("illuminance", "lx", "Illuminance of a horizontal surface."),
+        (
+            "irradiance",
+            "W/m²",
+            "Irradiance from sun and sky on a horizontal surface, within the band.",
+        ),
+        ("illuminance", "lx", "Illuminance on a horizontal surface."),
     )
 
 
@@ -348,9 +352,9 @@ def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) ->
     total = light.over_band(*band_um)
     lux = light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux
     return TableData.of(
-        ("irradiance", total, "W/m²", "irradiance of sun and sky on a horizontal surface"),
+        ("irradiance", total, "W/m²", "irradiance from sun and sky on a horizontal surface"),
         ("white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"),
-        ("illuminance", lux, "lx", "illuminance of a horizontal surface"),
+        ("illuminance", lux, "lx", "illuminance on a horizontal surface"),
         ("air_mass", relative_air_mass(elevation_deg=light.elevation_deg), "",
          "the sun's path through the air, relative to a vertical path"),
     )  # fmt: skip

@@ -58,7 +58,7 @@ def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Point
 
     `what` the values are is for people.
     """
-    least = math.ulp(0.0), f"a wavelength above 0, at most {_LARGEST_UM:g} µm"
+    least = math.ulp(0.0), f"a wavelength above 0 and up to {_LARGEST_UM:g} µm"
     return _points(path, "wavelength", "µm", least, what, low, high)
 
 

@@ -183,7 +183,7 @@ def read_tiff_layout(content: StoredBytes, path: Path, directory: int | None = N
         what = f"tag {error} is missing or damaged"
         raise FileError(f"{path}: this TIFF file is damaged: {what}") from error
     except (IndexError, ValueError, OverflowError, struct.error) as error:
-        raise FileError(f"{path}: this TIFF file is damaged: its directory: {error}") from error
+        raise FileError(f"{path}: this TIFF file has a damaged directory: {error}") from error
 
 
 def directories(content: StoredBytes, path: Path) -> Iterator[int]:
@@ -201,7 +201,7 @@ def directories(content: StoredBytes, path: Path) -> Iterator[int]:
             after = place + struct.calcsize(order + counter) + count * entry_size
             (place,) = content.unpack(order + word, after)
     except (KeyError, ValueError, struct.error) as error:
-        raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
+        raise FileError(f"{path}: this TIFF file has damaged directories: {error}") from error
 
 
 def _byte_order(content: StoredBytes) -> str:
@@ -241,7 +241,7 @@ def _packing(content: StoredBytes, path: Path) -> tuple[int, int]:
         tags = _read_tags(content)
         return tags.get(_COMPRESSION, (_NONE,))[0], next(iter(tags.get(_PREDICTOR, ())), 1)
     except (KeyError, IndexError, struct.error) as error:
-        raise FileError(f"{path}: this TIFF file is damaged: its directory: {error}") from error
+        raise FileError(f"{path}: this TIFF file has a damaged directory: {error}") from error
 
 
 def _layout(order: str, tags: Tags) -> TiffLayout:

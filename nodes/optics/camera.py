@@ -39,10 +39,10 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     The image passes through unchanged and carries the data: pitch, focal length, F-number, fill
     factor and range for Init & Trans and all modules after it; aperture and obscuration for
     Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
-    there. Two of focal length, F-number and aperture give the third. An image without a sampling
-    interval gets one from the pixels' angle on the axis. So does an image with the same field of
-    view as the lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A
-    warning names values that disagree; nothing is corrected.
+    there. Any two of focal length, F-number and aperture determine the third. An image without a
+    sampling interval gets one from the pixel angle on the axis. So does an image with the same
+    field of view as the lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal
+    angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
@@ -242,15 +242,15 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             return None
         obscured = f" and obscuration_ratio = {sheet.obscuration_ratio:g}"
         return Caution(
-            f"t_number = {sheet.t_number:g} implies more light than a lossless lens with "
-            f"f_number = {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} passes "
-            f"({clear:.4g} sr, {most:.4g} sr): the T-number is used",
+            f"t_number = {sheet.t_number:g} implies more light than a lossless lens with f_number "
+            f"= {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} passes "
+            f"({clear:.4g} sr against {most:.4g} sr): the T-number is used",
             "correct t_number or f_number; a T-number is larger than the F-number",
         )
 
     @warning
     def focal_length(self, image: Image) -> Caution | None:
-        """The focal length differs from the one in the picture's file."""
+        """The focal length differs from the value in the picture's file."""
         return apart_caution(
             "focal_length_mm",
             self.sheet().focal_length_mm,

@@ -49,10 +49,10 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     The black body's temperature is `source_K`. If `source_K` is empty, the temperature is 5800 K
     (sunlight) for a band that begins below 2.5 µm, and otherwise the brightness temperature of the
     picture's mean radiance. A spectral picture is blurred band by band, each band at its own
-    wavelength. Interpolation `none` shows the raw autocorrelation at the pupil's own frequency
-    intervals and does not blur the picture. Sizes refer to the whole pupil array. Source: Tantalo
-    1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's
-    half width over λ.
+    wavelength. With interpolation `none`, the module outputs the raw autocorrelation at the pupil's
+    own frequency intervals and does not blur the picture. Sizes refer to the whole pupil array.
+    Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21
+    is the array's half width over λ.
     """
 
     formulas = (
@@ -80,7 +80,10 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         Param("interpolation from the sampled pupil to the image's frequencies"),
     ] = "bilinear"
     wavelengths: Annotated[
-        int, Param("number of wavelengths that sample the band; 1 uses its mean", low=1, high=256)
+        int,
+        Param(
+            "number of wavelengths that sample the band; 1 uses the band's mean", low=1, high=256
+        ),
     ] = 1
     weighting: Annotated[
         Weighting,
@@ -238,7 +241,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     @readout()
     def estimated_error(self, context: Context, pupil: Pupil) -> Step | float:
-        """Estimated upper limit of the OTF's error."""
+        """Estimated upper limit on the OTF's error."""
         scale = self._scale(context, pupil)
         if self.interpolation == "none":
             return sampled_error(pupil, scale, self.title)

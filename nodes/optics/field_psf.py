@@ -52,10 +52,10 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
 
     `positions` are distances from the picture's middle, as fractions of the half diagonal. For each
     position, give a Gaussian or a file that MTF File or PSF File can read. A Gaussian has a
-    tangential rms width (along the radius) and a sagittal one (across the radius). A file describes
-    a point straight above the middle: `mtf_y` is the tangential curve, and the top of a PSF's
-    picture points away from the axis. A single Zemax listing in `path_1` supplies a field for each
-    position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
+    tangential rms width (along the radius) and a sagittal rms width (across the radius). A file
+    describes a point straight above the middle: `mtf_y` is the tangential curve, and the top of a
+    PSF's picture points away from the axis. A single Zemax listing in `path_1` supplies a field for
+    each position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
     linearly in the square of the position; beyond the last position they stay constant. The PSF
     rotates with the direction of the point from the middle.
 
@@ -198,7 +198,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
             return None
         return Caution(
             f"the blur is the same at all {len(self.positions)} positions: path_1 has one curve",
-            "give a file for each position, or a Zemax listing with a field for each",
+            "give a file for each position, or a Zemax listing with a field for each position",
         )
 
     @warning
@@ -387,5 +387,5 @@ def _error_caution(work: Work, percent: float) -> Caution | None:
     return Caution(
         f"samples may be off by up to {percent:.2g} % of the picture's range, but in most scenes "
         "by a tenth of that",
-        "lower tile; if that does not help, the PSF is too wide: sample the scene more coarsely",
+        "reduce tile; if that does not help, the PSF is too wide: sample the scene more coarsely",
     )

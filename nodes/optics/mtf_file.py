@@ -43,7 +43,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
     unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
     enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
-    Zemax's text listing of MTF against frequency is read too; its tangential curve acts along y.
+    Zemax text listings of MTF against frequency are also read; the tangential curve acts along y.
     `direction` sets the axis along which a column `mtf` acts, or selects one of several curves;
     `radial` means the same MTF in all directions. Between points the curve is a monotone cubic
     (PCHIP). A table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the
@@ -138,8 +138,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             raise ParameterError("frequency_unit", self.frequency_unit, allowed)
         if unit is None:
             allowed = (
-                f"choose cyc/mm, cyc/mrad or cyc/pixel, because {table.file.name} names no unit, "
-                "for example in a header 'frequency (cyc/mm)'"
+                f"choose cyc/mm, cyc/mrad or cyc/pixel, or name the unit in {table.file.name}, for "
+                "example in a header 'frequency (cyc/mm)'"
             )
             raise ParameterError("frequency_unit", "file", allowed)
         if unit == "cyc/mrad":

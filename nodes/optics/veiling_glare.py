@@ -13,11 +13,11 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
     The point spread function has two parts: a share 1 − g of the light is not spread, and the share
-    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to 1 −
-    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses a
-    fraction g of its contrast. If g is not known otherwise, enter the veiling glare index of the
-    lens; ISO 9358 measures it in a small black area within an evenly bright field. Light that
-    leaves the frame is mirrored or repeated, as for all filters.
+    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
+    drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
+    detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
+    index of the lens; ISO 9358 measures it in a small black area within an evenly bright field.
+    Light that leaves the frame is mirrored or repeated, as for all filters.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
     where β and β₀ are the sines of the angles of the scattered and the direct ray. The integral of
@@ -49,7 +49,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     form: Annotated[
         Literal["length", "harvey"],
-        Param("model of the spread: by share and length, or Harvey's surface scatter"),
+        Param("model of the spread: share and length, or Harvey's surface scatter"),
     ] = "length"
 
     share_percent: Annotated[

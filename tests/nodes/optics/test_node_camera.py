@@ -172,7 +172,7 @@ def test_few_samples_are_counted(planned, scale, words):
 @pytest.mark.parametrize(
     ("camera", "init", "words"),
     [
-        ({"altitude_km": 600, "range_m": 6.1e5}, {}, "range_m = 6.1e+05 m here, 6e+05 m by alti"),
+        ({"altitude_km": 600, "range_m": 6.1e5}, {}, "range_m = 6.1e+05 m here, 6e+05 m from alti"),
         # The Earth turns by 465 m/s at the equator, the point below a GPS satellite by 929.
         ({"altitude_km": 20200}, {}, "by up to 50 %: at altitude_km = 20200 the Earth's rotation"),
         ({"look_angle_deg": 20}, {}, "look_angle_deg = 20° is not used"),

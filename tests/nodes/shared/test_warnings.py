@@ -200,12 +200,12 @@ CASES = {
     ),
     ("camera", "pixel_shape"): (
         {"pitch_um": 300.0, "pitch_y_um": 450.0, "focal_length_mm": 100.0},
-        ("1 times", "1.5 times"),
+        ("ratio is 1 for", "1.5 for the pixels"),
         {"pitch_um": 300.0, "pitch_y_um": 301.0, "focal_length_mm": 100.0},
     ),
     ("camera", "pixels"): (
         {"pitch_um": 15.0, "focal_length_mm": 100.0},
-        ("1.091 mrad", "0.15 mrad", "more coarsely"),
+        ("1.091 mrad", "0.15 mrad", "coarser than"),
         {"pitch_um": 25.0, "focal_length_mm": 10.0},
     ),
     ("diffraction_mtf", "band"): (
