@@ -275,9 +275,13 @@ def merit_table(
                 curve = thresholds.horizontal if axis == "x" else thresholds.vertical
                 values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
             rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
-    half = "range at which the probability of"
-    rows += [row(f"{t}_range_km", "km", f"{half} {t} is one half (Johnson)") for t in TASKS]
-    rows.append(row("ttp_range_km", "km", f"{half} the task is one half (TTP)"))
+    rows += [
+        row(f"{t}_range_km", "km", f"range at which the {t} probability is one half (Johnson)")
+        for t in TASKS
+    ]
+    rows.append(
+        row("ttp_range_km", "km", "range at which the probability of success is one half (TTP)")
+    )
     return TableData(tuple(rows))
 
 

@@ -282,7 +282,7 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
             TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all stages, {words}")
         )
     for axis, name, words in ((0, "xi", "horizontal"), (1, "eta", "vertical")):
-        meaning = f"{words} frequency of these MTFs"
+        meaning = f"{words} frequency at which the MTFs are given"
         rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", meaning))
     if blur.before is not None:
         meaning = "the transfer functions of this stage and of the stages before it are unknown"

@@ -132,7 +132,7 @@ def geometry_table(
     if not laid.level:
         finer = laid_footprints(work, camera=camera, ground=ground, strips=FINER * strips)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
-    where = "edge of the ground covered, from the scene's centre"
+    where = "edge of the covered ground, measured from the scene's centre"
     samples = "scene samples per camera sample at the centre"
     return TableData.of(
         ("swath_m", swath_m(camera), "m", "ground covered by the middle line"),
@@ -146,7 +146,8 @@ def geometry_table(
          f"{samples}, along the track"),
         ("strips", laid.strips, "", "strips per footprint"),
         ("footprint_error", error, "",
-         "largest change with four times as many strips, as a fraction of the scene's range"),
+         "largest change with four times as many strips, as a fraction of the scene's peak-to-peak "
+         "signal"),
     )  # fmt: skip
 
 
@@ -239,7 +240,7 @@ class CameraSettings(Module):
             if focal_length is None and self.pitch_x_um is not None:
                 focal_length = self.pitch_x_um / step_x
             if focal_length is None:
-                allowed = "give it or pitch_x_um, because pitch_y_um is given"
+                allowed = "give a focal length or pitch_x_um, because pitch_y_um is given"
                 raise ParameterError("focal_length_mm", None, allowed)
             step_y = self.pitch_y_um / focal_length
         return Camera(
@@ -263,7 +264,7 @@ class CameraSettings(Module):
         if self.fov_x_deg is None:
             if of_pitch is None:
                 raise ParameterError(
-                    "fov_x_deg", None, "give it, or pitch_x_um and focal_length_mm"
+                    "fov_x_deg", None, "give a field of view, or pitch_x_um and focal_length_mm"
                 )
             return of_pitch
         step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
@@ -283,9 +284,9 @@ class CameraSettings(Module):
         if velocity is None and rate is None:
             return step_y_mrad / 1000.0 * self.altitude_m
         if rate is None:
-            raise ParameterError("line_rate_Hz", None, "give it together with velocity_m_per_s")
+            raise ParameterError("line_rate_Hz", None, "needed because velocity_m_per_s is given")
         if velocity is None:
-            raise ParameterError("velocity_m_per_s", None, "give it together with line_rate_Hz")
+            raise ParameterError("velocity_m_per_s", None, "needed because line_rate_Hz is given")
         return velocity / rate
 
     def ground(self, image: Image) -> Ground:
@@ -327,14 +328,14 @@ class CameraGeometry(
     samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
     (panoramic distortion). A pushbroom and a framing camera sample at equal steps in the focal
     plane. The flight direction is down the picture, and scan lines are equally spaced on the
-    ground. Each sample is the mean of the scene over its whole footprint, so nothing aliases and a
-    uniform scene stays uniform. Blur comes afterwards: choose samples finer than the detector, and
-    combine pixels after the detector's MTF.
+    ground. Each sample is the mean of the scene over its whole footprint, which limits aliasing and
+    keeps a uniform scene uniform. Blur comes afterwards: choose samples finer than the detector,
+    and combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
-    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
-    are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
-    sections 2 and 5.3, for the Salacain camera.
+    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
+    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
+    1996, sections 2 and 5.3, for the Salacain camera.
     """
 
     formulas = (
@@ -352,11 +353,12 @@ class CameraGeometry(
 
     interpolation: Annotated[
         Between,
-        Param("interpolation between scene samples: constant areas, straight lines, or parabolas"),
+        Param("interpolation between scene samples: constant, linear, or parabolic"),
     ] = "area"
     strips: Annotated[int, Param("number of strips per oblique footprint", low=1, high=64)] = 4
     outside: Annotated[
-        Literal["refuse", "fill"], Param("what the camera sees beyond the scene")
+        Literal["refuse", "fill"],
+        Param("footprints beyond the scene: an error (refuse), or fill_value (fill)"),
     ] = "refuse"
     fill_value: Annotated[float, Param("value beyond the scene, in the scene's unit")] = 0.0
 
@@ -458,10 +460,10 @@ class CameraGeometry(
         past = {side: by for side, by in beyond.items() if by > 1e-9 * (half_x + half_y)}
         if not past:
             return
-        sides = ", ".join(f"{by:.4g} m past its {side} edge" for side, by in past.items())
+        sides = ", ".join(f"{by:.4g} m past the {side} edge" for side, by in past.items())
         raise DataError(
-            f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the camera sees "
-            f"{sides}; lower altitude_m, narrow the field of view, use fewer rows, enlarge "
+            f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the field of view "
+            f"extends {sides}; lower altitude_m, narrow the field of view, use fewer rows, enlarge "
             "ground_interval_m, or set outside = fill"
         )
 
@@ -518,7 +520,7 @@ class CameraGeometry(
 
     figures = TableFigures(
         ("footprint_error", "", "Largest change when footprints are cut into four times as many "
-         "strips, as a fraction of the scene's range."),
+         "strips, as a fraction of the scene's peak-to-peak signal."),
     )  # fmt: skip
 
 

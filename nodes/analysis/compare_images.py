@@ -30,12 +30,13 @@ class CompareOutputs(NamedTuple):
 class CompareImages(Module, key="compare_images", title="Compare Images", group="Analysis"):
     """Measure the difference between a picture and a reference of the same size.
 
-    It gives the root mean square, largest and mean differences, and the peak signal-to-noise ratio
-    (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The MTF ratio is the
-    modulus of the picture's spectrum divided by the modulus of the reference's spectrum, along both
-    frequency axes. Averaged in rings, it is the square root of the ratio of the power spectra.
-    Frequencies where the reference contains only rounding errors are left out. For a frame filtered
-    with mirrored edges, set `edges` to `reflect`; the ratio is then the MTF itself.
+    The read-outs are the root mean square, largest and mean differences, and the peak
+    signal-to-noise ratio (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The
+    MTF ratio is the modulus of the picture's spectrum divided by the modulus of the reference's
+    spectrum, along both frequency axes. Averaged in rings, the ratio is the square root of the
+    ratio of the power spectra. Frequencies at which the reference contains only rounding errors are
+    left out. For a frame filtered with mirrored edges, set `edges` to `reflect`; the ratio is then
+    the MTF itself.
     """
 
     formulas = (
@@ -115,7 +116,12 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
     return TableData.of(
         ("rmse", rmse, unit, "root mean square difference"),
         ("max_error", largest, unit, "largest difference"),
-        ("psnr_dB", psnr_dB, "dB", "range of the reference divided by the rms difference"),
+        (
+            "psnr_dB",
+            psnr_dB,
+            "dB",
+            "peak-to-peak range of the reference divided by the rms difference",
+        ),
         ("mean_difference", mean, unit, "mean of image minus reference"),
     )
 

@@ -65,8 +65,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
     divided by the mean of the target's blurred image.
 
-    `scanning` sets the directions in which the sensor samples. `staring` samples in both.
-    `serial_scan` samples only from line to line, because one detector scans along x.
+    `scanning` sets the directions in which the sensor samples. `staring` samples in both
+    directions. `serial_scan` samples only from line to line, because one detector scans along x.
     `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
     along y. The noise also depends on the scanning; it is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
@@ -74,29 +74,29 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
     channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature.
-    Such a picture is refused unless `background_K` gives the temperature of the scene's own
-    emission. Use Image Quality instead. All figures in K apply at the camera, after the atmosphere,
-    with the background's apparent temperature there. The apparent ΔT at a range is
-    ΔT·exp(−extinction·range). After an Atmospheric Path, it follows from the path's τ(R) at each
-    wavelength, weighted by dL/dT.
+    A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
+    temperature. Such a picture is refused unless `background_K` gives the temperature of the
+    scene's own emission; use Image Quality instead. All figures in K are apparent values at the
+    camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
+    range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
+    path's τ(R) at each wavelength, weighted by dL/dT.
 
     Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
-    resolved is the one where the target's apparent ΔT equals the 2-D MRTD.
+    resolved is the one at which the target's apparent ΔT equals the 2-D MRTD.
 
     TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
-    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` it
-    is the published CTF_eye/MTF·√(1 + α²·σ²/S²); published V50 values belong to it. Here α = 169.6
-    √Hz, S is the scene contrast, and σ is the noise in K·√s that passes the eyeball and the eye's
-    visual channel at that frequency. `flir92` includes fixed patterns. The MRTD includes neither
-    the display nor the eye's contrast threshold. The defaults are a target of 2.3 m with ΔT = 2 K,
-    and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; this value
-    could not be checked.
+    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
+    threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
+    threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
+    the eyeball and the eye's visual channel at that frequency. `flir92` includes fixed patterns.
+    The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
+    target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
+    tracked vehicles; this value could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
     IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
-    1990 (eye). The numbers of their equations could not be checked.
+    1990 (eye). Their equation numbers could not be checked.
     """
 
     formulas = (
@@ -117,8 +117,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         ),
         Formula(
             r"V=\frac{\sqrt{A}}{R}\int\sqrt{\frac{C}{C_{th}(f)}}\;df",
-            where="A: area of the target; R: range; C: its contrast; C_th: contrast threshold "
-            "of sensor and eye",
+            where="A: target area; C: target contrast; R: range; C_th: contrast threshold of "
+            "sensor and eye",
             when="TTP",
         ),
         Formula(r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r", when="TTP"),
@@ -288,8 +288,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         shortest = (known or band_um)[0]
         if shortest < SHORTEST_THERMAL_UM and self.background_K is None:
             raise DataError(
-                f"the band begins at {shortest:g} µm, where a scene reflects light, which has no "
-                "temperature: NETD, MRTD, MDTD and the ranges derived from them do not apply; use "
+                f"the band begins at {shortest:g} µm, where the signal is reflected light, which has "
+                "no temperature: NETD, MRTD, MDTD and the ranges derived from them do not apply; use "
                 "Image Quality, or give background_K for a scene hot enough to emit in this band"
             )
         seen = here.step(
@@ -327,7 +327,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """The picture is not in radiance, and its chain does not include the conversion."""
+        """The picture is not in radiance, and its chain has no conversion from radiance."""
         if image.interval_x_mrad is not None and transfer_of(image, of_camera=True).levels:
             return None
         return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
@@ -365,7 +365,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         return Caution(
             f"the exposure is longer than a frame: integration_time_s is {1000 * exposure_s:.4g} "
             f"ms, but a frame lasts {1000 / rate:.4g} ms at frame_rate_Hz = {rate:g} Hz",
-            "lower frame_rate_Hz or the integration time",
+            "lower frame_rate_Hz or integration_time_s",
         )
 
     def _frames(self) -> float:

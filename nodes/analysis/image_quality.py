@@ -45,13 +45,13 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
     sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
     GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
-    geometric mean of these two, GSD/(sin e)^¼. The relative edge response (RER) is the rise of the
-    edge response from half a sample before the edge to half a sample after it. The overshoot H is
-    the height of the edge response 1 to 3 samples beyond the edge. Both follow from the chain's
-    transfer functions; the SNR follows from its signal and temporal noise. No noise is drawn or
-    measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse RER
-    counts twice. Connect the picture as the sensor samples it, before a frame grabber interpolates
-    it.
+    geometric mean of these two distances, GSD/(sin e)^¼. The relative edge response (RER) is the
+    rise of the edge response from half a sample before the edge to half a sample after it. The
+    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. Both follow from
+    the chain's transfer functions; the SNR follows from its signal and temporal noise. No noise is
+    drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse
+    RER counts twice. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it.
 
     With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
@@ -62,10 +62,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
-    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
-    first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
-    fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
-    130. A warning lists values outside these limits. The limits of the other versions could not be
+    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. GIQE 3
+    and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
+    visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
+    warning lists values outside these limits. The limits of the other versions could not be
     checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
@@ -83,7 +83,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         Formula(
             r"\mathrm{NIIRS}=10.251-a\,\lg\mathrm{GSD}+b\,\lg\mathrm{RER}-0.656\,H-\frac{0.344"
             r"\,G}{\mathrm{SNR}}",
-            where="a = 3.32, b = 1.559; below an RER of 0.9 a = 3.16, b = 2.817",
+            where="a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817",
             when="GIQE 4",
         ),
         Formula(
@@ -95,7 +95,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             r"\mathrm{GSD}_4=\frac{\mathrm{GSD}}{\sqrt{\sin e}},\quad\mathrm{GSD}_5=\frac{"
             r"\mathrm{GSD}}{\sqrt[4]{\sin e}},\quad\mathrm{RER}_5=\sqrt[3]{\mathrm{RER}_{better}"
             r"\,\mathrm{RER}_{worse}^2}",
-            where="GSD: normal to the line of sight; e: its elevation seen from the target",
+            where="GSD: ground sample distance normal to the line of sight; e: elevation of the "
+            "line of sight, seen from the target",
         ),
         Formula(
             r"E(d)=\frac{1}{2}+\frac{1}{\pi}\int_0^\infty\frac{H(\xi)\,\sin(2\pi\xi d)}{\xi}\,d"
@@ -223,17 +224,17 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             return Caution(
                 f"off_nadir_deg = {self.off_nadir_deg:g}° is not used: elevation_deg = "
                 f"{self.elevation_deg:g}° is given",
-                "leave one of the two empty",
+                "leave elevation_deg empty, or set off_nadir_deg to 0",
             )
         if self.gsd_m is not None and self.range_m is not None:
             return Caution(
                 f"range_m = {self.range_m:g} m is not used: gsd_m = {self.gsd_m:g} m is given",
-                "leave one of the two empty",
+                "leave range_m or gsd_m empty",
             )
         if context.elevation_deg is None:
             return None
         own = self.elevation_deg or (90.0 - self.off_nadir_deg if self.off_nadir_deg else None)
-        remedy = "leave elevation_deg empty and off_nadir_deg 0 to use that value"
+        remedy = "leave elevation_deg empty and off_nadir_deg at 0 to use Camera's value"
         return apart_from_context(self, context, "range_m") or apart_caution(
             "elevation_deg", own, context.elevation_deg, where="from Camera's orbit",
             remedy=remedy,
@@ -382,7 +383,8 @@ def quality_table(
         ("giqe3", third, "NIIRS", "GIQE 3, with overshoot H and noise gain G", why),
         ("gsd_m", gsd_m, "m", "ground sample distance normal to the line of sight (GIQE 3)"),
         ("gsd_ground_m", ground, "m", "ground sample distance on the ground (GIQE 4)"),
-        ("gsd_weighted_m", weighted, "m", "geometric mean of these two distances (GIQE 5)"),
+        ("gsd_weighted_m", weighted, "m",
+         "geometric mean of the two ground sample distances (GIQE 5)"),
         ("gsd_inch", gsd_m / giqe.INCH_M, "in",
          "ground sample distance normal to the line of sight"),
         ("elevation_deg", elevation_deg, "deg",

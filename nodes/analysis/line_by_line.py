@@ -84,15 +84,15 @@ def difference_table(
         ("rms_percent", total * percent, "%",
          "rms difference, as a fraction of the picture's range"),
         ("max_percent", float(largest[worst]) * percent, "%",
-         "largest difference, as a fraction of the range"),
-        ("max_view_deg", float(degrees[worst]), "deg", "view angle of the largest difference"),
+         "largest difference, as a fraction of the picture's range"),
+        ("max_view_deg", float(degrees[worst]), "deg", "view angle at the largest difference"),
         ("rms_worst_percent", scale * percent, "%",
          "largest rms difference at any view angle"),
         ("rms_worst_view_deg", float(degrees[worst_rms]), "deg",
-         "view angle of the largest rms difference"),
-        ("rms_difference", total, unit, "line by line minus whole image"),
+         "view angle at the largest rms difference"),
+        ("rms_difference", total, unit, "rms difference between line by line and whole image"),
         ("max_difference", float(largest[worst]), unit,
-         "largest absolute value of this difference"),
+         "largest difference between line by line and whole image"),
         ("view_first_deg", float(degrees[0]), "deg", "view angle of a line's first sample"),
         ("view_last_deg", float(degrees[-1]), "deg", "view angle of a line's last sample"),
         ("interval_nadir_mrad", max(intervals_mrad), "mrad",
@@ -144,21 +144,22 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan use one interval for the whole frame, factors along the flight one per column. Pupils and
-    other non-separable factors use both. All factors use angles at the sensor, as in their own
-    modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
-    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
-    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
+    scan use one interval for the whole frame; factors along the flight use one interval per column.
+    Pupils and other non-separable factors use both intervals. All factors use angles at the sensor,
+    as in their own modules; edges and PTFs are treated as in Back Transform. Separable factors are
+    exact. Non-separable factors are interpolated between a few sampling intervals (`nodes`), with
+    an estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
     arrays sample evenly, so both outputs agree for them. The ground is assumed to be flat, and
-    motion blur to cover the same angle as at nadir.
+    motion blur is assumed to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
-    largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
-    % in 60°, 5 % in 90° and 10 % in 120°. The rms error is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %.
-    In the thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes
-    1.3 to 4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or
-    more. Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+    largest error is 0.03 % of the picture's range for a field of 10°, 0.5 % for 30°, 1.1 % for 45°,
+    2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for these fields are 0.002, 0.02,
+    0.05, 0.1, 0.25 and 0.5 %. In the thesis's field of 30°, six-bit quantization hides the error.
+    Filtering line by line takes 1.3 to 4 times as long (`imagechain bench`, table scanning);
+    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
+    thesis leaves the comparison to later work.
     """
 
     formulas = (
@@ -169,8 +170,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Formula(
             r"L'(x,y)=\mathcal{F}^{-1}\left\{H\left(\xi,\;\frac{k}{N\,\Delta_y(\theta_x)}"
             r"\right)\mathcal{F}\{L\}\right\}(x,y)",
-            where="each column is filtered at its own interval; k: index of the frequency, N: "
-            "lines",
+            where="each column is filtered at its own interval; k: frequency index; N: "
+            "number of lines",
         ),
     )
 
@@ -200,7 +201,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Literal["frame", "flight", "typed"],
         Param(
             "line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate "
-            "(one line per turn), or the value below"
+            "(one line per turn), or line_spacing_m"
         ),
     ] = "frame"
     line_spacing_m: Annotated[
@@ -215,13 +216,13 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Method,
         Param(
             "non-separable factors: interpolated between a few sampling intervals, or summed "
-            "exactly for each"
+            "exactly for each interval"
         ),
     ] = "nodes"
     nodes: Annotated[
         int | None,
         Param(
-            "intervals to interpolate between; empty: as many as the tolerance needs",
+            "number of intervals to interpolate between; empty: as many as the tolerance requires",
             low=0,
             high=MOST_NODES,
         ),
@@ -254,7 +255,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         if context.grid != magnitude.grid or context.edges != magnitude.edges:
             raise DataError(
                 "context and magnitude come from different Init & Trans nodes: wire "
-                "both to the same one"
+                "both to the same node"
             )
         whole = back_transform(magnitude, phase, node=here.node)
         factors = (*magnitude.factors, *phase.factors)
@@ -343,7 +344,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ):
             if value == 0.0:
                 raise ParameterError(
-                    name, None, "give it on Init & Trans, or set spacing to frame or typed"
+                    name, None, "give a value on Init & Trans, or set spacing to frame or typed"
                 )
         return velocity / turns_per_s
 

@@ -84,16 +84,16 @@ def table_of(
         ("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
         ("at_nyquist_error", measured.nyquist.error, "", "standard error"),
         ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
-        ("noise", measured.noise, unit, "standard deviation of a sample"),
+        ("noise", measured.noise, unit, "standard deviation of the noise in one sample"),
         ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
          "frequency at which the chain's own MTF falls to 0.5"),
         ("expected_at_nyquist", one and one.at_nyquist, "", "the chain's own MTF at Nyquist"),
         ("largest_difference", one and one.largest_difference, "",
-         "measured minus expected, up to Nyquist"),
+         "measured minus expected MTF, up to Nyquist"),
         ("largest_difference_at", one and scaled(one.largest_difference_at), unit_of_axis,
          "frequency of the largest difference"),
         ("scene_blur", one and one.scene, "",
-         "blur of the scene itself; if known, part of the expected MTF"),
+         "blur of the scene itself; included in the expected MTF if known"),
     ]  # fmt: skip
     return TableData.of(*rows)
 
@@ -141,19 +141,19 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     """Measure the MTF from an edge or a line in a picture.
 
     `slanted_edge` finds the angle of the edge and sorts the samples into quarter-sample bins by
-    their distance from the edge. The derivative of the bin means is windowed and Fourier
-    transformed, and corrected for the responses of the bins and of the derivative. Frequencies are
+    their distance from the edge. The derivative of the bin means is windowed, Fourier transformed,
+    and corrected for the responses of the bins and of the derivative. Frequencies are measured
     along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
-    transforms the derivative. The MTF is its modulus divided by the largest value; the response of
-    the derivative, 0.64 at Nyquist, is not corrected. Standard errors are estimated by leaving out
-    rows (jackknife).
+    transforms the derivative. The MTF is the modulus of this transform, divided by its largest
+    value; the response of the derivative, 0.64 at Nyquist, is not corrected. Standard errors are
+    estimated by leaving out rows (jackknife).
 
-    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
-    all stages from the source on. For a test scene, it also includes the blur of the scene's
-    samples, which are means over their area. The blur of a scene from a file is unknown and not
-    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
-    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
-    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. This MTF
+    includes all stages from the source on and, for a test scene, the blur of the scene's samples,
+    which are means over their area. The blur of a scene from a file is unknown and not included; a
+    picture straight from a file has no expected MTF. Aliasing in `row_average` is not included.
+    `imagechain measure` finds the edges in pictures of real cameras. Source: ISO 12233:2023;
+    Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
     """
 
     formulas = (
@@ -167,7 +167,8 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         ),
         Formula(
             r"\mathrm{MTF}(f)=\frac{|D(f)|}{\max|D|}",
-            where="D: Fourier transform of the difference between neighbours in the mean row",
+            where="D: Fourier transform of the difference between neighbouring samples of the mean "
+            "row",
             when="row_average",
         ),
     )
@@ -191,15 +192,19 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     ] = 0
     region_y: Annotated[int, Param("first row of the region", unit="px", low=0, slider=_PIXELS)] = 0
     region_width: Annotated[
-        int | None, Param("columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
+        int | None,
+        Param("number of columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
     ] = None
     region_height: Annotated[
-        int | None, Param("rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
+        int | None,
+        Param("number of rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
     ] = None
     window: Annotated[
         Window, Param("window on the line spread; tukey: flat over its middle half")
     ] = "tukey"
-    samples: Annotated[int, Param("points of the curve", low=2, high=4096, slider=(32, 1024))] = 129
+    samples: Annotated[
+        int, Param("number of points on the curve", low=2, high=4096, slider=(32, 1024))
+    ] = 129
     clip_left_px: Annotated[
         int | None,
         Param(

@@ -53,9 +53,9 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
         float,
         Param("angle of the slice: 0 horizontal, 90 vertical", low=-360, high=360),
     ] = 45.0
-    samples: Annotated[int, Param("points on each curve", low=2, high=65536, slider=(32, 1024))] = (
-        257
-    )
+    samples: Annotated[
+        int, Param("number of points on each curve", low=2, high=65536, slider=(32, 1024))
+    ] = 257
     stages: Annotated[bool, Param("show every stage, not only the total")] = True
 
     panel = (
@@ -110,12 +110,12 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
 
     @readout()
     def at_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the horizontal Nyquist frequency of the image's samples (a PTF in radians)."""
+        """Total at the horizontal Nyquist frequency of the image's samples (PTF: in radians)."""
         return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[0])
 
     @readout()
     def at_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the vertical Nyquist frequency of the image's samples (a PTF in radians)."""
+        """Total at the vertical Nyquist frequency of the image's samples (PTF: in radians)."""
         return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[0])
 
     @readout()

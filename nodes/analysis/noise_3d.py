@@ -38,12 +38,12 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     is subtracted, and unbiased estimates split the variance into the seven components. The
     prediction is an average over all sensors of this kind, but only one pattern is measured. With
     few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
-    correlated between neighbours also appears in σ tv and σ th. Rounding counts as noise. With
-    `path`, a file of frames, for example from a camera, is measured instead, one frame at a time.
-    Everything that stays from frame to frame, including the scene, then counts as fixed pattern.
-    Use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
-    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
-    Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    correlated between neighbouring samples also appears in σ tv and σ th. Rounding counts as noise.
+    With `path`, a file of frames, for example from a camera, is measured instead, one frame at a
+    time. Everything that stays the same from frame to frame, including the scene, then counts as
+    fixed pattern. Use frames of a uniform scene. If a picture is also linked, its predicted noise
+    is shown beside the measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992
+    (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (
@@ -64,7 +64,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     frames: Annotated[
         int,
         Param(
-            "frames to simulate; 0: prediction only; all frames of a file are measured",
+            "number of frames to simulate; 0: prediction only; all frames in a file are measured",
             low=0,
             high=100000,
             slider=(0, 200),
@@ -132,7 +132,7 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
     if image is not None and image.shape != (known.rows, known.columns):
         raise DataError(
             f"{file}: frames of {known.rows} × {known.columns} samples, but the linked picture has "
-            f"{image.rows} × {image.columns}: link a picture of the same camera, or no picture"
+            f"{image.rows} × {image.columns}: link a picture from the same camera, or no picture"
         )
     if image is not None and known.unit and known.unit != image.unit:
         raise DataError(
@@ -165,13 +165,13 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
 # Noise measured from simulated frames, beside the noise predicted from the chain.
 
 MEANINGS = {
-    "tvh": "random from sample to sample and from frame to frame",
-    "vh": "of single samples, the same in every frame",
-    "v": "of whole rows, the same in every frame",
-    "h": "of whole columns, the same in every frame",
-    "t": "of whole frames, new in every frame",
-    "tv": "of whole rows, new in every frame",
-    "th": "of whole columns, new in every frame",
+    "tvh": "noise that varies from sample to sample and from frame to frame",
+    "vh": "noise of single samples, the same in every frame",
+    "v": "noise of whole rows, the same in every frame",
+    "h": "noise of whole columns, the same in every frame",
+    "t": "noise of whole frames, different in every frame",
+    "tv": "noise of whole rows, different in every frame",
+    "th": "noise of whole columns, different in every frame",
 }
 
 
@@ -213,7 +213,7 @@ def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> Tabl
     rows = []
     expected = _expected(predicted)
     for name in COMPONENTS:
-        meaning = f"noise {MEANINGS[name]}"
+        meaning = MEANINGS[name]
         if expected is not None:
             value = expected.sigma(name)
             rows.append(TableRow(f"sigma_{name}", value, unit, f"{meaning}, predicted"))

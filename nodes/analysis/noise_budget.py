@@ -25,8 +25,8 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     patterns that stay the same from frame to frame, averaged over all sensors of this kind.
     Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
     of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
-    it recovers that part of the loss. A stage with an MTF of zero is assigned all of the blur.
-    Phases do not count as blur.
+    it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do
+    not count as blur.
     """
 
     formulas = (
@@ -54,7 +54,8 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     show: Annotated[
         Show,
         Param(
-            "bars show the share in percent, or the amount: standard deviation, and −ln of the MTF"
+            "length of the bars: share in percent, or amount (standard deviation of the noise, "
+            "−ln of the MTF for the blur)"
         ),
     ] = "share"
 

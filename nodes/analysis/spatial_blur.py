@@ -39,12 +39,12 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
     It has the same inputs as Back Transform. The impulse response is the inverse transform of all
-    collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
-    otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
-    except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
-    largest deviation from its mean. The bound is the sum of the moduli of the truncated kernel
-    values. The picture's mean does not change. If a transfer function has not fallen to zero at
-    Nyquist, its kernel rings and cannot be both short and precise.
+    collected MTFs and PTFs. A separable response is applied in one pass along x and one along y;
+    any other is applied as a two-dimensional kernel. Complete kernels give the same result as Back
+    Transform, except for rounding. A truncated kernel has an error of at most `error_bound` times
+    the scene's largest deviation from its mean. The bound is the sum of the moduli of the kernel
+    values that are cut off. The picture's mean does not change. If a transfer function has not
+    fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
@@ -71,12 +71,12 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         ),
     ] = "half_width"
     half_width_px: Annotated[
-        int, Param("samples kept on each side", low=0, high=65536, slider=(0, 64))
+        int, Param("kernel samples kept on each side", low=0, high=65536, slider=(0, 64))
     ] = 16
     error: Annotated[
         float,
         Param(
-            "largest error, as a fraction of the scene's largest deviation from its mean",
+            "largest error allowed, as a fraction of the scene's largest deviation from its mean",
             low=0,
             high=1,
         ),
@@ -135,7 +135,7 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: 
     """The frame convolved; `plane`: by a kernel in two dimensions among others."""
     if kernels.taps * image.size > MOST_MULTIPLICATIONS:
         raise DataError(
-            f"{kernels.taps:,} taps on {image.size:,} samples would take too long (at most "
+            f"{kernels.taps:,} taps on {image.size:,} samples would take too long (the limit is "
             f"{MOST_MULTIPLICATIONS:g} multiplications): lower half_width_px, or raise error"
         )
     # Its mean is taken off before, and put back after.
@@ -177,9 +177,10 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
     along = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] > 1)
     return TableData.of(
         ("taps", kernels.taps, "", "multiplications per sample"),
-        ("taps_x", across, "", "for the pass along x"),
-        ("taps_y", along, "", "for the pass along y"),
-        ("taps_plane", sum(k.taps.size for k in planes), "", "for the two-dimensional kernel"),
+        ("taps_x", across, "", "multiplications per sample in the pass along x"),
+        ("taps_y", along, "", "multiplications per sample in the pass along y"),
+        ("taps_plane", sum(k.taps.size for k in planes), "",
+         "multiplications per sample with the two-dimensional kernel"),
         ("error_bound", kernels.error_bound, "",
          "largest error, as a fraction of the scene's largest deviation from its mean"),
     )  # fmt: skip

@@ -113,7 +113,7 @@ def sensitivity(
     if seen.unknown:
         raise DataError(
             f"the noise before {', '.join(seen.unknown)} cannot be computed for this picture: "
-            "connect the sensor's own picture"
+            "connect the picture as the sensor samples it"
         )
     if gain is None:
         raise DataError(
@@ -139,13 +139,13 @@ def sensitivity(
     if not slope > 0.0:
         raise DataError(
             f"a background of {background_K:.6g} K emits nothing in this band: "
-            "give a warmer background_K"
+            "give a higher background_K"
         )
     noise_figures = Sensitivity(mean, background_K, slope, noise, seen.spectrum)
     if not noise_figures.noise_K2.total < _MOST:
         raise DataError(
             f"a background of {background_K:.6g} K emits almost nothing in this band, so the noise "
-            "cannot be expressed as a temperature difference: give a warmer background_K"
+            "cannot be expressed as a temperature difference: give a higher background_K"
         )
     return noise_figures
 

@@ -18,9 +18,9 @@ class RelativeMotionMTF(
     """Smear from the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
-    sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
-    gives an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and
-    201 of eqs. 4.34 and 4.35 are in cycles/rad.
+    sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
+    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
+    eqs. 4.34 and 4.35 are in cycles/rad.
     """
 
     formulas = (
@@ -31,7 +31,7 @@ class RelativeMotionMTF(
         ),
         Formula(
             r"H=\mathrm{sinc}(b_x\xi+b_y\eta)",
-            where="for the straight smear of constant velocity",
+            where="for a straight smear at constant velocity",
             when="line",
         ),
     )
@@ -80,12 +80,12 @@ class RelativeMotionMTF(
 
     @readout("mrad")
     def blur_x_mrad(self, context: Context) -> float:
-        """Width of the horizontal smear, with its sign."""
+        """Signed width of the horizontal smear."""
         return self._blur(self.platform_velocity_x - self.image_velocity_x, context)
 
     @readout("mrad")
     def blur_y_mrad(self, context: Context) -> float:
-        """Width of the vertical smear, with its sign."""
+        """Signed width of the vertical smear."""
         return self._blur(self.platform_velocity_y - self.image_velocity_y, context)
 
     def _blur(self, velocity: float, context: Context) -> float:

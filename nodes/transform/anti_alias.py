@@ -25,11 +25,12 @@ _SIGMA_SAMPLES = math.sqrt(2.0 * math.log(2.0)) / math.pi
 class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Transform"):
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
-    No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
-    a detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
+    No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
+    Detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
     its transfer function). `gaussian` halves the contrast at the new Nyquist frequency. `lanczos`
-    is a sinc with its cutoff there and a three-lobe window. The frame is mirrored at its edges. A
-    factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    is a sinc with its cutoff at this frequency and a three-lobe window. The frame is mirrored at
+    its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979
+    (Lanczos).
     """
 
     formulas = (

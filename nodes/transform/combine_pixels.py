@@ -17,20 +17,20 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
-    170 pixels. Directly after Back Transform, if the factors divide the size, the spectrum is
-    folded instead. The mean of a block represents the pixel's averaging over its area. After
-    Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source: Tantalo
-    1996, section 4.1, fig. 4.6.
+    170 pixels. Directly after Back Transform, if the factors divide the picture's size exactly, the
+    spectrum is folded instead. The mean of a block represents the pixel's averaging over its area.
+    After Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source:
+    Tantalo 1996, section 4.1, fig. 4.6.
     """
 
     formulas = (
         Formula(
             r"L'_{j,k}=\frac{1}{nm}\sum_{a=0}^{m-1}\sum_{b=0}^{n-1}L_{jm+a,\,kn+b}",
-            where="n, m: factor_x and factor_y; without 1/(nm) for `sum`",
+            where="n, m: factor_x and factor_y; for `sum`, 1/(nm) is left out",
         ),
         Formula(
             r"H(\xi)=\frac{\sin(\pi n\xi\Delta)}{n\,\sin(\pi\xi\Delta)}",
-            where="the same in the spectrum, before frequencies beyond the new Nyquist "
+            where="block mean in the spectrum, before frequencies beyond the new Nyquist "
             "frequency alias; Δ: sampling interval",
         ),
     )
@@ -81,12 +81,12 @@ def _twice(
             f"{block:.4g} mrad {direction}, but {detector} averages over {width_mrad:.4g} "
             "mrad; both act on the picture",
             "use Sample Pixels with the detector's pitch on a scene sampled more finely; "
-            "ignore this if the blocks represent the pixels, as in the networks of 1996",
+            "ignore this if the blocks represent the pixels, as in the 1996 networks",
         )
     return Caution(
         f"the pixel is averaged twice: {detector} already averages over {width_mrad:.4g} mrad "
-        f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad once more, "
+        f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad again, "
         f"so the contrast at Nyquist falls to {float(left):.3g} times its value after {detector}",
         "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this if "
-        "both are intended, as in the networks of 1996",
+        "both are intended, as in the 1996 networks",
     )

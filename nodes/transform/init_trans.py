@@ -36,9 +36,9 @@ class InitTrans(
 ):
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
-    Empty parameters are taken from a Camera before this module, otherwise from the image's header.
-    A fill factor of 1 is treated as empty. Values entered here take priority; a warning reports any
-    difference. Source: Tantalo 1996, section 4.1.
+    Empty parameters take their values from a Camera before this module, otherwise from the image's
+    header. A fill factor of 1 is treated as empty. Values entered here take priority; a warning
+    reports any difference. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (
@@ -55,7 +55,7 @@ class InitTrans(
         ),
         Formula(
             r"\mathcal{F}(\xi,\eta)=\sum_{x,y}L(x,y)\,e^{-2\pi i(\xi x+\eta y)}",
-            where="magnitude and phase are modulus and argument of the transform",
+            where="magnitude and phase are the modulus and argument of the transform",
         ),
     )
 
@@ -71,8 +71,8 @@ class InitTrans(
     f_number: Annotated[float | None, Param("F number", low=0, slider=(0.5, 32))] = None
     obscuration_ratio: Annotated[
         float | None,
-        Param("obscuration: inner diameter of the aperture divided by the outer; empty: from "
-              "Camera, or none", low=0, high=1, below=True, slider=(0, 0.6)),
+        Param("obscuration: inner diameter of the aperture divided by its outer diameter; "
+              "empty: from Camera, or none", low=0, high=1, below=True, slider=(0, 0.6)),
     ] = None  # fmt: skip
     range_m: Annotated[float | None, Param("altitude or distance", low=0, slider=(10, 10000))] = (
         None
@@ -198,7 +198,7 @@ class InitTrans(
             if name in given and getattr(self, name) == 1.0 and of_camera not in (None, 1.0):
                 return Caution(
                     f"{name} = 1 is treated as empty here, so {of_camera:g} from Camera is used",
-                    "change it on Camera",
+                    "change the fill factor on Camera",
                 )
         of_sheet = {
             "detector_x_um": sheet.pitch_x_um,
@@ -214,7 +214,8 @@ class InitTrans(
             self,
             {"velocity_m_per_s": orbit.velocity_m_per_s if orbit else None},
             where="on Camera",
-            remedy="set velocity_m_per_s to 0 to use that value, unless both are intended",
+            remedy="set velocity_m_per_s to 0 to use Camera's value, unless the difference is "
+            "intended",
         )
 
     @warning
@@ -241,13 +242,13 @@ class InitTrans(
 
     @readout("mrad")
     def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
-        """Horizontal instantaneous field of view of a detector, with its fill factor."""
+        """Horizontal instantaneous field of view of a detector, including its fill factor."""
         pixel = outputs.magnitude.pixel_mrad[0]
         return None if pixel is None else pixel * outputs.context.fill_x
 
     @readout("mrad")
     def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
-        """Vertical instantaneous field of view of a detector, with its fill factor."""
+        """Vertical instantaneous field of view of a detector, including its fill factor."""
         pixel = outputs.magnitude.pixel_mrad[1]
         return None if pixel is None else pixel * outputs.context.fill_y
 

@@ -45,7 +45,7 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         Formula(
             r"L'(x)=\sum_j L_j\,w(x-j),\quad w(d)=1-|d|",
             where="x: position of a new sample, in old samples; the first lies half a new "
-            "sample from the edge; the same for y",
+            "sample from the edge; similarly for y",
             when="order 1, |d| < 1",
         ),
         Formula(r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1", when="order 3, |d| ≤ 1"),

@@ -124,12 +124,12 @@ class Radiometry(Module):
     """Base class of modules for surfaces with one emissivity in a band."""
 
     emissivity: Annotated[
-        float, Param("emissivity of all samples, if no image of it is connected", low=0, high=1,
-                     above=True)
+        float, Param("emissivity of all samples, if no emissivity image is connected", low=0,
+                     high=1, above=True)
     ] = 1.0  # fmt: skip
     surroundings_K: Annotated[
         float | None,
-        Param("temperature of what the surfaces reflect; empty: nothing is reflected",
+        Param("temperature of the reflected surroundings; empty: nothing is reflected",
               low=0, high=1e4, slider=(200, 320)),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None

@@ -23,20 +23,20 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
 
     Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
     contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
-    For even ratios, and ratios that are not whole, the centres lie between samples. There the
-    picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
-    in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
-    in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
-    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
-    over the pixel and its sampling are two stages).
+    For even ratios, and ratios that are not whole, the centres lie between samples. Between
+    samples, the picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or
+    periodic as in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency
+    aliases, as in a camera. Pixels that do not fit completely into the frame, at the right and the
+    bottom, are dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the
+    average over the pixel and its sampling are two stages).
     """
 
     formulas = (
         Formula(
             r"L'_k=\frac{1}{N}\sum_{\xi}\mathcal{F}(\xi)\,e^{2\pi i\xi x_k},\quad x_k=\left(k+"
             r"\frac{1}{2}\right)r-\frac{1}{2}",
-            where="x_k: middle of pixel k, in samples from the middle of the first, plus the "
-            "offset; r: samples per pixel, any ratio",
+            where="x_k: middle of pixel k, in samples from the middle of the first sample, plus "
+            "the offset; r: samples per pixel, any ratio",
         ),
     )
 
@@ -67,8 +67,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     ] = 0.0  # fmt: skip
     offset_y: Annotated[
         float | None,
-        Param("offset down, if it differs; empty: equal to offset", unit="pixels", low=-1, high=1,
-              slider=(-0.5, 0.5), zero_is_empty=False),
+        Param("downward offset, if different; empty: equal to offset", unit="pixels", low=-1,
+              high=1, slider=(-0.5, 0.5), zero_is_empty=False),
     ] = None  # fmt: skip
 
     panel = (
@@ -98,7 +98,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
             return own
         known = pitch_in_samples(axis, image)
         if known is None:
-            allowed = "give it here, or pitch and focal length on Camera or Init & Trans"
+            allowed = "give a factor here, or pitch and focal length on Camera or Init & Trans"
             raise ParameterError(f"factor_{axis}", None, allowed, unit="samples")
         if not _LEAST <= known <= 65536:
             raise ParameterError(
@@ -128,8 +128,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         return Caution(
             "the picture will be too sharp: there is no Detector MTF before this node, so "
             "nothing averages over the pixels and the samples are points",
-            "put Detector MTF before Back Transform, or use Combine Pixels, which averages"
-            f"{measured}",
+            "put Detector MTF before Back Transform, or use Combine Pixels, which averages "
+            f"over each pixel{measured}",
         )
 
     @readout("cyc/mrad")

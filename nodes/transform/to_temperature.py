@@ -14,7 +14,7 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
     Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
     temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
     temperatures, digital numbers, photons and spectral radiance are refused. An image of
-    emissivities can replace the single value. Sources: as To Radiance.
+    emissivities can replace the single value. Sources: as for To Radiance.
     """
 
     formulas = (
