@@ -1,4 +1,4 @@
-"""The command ``imagechain``, also run as ``python -m imagechain``."""
+"""The command ``imagechain``, also available as ``python -m imagechain``."""
 
 import sys
 

@@ -1,6 +1,7 @@
 """Every module as a function of its parameters: ``ic.modules.gaussian_mtf(sigma_x_mrad=0.3)``.
 
-Modules of another installed package are under its name: ``ic.modules.acme_optics.glare_mtf()``.
+Modules of another installed package are under the name of that package:
+``ic.modules.acme_optics.glare_mtf()``.
 """
 
 from collections.abc import Callable
@@ -12,7 +13,7 @@ from nodes.library import standard_library
 
 
 class PackageModules:
-    """The modules of an installed package, by their names."""
+    """The modules of an installed package, by name."""
 
     def __init__(self, package: str) -> None:
         self._package = package

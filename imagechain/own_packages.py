@@ -1,8 +1,8 @@
-"""Load our packages `core`, `nodes`, `app` and `networks`, even if others have these names.
+"""Load our packages `core`, `nodes`, `app` and `networks`, even if others have the same names.
 
-They are imported by these plain names, but Python searches the folder of the user's script first,
-so they are loaded from the folder of this package before anything else. Import only the
-standard library here.
+The code imports these packages by their plain names, but Python searches the folder of the user's
+script first. They are therefore loaded from the folder of this package before anything else. Import
+only the standard library here.
 """
 
 import os
@@ -17,18 +17,19 @@ NAMES = ("core", "nodes", "app", "networks")
 
 
 def load_own_packages(root: Path) -> None:
-    """Load the four packages from `root`, the folder that holds this one.
+    """Load the four packages from `root`, the folder that contains `imagechain`.
 
     Warns if a folder or file with one of these names would have come first, and is now hidden. The
-    command does not warn, because it imports nothing of the user's; nor does a child process.
+    command does not warn, because it imports none of the user's code; child processes do not warn
+    either.
     """
     others = [name for name in NAMES if not _is_own(sys.modules.get(name), root)]
     taken = [name for name in others if name in sys.modules]
     if taken:
         where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
         raise ImportError(
-            f"imagechain cannot be imported: another package with the same name as one of its "
-            f"packages is already imported ({where}); rename it, or import imagechain first",
+            "imagechain cannot be imported: a package with the same name as one of its own is "
+            f"already imported ({where}); rename that package, or import imagechain first",
             name="imagechain",
         )
     hidden = [place for name in others for place in _in_front(name, root)]

@@ -67,14 +67,14 @@ def planck_radiance(*, wavelength_um: ArrayLike, temperature_K: ArrayLike) -> An
     Parameters
     ----------
     wavelength_um, temperature_K : array_like
-        Above 0; they broadcast.
+        Above 0; the arrays broadcast.
 
     Returns
     -------
     ndarray
         W/m²/sr/µm.
 
-    Source: Planck 1901, with the exact constants of the SI of 2019.
+    Source: Planck 1901, with the exact constants of the 2019 SI.
     """
     return spectral_radiance(wavelength_um, temperature_K)
 
@@ -95,12 +95,12 @@ def diffraction_otf(
     wavelength_um, f_number : float
         Above 0.
     obscuration_ratio : float
-        Inner over outer diameter, 0 to below 1.
+        Inner diameter divided by outer diameter, 0 to below 1.
 
     Returns
     -------
     ndarray
-        1 at 0, and 0 from the cutoff 1000/(λF) cycles/mm on.
+        1 at zero frequency, and 0 at and above the cutoff 1000/(λF) cycles/mm.
 
     Source: O'Neill 1956, J. Opt. Soc. Am. 46, 285; erratum 46, 1096.
     """

@@ -153,7 +153,7 @@ def _read(path: Path) -> Recovered | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        problem = f"it cannot be read: {error.strerror or type(error).__name__}"
+        problem = f"the recovery file cannot be read: {error.strerror or type(error).__name__}"
     except (ValueError, RecursionError) as error:
         problem = f"the recovery file is damaged: {' '.join(str(error).split())[:200]}"
     return Recovered(path, None, time.time(), problem)
@@ -161,7 +161,7 @@ def _read(path: Path) -> Recovered | None:
 
 def _recovered(path: Path, content: Any) -> Recovered:
     if _get(content, "format", str) != FORMAT or _get(content, "version", int) != VERSION:
-        raise ValueError(f"it is not in the format {FORMAT}, version {VERSION}")
+        raise ValueError(f"the format is not {FORMAT}, version {VERSION}")
     original, folder = (_path(content, name) for name in ("original", "folder"))
     moment = _get(content, "time", float)
     if not 0 <= moment < 2.0**35:  # a date far off is none that a calendar could show
@@ -189,7 +189,7 @@ def _here() -> str | None:
 def _get(content: Any, name: str, kind: type) -> Any:
     value = content.get(name) if isinstance(content, dict) else None
     if type(value) is not kind:
-        raise ValueError(f"it has no {name}")
+        raise ValueError(f"{name} is missing")
     return value
 
 

@@ -32,11 +32,11 @@ Array = NDArray[Any]
 
 
 class Camera:
-    """A chain as a function: ``camera(frame)`` gives exactly what a run on that scene gives.
+    """A chain as a function: ``camera(frame)`` gives exactly the result of a run on that scene.
 
-    Create one with `Chain.camera`. Only the requested outputs are computed. What all frames share
-    is computed once; everything else is discarded after each frame. A camera can be sent to other
-    processes.
+    Create one with `Chain.camera`. Only the requested outputs are computed. Results that all frames
+    share are computed once; all other results are discarded after each frame. A camera can be sent
+    to other processes.
     """
 
     def __init__(

@@ -144,7 +144,7 @@ class Chain:
         Parameters
         ----------
         parameter : str or mapping
-            ``"NODE.PARAMETER"``, or a mapping of these to values.
+            ``"NODE.PARAMETER"``, or a mapping of such names to values.
         value
             The value in the parameter's own unit; an `Expression`, or a string that begins with
             ``=``, makes the parameter follow others. File names are relative to the current folder.
@@ -218,8 +218,8 @@ class Chain:
         name : str, optional
             Name of the node; by default the module's key, or ``scene`` for an array.
         after : str or ChainNode, optional
-            The node to continue from; the new node goes between it and the one that follows. By
-            default the last added node whose output is still free.
+            The node to continue from; the new node goes between this node and the one that follows.
+            By default, the last added node with a free output.
         wired : bool
             Whether to wire the module.
         """
@@ -261,7 +261,7 @@ class Chain:
 
     @property
     def scene(self) -> tuple[str, ...]:
-        """How your picture of the scene was interpreted, in words; empty if you gave none."""
+        """How your picture of the scene was interpreted, in words; empty if you gave no picture."""
         return self._state.scene
 
     @scene.setter
@@ -284,7 +284,7 @@ class Chain:
         """Replace the scene with your own picture; returns the chain itself.
 
         ``chain.scene = picture`` does the same without options. Anything you leave out is taken
-        from the file or from the old scene; `chain.scene` says from which.
+        from the file or from the old scene; `chain.scene` lists the source of each value.
 
         Parameters
         ----------
@@ -361,15 +361,16 @@ class Chain:
             Number of frames of each picture, each with its own temporal noise and the same fixed
             patterns. Pictures are then (frames, rows, columns).
         outputs : sequence of str, optional
-            Compute only these, ``NODE.PORT``; the rest is computed when you access it.
+            Ports to compute, ``NODE.PORT``; all others are computed when you access them.
         region : (slice, slice), optional
-            Rows and columns of the pictures to compute; bit-identical to the whole picture.
+            Rows and columns to compute in each picture; the samples are bit-identical to those of
+            the whole picture.
         memory : int or str, optional
-            Memory for pictures, in bytes or as "2GB"; by default half of what the process may use.
-            Larger pictures are computed in blocks, with bit-identical results, and kept on disk as
-            memory-mapped arrays.
+            Memory for pictures, in bytes or as a string such as "2GB"; by default half of the
+            memory that the process may use. Larger pictures are computed in blocks, with
+            bit-identical results, and kept on disk as memory-mapped arrays.
         scratch : path, optional
-            Folder for these arrays, by default the current one. Their files are deleted with the
+            Folder for these arrays; by default the current folder. The files are deleted with the
             last array.
         threads : int
             Number of threads; 0 uses all cores. The number does not affect the results.
@@ -428,7 +429,7 @@ class Chain:
         precision, tolerance, threads
             As for `run`.
         **scene
-            What you know about the frames, as for `replace_scene`: ``unit="K"``.
+            Known properties of the frames, as for `replace_scene`; for example ``unit="K"``.
         """
         policy = Policy(precision, tolerance, threads)
         return Camera(self._state, size, outputs, policy, scene, self._engine)
@@ -451,8 +452,8 @@ class Chain:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the chain to a network file that the command and the editor can open.
 
-        Scenes from arrays are written beside it, as ``NAME_NODE.npy``, cubes as ``.img``. From then
-        on file names are relative to its folder.
+        Scenes from arrays are written beside this file, as ``NAME_NODE.npy``; cubes are written as
+        ``.img``. From then on, the chain's file names are relative to the folder of this file.
         """
         self._state = self._state.saved(whole_path(path))
         return Path(fspath(path))
@@ -462,7 +463,7 @@ class Chain:
         return format_network(self.network, library=self._engine.library)
 
     def part(self, name: str) -> Part:
-        """A node's module with its set values and absolute file names, for another chain."""
+        """A node's module with the values set on it and absolute file names, for another chain."""
         node = self._state.node(name)
         samples = self._state.samples.get(name)
         paths = {p.name for p in ChainNode(self, name)._declared.parameters if p.kind == "path"}
@@ -475,7 +476,7 @@ class Chain:
         return Part(node.module, params, samples, name, node.macro)
 
     def planned(self, seed: int | None = None) -> tuple[Engine, Plan]:
-        """The engine and the chain's plan; raises an error if the plan has any."""
+        """The engine and the chain's plan; raises an error if the plan contains errors."""
         plan = self._planned = self._state.plan(self._engine, seed, self._planned)
         errors = plan.errors()
         if errors:
@@ -511,7 +512,8 @@ def open(network: str | PathLike[str]) -> Chain:
     Parameters
     ----------
     network : str or path
-        A path, or a name from `networks()`. File names in it are relative to its own folder.
+        A path, or a name from `networks()`. File names in the network are relative to the network's
+        folder.
     """
     engine = Engine(standard_library())
     place = find_network(fspath(network))

@@ -33,23 +33,23 @@ class ChainNode:
 
     @property
     def module(self) -> str:
-        """Key of its module."""
+        """Key of the node's module."""
         return self._state.node(self._name).module
 
     @property
     def title(self) -> str:
-        """Title of its module; the key if there is no such module."""
+        """Title of the node's module; its key if the module is unknown."""
         known = self._known
         return self.module if known is None else known.title
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Its inputs, as ``NODE.PORT``."""
+        """Inputs of the node, as ``NODE.PORT``."""
         return tuple(f"{self._name}.{port.name}" for port in self._declared.inputs)
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Its outputs, as ``NODE.PORT``."""
+        """Outputs of the node, as ``NODE.PORT``."""
         return tuple(f"{self._name}.{port.name}" for port in self._declared.outputs)
 
     @property
@@ -59,16 +59,16 @@ class ChainNode:
 
     @property
     def part(self) -> Part:
-        """Its module with its set values, to add to another chain."""
+        """The node's module with the values set on it, to add to another chain."""
         part: Part = self._chain.part(self._name)
         return part
 
     def set(self, **values: Any) -> None:
-        """Set parameters by name; if any value is refused, none is set."""
+        """Set parameters by name; if any value is not allowed, no value is set."""
         self._chain.set({f"{self._name}.{name}": value for name, value in values.items()})
 
     def help(self) -> str:
-        """What the module does, with its formula and source."""
+        """Description of the module, with its formula and source."""
         return self._declared.text
 
     @property

@@ -1,4 +1,4 @@
-"""The immutable state of a chain: its network, arrays and folder; and its plans."""
+"""The immutable state of a chain (its network, arrays and folder), and its plans."""
 
 from __future__ import annotations
 
@@ -52,9 +52,10 @@ from nodes.library import standard_library
 class ChainState:
     """A chain at one moment.
 
-    File names are relative to `folder`; `file` is the network file it was read from or last saved
-    to. `samples` are the scenes from arrays, by node; `given` are nodes and parameters whose file
-    names were given in Python; `scene` says how the scene's picture was interpreted.
+    File names are relative to `folder`; `file` is the network file that the chain was read from or
+    last saved to. `samples` holds the scenes from arrays, by node; `given` lists the nodes and
+    parameters whose file names were given in Python; `scene` says how the scene's picture was
+    interpreted.
     """
 
     network: Network
@@ -69,7 +70,7 @@ class ChainState:
         return unfolded(self.network).node(name)
 
     def declared(self, name: str) -> Declaration:
-        """What a node's module declares."""
+        """Declaration of a node's module."""
         node, library = self.node(name), standard_library()
         declared = declared_node(node, library)
         if declared is None:
@@ -77,7 +78,7 @@ class ChainState:
         return declared
 
     def value(self, name: str, parameter: Parameter) -> Any:
-        """The value of a node's parameter that a run uses; None if it has none."""
+        """The value that a run uses for a node's parameter; None if there is no value."""
         given = resolved(self.network, library=standard_library()).value(name, parameter.name)
         if given is None:
             given = self.node(name).params.get(parameter.name)
@@ -89,7 +90,7 @@ class ChainState:
             return given
 
     def with_values(self, values: Mapping[str, Any]) -> ChainState:
-        """Return the state with parameters set, by ``NODE.PARAMETER``; ABSENT resets one."""
+        """Return the state with parameters set, by ``NODE.PARAMETER``; ABSENT means the default."""
         state = self
         for place, value in values.items():
             node, _, name = place.rpartition(".")
@@ -127,7 +128,7 @@ class ChainState:
     def with_part(
         self, part: Part, *, name: str | None, after: str | None, wired: bool
     ) -> tuple[str, ChainState]:
-        """The name of a new node, and the state with it; as for `Chain.add`."""
+        """The name of a new node, and the state with this node; arguments as for `Chain.add`."""
         library = standard_library()
         if part.inside is None and part.module not in library:
             raise NetworkError(no_module(part.module, library))
@@ -178,7 +179,7 @@ class ChainState:
         where = f"{shown(after)} has" if after is not None else "the chain has"
         raise NetworkError(
             f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of "
-            "that kind: give after=, or give wired=False and link it"
+            "that kind: give after=, or give wired=False and link the node yourself"
         )
 
     def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
@@ -216,7 +217,7 @@ class ChainState:
             if (file := target.parent / name).exists() and f'"{name}"' not in own:
                 raise FileError(
                     f"{file} already exists and contains something else: save under another name, "
-                    "or remove it"
+                    "or remove that file"
                 )
         moved = rebased(network, library, self.folder, target.parent, typed=self.given)
         if moved is not None:

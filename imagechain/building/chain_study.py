@@ -53,7 +53,7 @@ def study(
     tolerance: float | None = None,
     threads: int = 0,
 ) -> StudyTable:
-    """Evaluate a chain at many points: one row for each, with the reason if the point failed.
+    """Evaluate a chain at many points: one row per point, with the reason if the point failed.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def study(
     points : int, optional
         Number of points of a Latin hypercube.
     figures : sequence of str
-        ``NODE.READOUT``; by default the most useful ones.
+        ``NODE.READOUT``; by default the most useful read-outs.
     save : mapping
         Files to write, by ``NODE.PORT``: ``{"back.image": "out/{scene}_{point}.tif"}``.
     output : path, optional
@@ -79,9 +79,10 @@ def study(
     jobs : int
         Number of processes on this machine; 0 uses all cores if that is faster than one process.
     scheduler : str or distributed.Client
-        Address of a Dask scheduler, or a client of one, to use instead.
+        Address of a Dask scheduler, or a client connected to one, to use instead of local
+        processes.
     memory_bytes : int, optional
-        Memory for computed values, all processes together; by default 256 MB each.
+        Memory for computed values, for all processes together; by default 256 MB per process.
     fresh : bool
         Whether to discard the rows of an unfinished study.
     precision, tolerance, threads

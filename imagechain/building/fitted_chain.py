@@ -26,13 +26,13 @@ from nodes.files.common.file_format import HTML, JSON, suffixes
 class FittedChain:
     """Parameters of a chain, fitted to pictures.
 
-    `parameters` gives the `value` and the standard error `sigma` of each; both are None if the
-    pictures do not determine it. `combinations` gives the value and standard error of each
-    combination of parameters that cannot be separated. `warnings` say what to check before you
-    trust the values, `notes` what was fitted and assumed. `correlation` is the correlation matrix
-    of the errors, in the order of `parameters`, NaN if not determined. `chi2_per_degree` is the
-    reduced χ²: 1 if the residuals are only noise. `chain` is the chain with the fitted values, to
-    run and to save.
+    `parameters` gives the `value` and the standard error `sigma` of each parameter; both are None
+    if the pictures do not determine the parameter. `combinations` gives the value and standard
+    error of each combination of parameters that cannot be separated. `warnings` lists what to check
+    before you trust the values; `notes` lists what was fitted and assumed. `correlation` is the
+    correlation matrix of the errors, in the order of `parameters`, with NaN for undetermined
+    entries. `chi2_per_degree` is the reduced χ²: 1 if the residuals are only noise. `chain` is the
+    chain with the fitted values, to run and to save.
     """
 
     def __init__(self, result: FitResult, chain: Chain, pictures: tuple[str, ...]) -> None:
@@ -44,13 +44,13 @@ class FittedChain:
         self.chi2_per_degree = result.chi2_per_degree
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole result as a dictionary, like the JSON of `imagechain fit --json`."""
+        """The complete result as a dictionary, like the JSON of `imagechain fit --json`."""
         content: dict[str, Any] = fit_facts(self._result)
         return content
 
     @plain_errors
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write parameters, errors and correlations (.json), or the page of the fit (.html).
+        """Write the parameters, errors and correlations (.json), or a report of the fit (.html).
 
         To write the network, use ``fitted.chain.save``.
         """
@@ -99,9 +99,10 @@ def fit(
         A chain, a file, or the name of a shipped network; it does not change.
     to : path or array, or a sequence of them
         Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns); linear,
-        as the sensor gives them. Each sample corresponds to one in the chain's final picture.
+        as the sensor gives them. Each sample corresponds to one sample of the chain's final
+        picture.
     free : str, sequence of str, or mapping
-        Parameters to fit: ``NODE.PARAM``, within its allowed range; or a mapping of these to
+        Parameters to fit: ``NODE.PARAM``, within its allowed range; or a mapping of parameters to
         ranges (low, high), or to None for the allowed range.
     band : int, optional
         Band or colour to use, if the files have several.

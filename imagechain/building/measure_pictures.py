@@ -37,11 +37,11 @@ class MeasuredPictures:
     """MTF, edges and noise of pictures.
 
     `x` and `y` are the pooled horizontal and vertical MTFs, with `frequency` (cycles/sample),
-    `mtf`, `sigma` (its standard error), `mtf50` and `mtf50_sigma`. They are None if there is no
-    MTF; `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with
-    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise`, measured in
-    flat areas, has `sigma`, `sigma_error`, `gain_e_per_dn` and `read_noise_dn`; it is None if
-    the noise could not be measured.
+    `mtf`, `sigma` (its standard error), `mtf50` and `mtf50_sigma`. Each is None if it could not be
+    measured; `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with
+    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise`, measured in flat
+    areas, has `sigma`, `sigma_error`, `gain_e_per_dn` and `read_noise_dn`; it is None if the noise
+    could not be measured.
     """
 
     def __init__(self, measured: PictureMeasurement) -> None:
@@ -52,14 +52,14 @@ class MeasuredPictures:
 
     @plain_errors
     def without(self, edge: int) -> MeasuredPictures:
-        """Return the result without one edge, by its index in `edges`; this one does not change."""
+        """Return a copy of the result without one edge, given by its index in `edges`."""
         many = len(self.edges)
         if not 0 <= edge < many:
             raise ParameterError("edge", edge, f"0 to {many - 1}" if many else "there are no edges")
         return MeasuredPictures(without_edge(self._measured, edge))
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole result as a dictionary, like the JSON of `imagechain measure --json`."""
+        """The complete result as a dictionary, like the JSON of `imagechain measure --json`."""
         content: dict[str, Any] = json.loads(measurement_json(self._measured))
         return content
 
@@ -95,9 +95,9 @@ def measure(
         Files of pictures or frames; or arrays, (rows, columns) or (frames, rows, columns). All must
         have the same size.
     band : int, optional
-        Band or colour of files that have several, counted from 0.
+        Band or colour to measure in files that have several, counted from 0.
     fov_x_deg : float, optional
-        Horizontal field of view, degrees, instead of the files' own.
+        Horizontal field of view, degrees, instead of the value in the files.
     pitch_um : float, optional
         Pixel pitch, µm, for frequencies in cycles/mm.
     offset_dn : float, optional
@@ -127,7 +127,9 @@ def _of_arrays(
     files = [MeasuredFile(f"array {n}", len(own), "") for n, own in enumerate(taken, 1)]
     shapes = {frame.shape for frame in frames}
     if len(shapes) > 1:
-        raise DataError(f"all pictures must have the same size: they have {sorted(shapes)}")
+        raise DataError(
+            f"all pictures must have the same size, but their sizes are {sorted(shapes)}"
+        )
     rows, columns = frames[0].shape
     interval = None
     if fov_x_deg is not None:
@@ -150,7 +152,7 @@ def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]
 
 
 def limits_of_arrays(pictures: Sequence[Any]) -> tuple[float, float] | None:
-    """Smallest and largest number of the integer type, if it is the same for all arrays."""
+    """Smallest and largest number of the integer type, if all arrays have the same type."""
     ends = {limits_of(np.asarray(picture).dtype) for picture in pictures}
     return ends.pop() if len(ends) == 1 else None
 
@@ -158,7 +160,7 @@ def limits_of_arrays(pictures: Sequence[Any]) -> tuple[float, float] | None:
 def _frames(array: NDArray[Any], number: int) -> list[NDArray[np.float64]]:
     if array.dtype.kind not in "buif" or array.ndim not in (2, _FRAMES) or 0 in array.shape:
         raise DataError(
-            f"picture {number} is an array of {array.dtype} of shape {array.shape}; allowed: "
+            f"picture {number} is an array of {array.dtype} with shape {array.shape}; allowed: "
             "real numbers, (rows, columns) or (frames, rows, columns)"
         )
     if not np.isfinite(array).all():

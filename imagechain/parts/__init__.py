@@ -1,1 +1,1 @@
-"""Modules with their values, before they are in a chain, and what the whole package uses."""
+"""Modules with their values, before they join a chain, and helpers for the whole package."""

@@ -64,7 +64,7 @@ def part(module: str, **values: Any) -> Part:
 
 
 def documentation(declared: Declaration) -> str:
-    """The docstring: what the module does, its parameters, ports and read-outs."""
+    """The docstring: the module's description, parameters, ports and read-outs."""
     lines = [declared.text, ""]
     if declared.parameters:
         lines += ["Parameters", "----------"]
@@ -103,7 +103,7 @@ _TYPES: dict[str, tuple[Any, str]] = {
 
 
 def annotation(parameter: Parameter) -> tuple[Any, str]:
-    """The type of an argument, and its text."""
+    """The type of an argument, as an object and as text."""
     if parameter.kind == "choice":
         choices = ", ".join(map(repr, parameter.choices))
         kind, text = Literal[parameter.choices], f"Literal[{choices}]"
@@ -124,14 +124,14 @@ def preset(name: str, **values: Any) -> Part:
     Parameters
     ----------
     name : str
-        One of `presets()`.
+        A name from `presets()`.
     **values
         Values of the parameters that the preset offers.
     """
     library = standard_library()
     places = {one.path.stem: one.path for one in shipped_presets(library)}
     if name not in places:
-        hint = close(name, places) or f"; there are {', '.join(places)}"
+        hint = close(name, places) or f"; the presets are {', '.join(places)}"
         raise NetworkError(f"there is no preset {shown(name)}{hint}")
     (node,) = read_network(places[name], library=library).nodes.values()
     declared = declared_node(node, library)

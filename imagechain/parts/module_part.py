@@ -21,8 +21,9 @@ from nodes.input_output.source_file import HeldSamples
 class Expression:
     """A number that follows other parameters: ``ic.expression("init.f_number * 0.05")``.
 
-    It may contain numbers, ``NODE.PARAMETER``, ``+ - * / ^ ( )``, ``pi`` and functions such as
-    ``sqrt`` and ``min``. A number with a unit (``3 um``) is converted to the parameter's own unit.
+    The expression may contain numbers, ``NODE.PARAMETER``, ``+ - * / ^ ( )``, ``pi`` and functions
+    such as ``sqrt`` and ``min``. A number with a unit (``3 um``) is converted to the parameter's
+    own unit.
     """
 
     text: str
@@ -32,9 +33,9 @@ class Expression:
 class Part:
     """A module with values for some of its parameters, to add to a chain.
 
-    Other parameters have their defaults. `samples` holds a scene from an array. `name` is the
-    default name of the node; if it is empty, the module's key is used. `inside` has the modules of
-    a macro.
+    All other parameters keep their defaults. `samples` holds a scene from an array. `name` is the
+    default name of the node; if it is empty, the module's key is used. `inside` holds the modules
+    of a macro.
     """
 
     module: str
@@ -56,7 +57,7 @@ def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, A
 
 
 def file_value(declared: Declaration, name: str, value: Any, *, node: str | None = None) -> Any:
-    """A value as in a network file; errors as for `file_values`, with the node."""
+    """A value as in a network file; errors as for `file_values`, with the node's name."""
     parameter = known_parameter(declared, name, value, node=node)
     raw = simple(value)
     numeric = parameter.kind in ("number", "integer")
@@ -75,7 +76,7 @@ def file_value(declared: Declaration, name: str, value: Any, *, node: str | None
 def known_parameter(
     declared: Declaration, name: str, value: Any, *, node: str | None = None
 ) -> Parameter:
-    """The parameter of that name."""
+    """The parameter with that name."""
     parameter = declared.parameter(name)
     if parameter is None:
         names = [candidate.name for candidate in declared.parameters]

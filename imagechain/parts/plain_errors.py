@@ -28,7 +28,7 @@ def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
         raised.__context__ = None
         raised.__cause__ = getattr(raised, "fault", None)
         if more := getattr(raised, "more", 0):
-            raised.add_note(f"(and {more} more: chain.check() lists them)")
+            raised.add_note(f"(and {more} more; chain.check() lists all errors)")
         raise raised
 
     return plain
@@ -46,7 +46,7 @@ def stays_here(value: Any) -> NoReturn:
 
 
 def needed(name: str, purpose: str) -> ModuleType:
-    """Import the optional library of that name."""
+    """Import the optional library with that name."""
     try:
         return import_module(name)
     except ImportError:
@@ -66,7 +66,7 @@ def text(value: object) -> str:
 def table(
     head: Sequence[str], rows: Iterable[Sequence[object]], *, caption: str = "", right: int = -1
 ) -> str:
-    """A table, with column `right` aligned to the right."""
+    """An HTML table, with column `right` right-aligned."""
     titles = "".join(f'<th style="text-align:left">{text(name)}</th>' for name in head)
     lines = [f"<tr>{''.join(_cell(v, i == right) for i, v in enumerate(row))}</tr>" for row in rows]
     above = f'<caption style="text-align:left">{text(caption)}</caption>' if caption else ""
@@ -87,7 +87,7 @@ def png(content: bytes, *, alt: str, width: int | None = None) -> str:
 
 
 def block(*parts: str) -> str:
-    """Pieces, one below the other."""
+    """HTML parts, one below the other."""
     return "<div>" + "".join(f"<div>{part}</div>" for part in parts if part) + "</div>"
 
 

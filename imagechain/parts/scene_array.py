@@ -34,16 +34,16 @@ def scene(
     widths_um: Sequence[float] | None = None,
     scale: float = 1.0,
 ) -> Part:
-    """Make a scene from an array, to add to a chain; it is copied, and no file is written.
+    """Make a scene from an array, to add to a chain; the array is copied, and no file is written.
 
     Parameters
     ----------
     samples : array_like or xarray.DataArray
-        (rows, columns), the first row on top, or (bands, rows, columns); finite real numbers. A
+        (rows, columns), the first row at the top, or (bands, rows, columns); finite real numbers. A
         `DataArray` has the dimensions y and x, and wavelength if it has bands, in any order. Its
         unit is the attribute ``units``, and its band the attribute ``band_um``. Its field of view
-        follows from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, or from
-        coordinates whose ``units`` are an angle.
+        follows from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, or from coordinates
+        whose ``units`` are an angle.
     fov_x_deg, fov_y_deg : float, optional
         Horizontal and vertical field of view, degrees.
     unit : str, optional
@@ -53,7 +53,7 @@ def scene(
     wavelengths_um : sequence of float, optional
         Centre wavelength of every band, µm.
     widths_um : sequence of float, optional
-        Width of every band, µm; by default each reaches half-way to its neighbours.
+        Width of every band, µm; by default each band extends half-way to its neighbours.
     scale : float
         Factor that multiplies the samples.
     """

@@ -28,7 +28,7 @@ _MOST_PX = 1024
 class Picture:
     """A picture that a chain has computed, on a port ``NODE.PORT``.
 
-    Its samples are (rows, columns), or (frames, rows, columns), and read-only.
+    Its samples are read-only, with the shape (rows, columns) or (frames, rows, columns).
     """
 
     port: str
@@ -61,7 +61,7 @@ class Picture:
 
     @property
     def wavelengths_um(self) -> tuple[float, ...]:
-        """Centre wavelengths of its bands, µm; empty if it has no separate bands."""
+        """Centre wavelengths of the bands, µm; empty if there are no separate bands."""
         return () if self._image.bands is None else self._image.bands.centres_um
 
     @plain_errors
@@ -94,7 +94,7 @@ class Picture:
         Parameters
         ----------
         bands : bool
-            Give all bands, over wavelength (µm), y and x, instead of their sum.
+            Whether to return all bands, over wavelength (µm), y and x, instead of their sum.
         """
         xarray = needed("xarray", "pictures as DataArrays")
         image, region = self._image, self._region
@@ -134,7 +134,7 @@ class Picture:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the samples in the format of the file's suffix, with unit and field of view."""
         target = Path(fspath(path))
-        samples = self._first("a file of one picture")
+        samples = self._first("a file with one picture")
         save_array(target, samples, metadata_of(self._image, samples.shape))
         return target
 

@@ -74,7 +74,7 @@ class RunOptions:
         self.file, self.given = file, frozenset(given)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
-        """The rows and columns to compute in a picture of that shape; None for all of it."""
+        """The rows and columns to compute in a picture of that shape; None means all of them."""
         if self.region is None:
             return None
         (top, bottom, _), (left, right, _) = (
@@ -87,7 +87,7 @@ class RunOptions:
 
 
 def current_folder() -> Path:
-    """The current folder; its old path if it has been removed."""
+    """The current folder; its former path if the folder has been removed."""
     try:
         return Path.cwd()
     except FileNotFoundError:
@@ -118,7 +118,7 @@ Smaller = Callable[[ImagechainError], Plan]
 
 
 class Result:
-    """The result of a run, with the chain as it was when it ran.
+    """The result of a run, with the chain as it was at that time.
 
     Pictures and figures that the run did not compute are computed when you access them.
     """
@@ -160,7 +160,7 @@ class Result:
 
     @plain_errors
     def picture(self, port: str | None = None) -> Picture:
-        """A picture with its unit, sampling interval and band; the port as for `image`."""
+        """A picture with its unit, sampling interval and band; `port` is as for `image`."""
         name = self._port(port)
         image, samples = self._image(name), self._samples(name)
         return Picture(name, image, samples, self._work, self._region(image))
@@ -172,7 +172,7 @@ class Result:
 
     @plain_errors
     def value(self, port: str) -> Any:
-        """The value on any port.
+        """The value at any port.
 
         A picture gives its samples; a magnitude, phase or transfer function gives the full array in
         FFT order; curves give a `CurveData`, and a table gives a `TableData`.
@@ -184,7 +184,7 @@ class Result:
 
     @plain_errors
     def save(self, path: str | PathLike[str], port: str | None = None) -> Path:
-        """Write the value on a port in the format of the file's suffix, as ``run --save`` does.
+        """Write the value at a port in the format of the file's suffix, as ``run --save`` does.
 
         Parameters
         ----------
@@ -200,7 +200,8 @@ class Result:
         region = self._region(value) if isinstance(value, Image) else None
         if self._options.frames is not None and isinstance(value, Image):
             raise UsageError(
-                f"{target}: save writes one frame only; for several use imagechain run --frames"
+                f"{target}: save writes one frame only; for several frames, use imagechain "
+                "run --frames"
             )
         save_value(value, target, self._work, port=name, region=region)
         if isinstance(value, Image) and is_cube(value, target):
@@ -223,19 +224,20 @@ class Result:
         Parameters
         ----------
         angle_deg : float, optional
-            Along a line at this angle from ξ (0°) to η (90°); by default along both axes.
+            Angle of a line in the frequency plane, from ξ (0°) to η (90°); by default, curves along
+            both axes.
         """
         return curves_of(self._evaluation, None if angle_deg is None else float(angle_deg))
 
     @property
     @plain_errors
     def warnings(self) -> tuple[Caution, ...]:
-        """Warnings from the modules, including those about samples."""
+        """Warnings from the modules, including warnings about samples."""
         return self._evaluation.cautions
 
     @property
     def seconds(self) -> dict[str, float]:
-        """Computing time of each node, s; reused values take none."""
+        """Computing time of each node, s; reused values take no time."""
         return dict(self._work.seconds)
 
     @property
@@ -263,8 +265,8 @@ class Result:
         ----------
         allow : iterable of path
             Further folders where a network from a file may write and overwrite any file. Otherwise
-            it may write only in its own folder, and overwrite only files that it has written
-            itself. Files that were named in Python are always written.
+            the network may write only in its own folder, and overwrite only files that it has
+            written itself. Files that were named in Python are always written.
         """
         evaluation, plan, origin = self._evaluation, self._plan, self._options
         targets = sink_targets(plan, plan.folder)
@@ -304,7 +306,7 @@ class Result:
         output = find_output(self._plan)
         if output.port is None:
             raise NetworkError(
-                f"{output.missing}: name a port, or mark its node with chain.mark_final(NODE)"
+                f"{output.missing}: name a port, or mark a node with chain.mark_final(NODE)"
                 if output.choices
                 else output.missing
             )
@@ -398,7 +400,7 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
 
 
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) -> Result:
-    """Compute what the options name, by default the final picture."""
+    """Compute the ports named in the options, by default the final picture."""
     way = way_of_running(plan, options.policy, options.memory)
     if way.in_blocks and (options.frames or 1) > 1:
         raise ParameterError(

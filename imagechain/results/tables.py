@@ -39,7 +39,7 @@ _SHOWN = 20  # rows of a notebook's table
 
 @dataclass(frozen=True)
 class ReadoutRow:
-    """One read-out; `value` is None if it has none."""
+    """One read-out; `value` is None if there is no value."""
 
     node: str
     name: str
@@ -75,7 +75,7 @@ class _Named(Mapping[str, Value]):
 
 
 class ReadoutTable(_Named[Mapping[str, Any]]):
-    """Read-outs as ``readouts[NODE][NAME]``; `rows` also has their units and meanings."""
+    """Read-outs as ``readouts[NODE][NAME]``; `rows` also gives units and meanings."""
 
     def __init__(self, evaluation: Evaluation) -> None:
         planned, found = evaluation.plan.nodes, evaluation.readouts
@@ -149,7 +149,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
     """Curves as ``curves[STAGE][AXIS]``.
 
     Stages are nodes; ``"total"`` is their product before pixels are combined, and
-    ``"total_with_electronics"`` also includes what follows. Axes are ``"x"`` and ``"y"``, or
+    ``"total_with_electronics"`` also includes the later stages. Axes are ``"x"`` and ``"y"``, or
     ``"line"``.
     """
 
@@ -185,7 +185,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
         return _frame({name: [row[place] for row in rows] for place, name in enumerate(names)})
 
     def to_png(self) -> bytes:
-        """Plot the MTFs, as in a report."""
+        """Return a plot of the MTFs as PNG, drawn as in a report."""
         users_matplotlib()
         drawing: bytes = self._drawn()
         return drawing
@@ -198,7 +198,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
 
 
 def curves_of(evaluation: Evaluation, angle_deg: float | None = None) -> StageCurves:
-    """Curves along both axes, or along a line; raises the error if a stage has none there."""
+    """Curves along both axes, or along a line; raises an error if a stage has no curve there."""
     chain = evaluation.chain
     if angle_deg is None:
         known = evaluation.responses
@@ -230,11 +230,11 @@ def _curve(frequency: Vector, response: Response) -> StageCurve:
 
 
 class StudyTable(_Named[list[Any]]):
-    """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
+    """Columns by name, as ``rows["electronics.snr"]``: one value per point, in order.
 
     The columns are the varied parameters, the figures, ``point``, ``key`` (identifies the result),
-    ``seconds``, ``error`` (empty if nothing is missing) and ``warnings``. `units` has each column's
-    unit.
+    ``seconds``, ``error`` (empty if nothing is missing) and ``warnings``. `units` gives the unit of
+    each column.
     """
 
     def __init__(self, rows: StudyRows) -> None:
@@ -253,7 +253,7 @@ class StudyTable(_Named[list[Any]]):
 
     @property
     def warnings(self) -> dict[int, tuple[str, ...]]:
-        """Warnings from the nodes, by point number; only points with warnings."""
+        """Warnings from the nodes, by point number; points without warnings are left out."""
         return {row.place + 1: row.warnings for row in self._rows.rows if row.warnings}
 
     @plain_errors

@@ -288,9 +288,10 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         shortest = (known or band_um)[0]
         if shortest < SHORTEST_THERMAL_UM and self.background_K is None:
             raise DataError(
-                f"the band begins at {shortest:g} µm, where the signal is reflected light, which has "
-                "no temperature: NETD, MRTD, MDTD and the ranges derived from them do not apply; use "
-                "Image Quality, or give background_K for a scene hot enough to emit in this band"
+                f"the band begins at {shortest:g} µm, where the signal is reflected light, which "
+                "has no temperature: NETD, MRTD, MDTD and the ranges derived from them do not "
+                "apply; use Image Quality, or give background_K for a scene hot enough to emit in "
+                "this band"
             )
         seen = here.step(
             sensitivity,

@@ -44,7 +44,7 @@ def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
     if not isinstance(value, Image) or picture.facts.kind != "picture":
         raise UsageError(f"viewer {number} shows {port}, which is not a picture of a scene")
     if picture.reduced > 1:
-        raise UsageError(f"viewer {number} still shows a preview: wait for the picture itself")
+        raise UsageError(f"viewer {number} still shows a preview: wait for the full-size picture")
     if viewer.choices.mapping == "spectrum" or viewer.choices.mode == "difference":
         raise UsageError(
             f"viewer {number} shows a spectrum or a difference: show the picture instead"

@@ -259,7 +259,10 @@ class FitView(WorkerView):
         assert self.outcome is not None
         count, many = len(self._determined), len(self.outcome.parameters)
         chi2, degrees = self.outcome.chi2_per_degree, self.outcome.fit.misfit.degrees
-        return f"{count} of {many} determined, reduced χ² {chi2:.3g} ({degrees} degrees of freedom)"
+        return (
+            f"{count} of {many} parameters determined, reduced χ² {chi2:.3g} "
+            f"({degrees} degrees of freedom)"
+        )
 
     def _show_buttons(self) -> None:
         busy, free = self.worker.busy, self._session.free.all
@@ -348,7 +351,7 @@ def read(pictures: Pictures) -> FittedPictures:
             return read_pictures(pictures)
         except BandsError as error:
             raise UsageError(
-                f"{error.what}: show one of them in a viewer and fit to that"
+                f"{error.what}: show one band in a viewer and fit to that picture"
             ) from error
     taken = TakenWith(
         pictures.name, pictures.interval_x_mrad, pictures.interval_y_mrad, pictures.band_um

@@ -271,7 +271,7 @@ class MeasureView(WorkerView):
         self.tabs.tabBar().setAccessibleName("Figures or edges")
         right = split(Qt.Orientation.Vertical, (self.chart, 1), (self.tabs, 1))
         halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (right, 4))
-        about = "Status of the measurement, or why none is possible"
+        about = "Status of the measurement, or why no measurement is possible"
         self.status = StatusLine("measure", about, "Values there", self)
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 

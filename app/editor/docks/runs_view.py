@@ -24,8 +24,8 @@ from app.editor.widgets import FlowLayout, centred_hint, filled, labelled, tool_
 _TICK_MS = 1000
 _ONE_PX, _SEVERAL_PX = 160, 96
 _HINT = (
-    "No runs yet. Click Add… to start one: a parameter sweep, frames, a list of pictures, or one "
-    "run that also writes the network's files. You can edit while it runs."
+    "No runs yet. Click Add… to start a parameter sweep, frames, a list of pictures, or one run "
+    "that also writes the network's files. You can edit during a run."
 )
 
 

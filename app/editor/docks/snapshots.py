@@ -157,7 +157,8 @@ class Snapshots(QObject):
             self.way = None
         self.choose(state)
         self._say(
-            f"kept as {name}: K switches between it and the current state, W wipes between the two"
+            f"kept as {name}: K switches between {name} and the current state; W shows both with a "
+            "divider"
         )
 
     def choose(self, state: Snapshot | None) -> None:

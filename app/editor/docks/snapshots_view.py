@@ -129,7 +129,8 @@ class SnapshotList(QTreeWidget):
         self._snapshots = snapshots
         labelled(
             self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
-            "The selected snapshot is A. F2 renames it, Del deletes it, Enter goes back to it",
+            "The selected snapshot is A. Press F2 to rename it, Del to delete it or Enter to restore "
+            "it",
         )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)

@@ -86,7 +86,9 @@ def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
     by_node: dict[str, list[str]] = {}
     for skip in skips:
         if skip.kind == "below_budget":
-            bound = "" if skip.bound is None else f" (at most {skip.bound:.1g} of the range)"
+            bound = (
+                "" if skip.bound is None else f" (at most {skip.bound:.1g} of the picture's range)"
+            )
             by_node.setdefault(skip.node, []).append(skip.text + bound)
     for skip in skips:
         if skip.kind in _SHOWN_SKIPS and skip.node in by_node:

@@ -148,7 +148,7 @@ class PortsView(QWidget):
             button.setToolTip(tip("Show this port in Curves"))
         else:
             button.setToolTip(
-                tip("Show this port in viewer 1; the arrow (or Down key) lists the others")
+                tip("Show this port in viewer 1; the arrow (or Down key) lists the other viewers")
             )
             button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
             menu = Menu(button)

@@ -355,7 +355,7 @@ class AddRun(QDialog):
             raise UsageError("give a folder")
         folder = (self._session.folder.absolute() / Path(text).expanduser()).absolute()
         if folder in self._taken():
-            raise UsageError("a queued run already writes to this folder: choose another one")
+            raise UsageError("a queued run already writes to this folder: choose another folder")
         check_folder(folder)
         return folder
 

@@ -153,18 +153,18 @@ BESIDE_ACTIONS = (
     ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
     ("Mouse", "View", "Ctrl+Shift+click", "Show the node in viewer 1"),
     ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
-    ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag it, Del deletes it"),
+    ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag to move it, Del to delete it"),
     ("Mouse", "Cut wires", "Alt+Shift+drag", "Disconnect the wires that the line crosses"),
-    ("Mouse", "Open", "drop a file", "A picture becomes a Read Image node, a network is opened"),
+    ("Mouse", "Open", "drop a file", "A picture becomes a Read Image node; a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Show the region of the selected module"),
-    ("Mouse", "Move a region", "drag it, or a corner", "Esc cancels the drag"),
+    ("Mouse", "Move a region", "drag the region or a corner", "Esc cancels the drag"),
     (
         *("Mouse", "Move a wipe", "drag, or Ctrl+arrow"),
         "Between A and B, or two wires; Shift: larger steps",
     ),
     (
-        *("Mouse", "Show another band", "drag its line, or PgUp"),
-        "In a picture with bands; PgDown: back",
+        *("Mouse", "Show another band", "drag the band's line, or PgUp"),
+        "In a picture with bands; PgDown goes back",
     ),
     ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
 )

@@ -13,7 +13,7 @@ class HistoryList(QListWidget):
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        tip = "Edits of this network; click one or press Enter to go back or forward to it"
+        tip = "Edits of this network; click an edit or press Enter to go back or forward to it"
         labelled(self, "history", "History", tip)
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

@@ -63,7 +63,9 @@ def typed_text(parameter: Parameter, text: str) -> str:
 def _value_of_node(parameter: Parameter, text: str) -> str:
     values, name = read_values(text), parameter.name
     if name not in values:
-        raise ParameterError(name, None, "the node on the clipboard has no such value")
+        raise ParameterError(
+            name, None, "the node on the clipboard has no value for this parameter"
+        )
     raw = values[name]
     if isinstance(raw, dict) and EXPRESSION in raw:
         return f"= {expression_text(raw)}"

@@ -30,7 +30,7 @@ from core.network.linked_values import expression
 
 WHEEL_REST_MS = 400
 _HOW_TO_DRAG = "Drag the name sideways to change the value (Shift: finer, Ctrl: coarser)"
-_UNLINK = "To unlink it, type a value or right-click"
+_UNLINK = "To unlink, type a value or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
     "expression with other parameters"

@@ -219,7 +219,7 @@ class ImageViewer(Viewer):
             self.canvas.make_faint()
             self._hint.setText(str(answer.error))  # in sight where no picture was shown before
             node = answer.error.node if answer.error is not None else None
-            text = f"Not updated: {node} has an error, see its panel" if node else answer.error
+            text = f"Not updated: {node} has an error; see its panel" if node else answer.error
             self.status.show_text(str(text), failed=True)
 
     def follow(self, before: Network, after: Network) -> None:

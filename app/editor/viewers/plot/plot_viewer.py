@@ -69,7 +69,7 @@ from core.errors import UsageError
 from core.network.network import Network
 
 _LIST_SHARE = 0.36  # of the height, at most, for the legend
-_BARE = "{} has no curves. Select a node that has some, or choose curves above."
+_BARE = "{} has no curves. Select a node with curves, or choose curves above."
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _NARROW = 75  # characters; a narrower viewer leaves the meanings of figures out
 

@@ -136,7 +136,10 @@ def transfer_drawing(
     notes = [f"no Total: {curves.missing}"] if curves.missing and entries else []
     if len(drawn) < len(curves.curves):
         stages = sum(curve.kind != "total" for curve in curves.curves)
-        notes += [f"Strongest {_FEW} of {stages:,} stages", "Save the plot as CSV to get them all"]
+        notes += [
+            f"Strongest {_FEW} of {stages:,} stages",
+            "Save the plot as CSV to get all stages",
+        ]
     return Drawing(
         f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note="\n".join(notes)
     )
