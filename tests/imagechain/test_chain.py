@@ -157,7 +157,7 @@ def test_a_preset_is_one_node():
     again = pickle.loads(pickle.dumps(lens.part))
     assert (again.name, dict(again.params)) == ("lens", {"defocus_waves": 0.0})
     assert "lens_flir_tau2_25mm" in ic.presets()
-    with pytest.raises(ic.NetworkError, match="there is no preset lens; there are camera"):
+    with pytest.raises(ic.NetworkError, match="there is no preset lens; the presets are camera"):
         ic.preset("lens")
 
 

@@ -59,7 +59,7 @@ def test_another_core_imported_before_is_refused(tmp_path):
     done = finished([sys.executable, "-c", "import core, imagechain"], folder=tmp_path)
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
-    assert last.startswith("ImportError: imagechain cannot be imported: another package")
+    assert last.startswith("ImportError: imagechain cannot be imported: a package with")
     assert f"core from {tmp_path / 'core.py'}" in last
 
 

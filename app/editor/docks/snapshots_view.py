@@ -129,8 +129,8 @@ class SnapshotList(QTreeWidget):
         self._snapshots = snapshots
         labelled(
             self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
-            "The selected snapshot is A. Press F2 to rename it, Del to delete it or Enter to restore "
-            "it",
+            "The selected snapshot is A. Press F2 to rename it, Del to delete it or Enter to "
+            "restore it",
         )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)

@@ -134,11 +134,11 @@ def test_what_leaves_the_scene_is_refused_with_how_far(tmp_path):
     error = refused(tmp_path, **{**WIDE, "altitude_m": 80.0, "offset_x_m": 5.0, "rows": 5})
     assert isinstance(error, DataError)
     # 80 m up ±80 m are seen about x = 5 m, of ±60 m.
-    assert "15 m past its left edge, 25 m past its right edge;" in str(error)
+    assert "15 m past the left edge, 25 m past the right edge;" in str(error)
     assert "altitude_m" in str(error)
     error = refused(tmp_path, **{**WIDE, "rows": 200})
-    assert "past its top" in str(error)
-    assert "past its left" not in str(error)
+    assert "past the top" in str(error)
+    assert "past the left" not in str(error)
     assert refused(tmp_path, **WIDE) is None
 
 

@@ -236,7 +236,7 @@ def test_reflected_light_is_refused():
     """Its brightness temperature of 1250 K would be nobody's."""
     _, plan, _ = sensor(scene=VISIBLE, noisy=False)
     assert [str(error) for error in plan.errors()] == [
-        "merit: the band begins at 0.4 µm, where a scene reflects light, which has no temperature: "
-        "NETD, MRTD, MDTD and the ranges derived from them do not apply; use Image Quality, or "
-        "give background_K for a scene hot enough to emit in this band"
+        "merit: the band begins at 0.4 µm, where the signal is reflected light, which has no "
+        "temperature: NETD, MRTD, MDTD and the ranges derived from them do not apply; use Image "
+        "Quality, or give background_K for a scene hot enough to emit in this band"
     ]

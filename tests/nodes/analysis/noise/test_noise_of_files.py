@@ -97,7 +97,7 @@ def test_what_is_refused(tmp_path):
     )
     assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
         "noise: f.npy: frames of 80 × 120 samples, but the linked picture "
-        "has 7 × 120: link a picture of the same camera, or no picture"
+        "has 7 × 120: link a picture from the same camera, or no picture"
     )
     assert line({"path": "f.bsq"}, image={"path": "one.npy", "unit": "K"}) == (
         "noise: f.bsq: frames in 'DN', but the linked picture is in 'K': "
