@@ -28,7 +28,7 @@ def load_own_packages(root: Path) -> None:
     if taken:
         where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
         raise ImportError(
-            "imagechain cannot be imported: a package with the same name as one of its own is "
+            "imagechain cannot be imported: a package with the same name as one of imagechain's is "
             f"already imported ({where}); rename that package, or import imagechain first",
             name="imagechain",
         )

@@ -240,7 +240,7 @@ class ChainState:
         return current_folder() / path
 
     def plan(self, engine: Engine, seed: int | None = None, previous: Plan | None = None) -> Plan:
-        """Plan the network with its macros expanded; errors of nodes stay with the nodes.
+        """Plan the network with its macros expanded; each node keeps its own errors.
 
         Everything unchanged since a `previous` plan is reused.
         """

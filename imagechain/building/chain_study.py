@@ -102,7 +102,9 @@ def study(
         if not fits:
             raise _refused(name, given, taken)
     if is_client and getattr(scheduler, "asynchronous", False):
-        raise UsageError("scheduler: an asynchronous Client is not allowed; give a synchronous one")
+        raise UsageError(
+            "scheduler: an asynchronous Client is not allowed; give a synchronous Client"
+        )
     counts = {"jobs": jobs, "points": points, "memory_bytes": memory_bytes, "threads": threads}
     for name, count in counts.items():
         if not (count is None or (isinstance(count, Integral) and count >= 0)):
@@ -114,7 +116,7 @@ def study(
         over=over,
         sample=fspath(sample),
         points=points,
-        figures=_texts("figures", figures, str, "NODE.READOUT, or a list of these"),
+        figures=_texts("figures", figures, str, "NODE.READOUT, or a list of read-outs"),
         saves=save,
         output=None if output is None else fspath(output),
         summaries=[

@@ -77,7 +77,7 @@ class FittedChain:
 
 File = str | PathLike[str]
 Picture = File | NDArray[Any]
-_FREE = "NODE.PARAM, a list of these, or a mapping of these to (low, high) or None"
+_FREE = "NODE.PARAM, a list of parameters, or a mapping of parameters to (low, high) or None"
 
 
 @plain_errors

@@ -1,4 +1,4 @@
-"""A module with its values, not yet in a chain; and expressions instead of values."""
+"""Modules with their values, not yet in a chain, and expressions in place of values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -40,10 +40,10 @@ def scene(
     ----------
     samples : array_like or xarray.DataArray
         (rows, columns), the first row at the top, or (bands, rows, columns); finite real numbers. A
-        `DataArray` has the dimensions y and x, and wavelength if it has bands, in any order. Its
-        unit is the attribute ``units``, and its band the attribute ``band_um``. Its field of view
-        follows from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, or from coordinates
-        whose ``units`` are an angle.
+        `DataArray` has the dimensions y and x, and wavelength if it has bands, in any order. The
+        unit is the attribute ``units``, and the band is the attribute ``band_um``. The field of
+        view follows from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, or from
+        coordinates whose ``units`` are an angle.
     fov_x_deg, fov_y_deg : float, optional
         Horizontal and vertical field of view, degrees.
     unit : str, optional

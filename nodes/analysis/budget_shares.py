@@ -276,7 +276,7 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
             share = 100.0 * stage.share[axis]
             rows.append(TableRow(f"{name}.share_{direction}", share, "%", "share of −ln |MTF|"))
     if not rows:
-        rows.append(TableRow("blur", "none", "", "no stage has a transfer function other than 1"))
+        rows.append(TableRow("blur", "none", "", "all stages have a transfer function of 1"))
     for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):
         rows.append(
             TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all stages, {words}")
@@ -285,7 +285,7 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
         meaning = f"{words} frequency at which the MTFs are given"
         rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", meaning))
     if blur.before is not None:
-        meaning = "the transfer functions of this stage and of the stages before it are unknown"
+        meaning = "the transfer functions up to and including this stage are unknown"
         rows.append(TableRow("blur_behind", blur.before, "", meaning))
     return rows
 

@@ -172,14 +172,17 @@ class CameraSettings(Module):
     ground_interval_m: Annotated[
         float | None,
         Param(
-            "sampling interval of the scene on the ground; empty: its angular interval × altitude",
+            "sampling interval of the scene on the ground; empty: angular interval × altitude",
             low=0,
             slider=(0.1, 10),
         ),
     ] = None
     ground_interval_y_m: Annotated[
         float | None,
-        Param("the same interval down the picture; empty: equal to ground_interval_m", low=0),
+        Param(
+            "sampling interval of the scene down the picture; empty: equal to ground_interval_m",
+            low=0,
+        ),
     ] = None
     columns: Annotated[
         int | None,
@@ -297,8 +300,7 @@ class CameraSettings(Module):
             y = image.interval_y_mrad / 1000.0 * self.altitude_m
         if x is None or y is None:
             allowed = (
-                "the scene has no angular sampling interval: give its sampling interval on "
-                "the ground"
+                "the scene has no angular sampling interval: give a sampling interval on the ground"
             )
             raise ParameterError("ground_interval_m", None, allowed)
         for name, interval, samples in (
@@ -510,7 +512,7 @@ class CameraGeometry(
 
     @readout("m")
     def line_spacing_m(self, image: Image) -> float | None:
-        """Distance flown between lines; none for a framing camera."""
+        """Distance flown between lines; left out for a framing camera."""
         return self.camera(image).line_spacing_m or None
 
     @readout()

@@ -60,19 +60,19 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
     limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, its MRTD ends at the Nyquist frequency. Temporal noise is averaged
-    according to its spectrum in the picture. The frequency of the 2-D MRTD is the geometric mean of
-    the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
-    divided by the mean of the target's blurred image.
+    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. Temporal noise is
+    averaged according to its spectrum in the picture. The frequency of the 2-D MRTD is the
+    geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
+    target): SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples. `staring` samples in both
     directions. `serial_scan` samples only from line to line, because one detector scans along x.
     `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
-    along y. The noise also depends on the scanning; it is taken from the picture. One detector in
+    along y. The noise also depends on the scanning and is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
-    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`
-    they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
-    channels (σ_tv) is not simulated.
+    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`,
+    these errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f noise of
+    detector channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
     temperature. Such a picture is refused unless `background_K` gives the temperature of the
@@ -107,8 +107,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         ),
         Formula(
             r"\mathrm{MDTD}(W)=\frac{\mathrm{SNR}_{th}\,\sigma_p(w)}{\overline{I}(W,w)}",
-            where="W: side of the square target; Ī: fraction of its contrast that remains in "
-            "a window of side w",
+            where="W: side of the square target; Ī: fraction of the target's contrast that remains "
+            "in a window of side w",
         ),
         Formula(
             r"P=\frac{r^E}{1+r^E},\quad r=\frac{N}{N_{50}},\quad E=2.7+0.7\,r",
@@ -193,21 +193,21 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     n50_detection: Annotated[
         float,
         Param(
-            "cycles for 50 % detection; 1 for the MRTD in one direction",
+            "cycles for 50 % detection; use 1 with the MRTD in one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 0.75  # fmt: skip
     n50_recognition: Annotated[
         float,
         Param(
-            "cycles for 50 % recognition; 4 for the MRTD in one direction",
+            "cycles for 50 % recognition; use 4 with the MRTD in one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 3.0  # fmt: skip
     n50_identification: Annotated[
         float,
         Param(
-            "cycles for 50 % identification; 6.4 for the MRTD in one direction",
+            "cycles for 50 % identification; use 6.4 with the MRTD in one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 6.0  # fmt: skip
@@ -215,7 +215,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         TtpForm,
         Param(
             "TTP: contrast threshold from the eye and the MRTD, or the published "
-            "one from MTF and noise"
+            "threshold from MTF and noise"
         ),
     ] = "mrtd"
     v50: Annotated[
@@ -228,7 +228,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     scene_contrast_K: Annotated[
         float,
         Param(
-            "TTP: temperature difference that the display shows as its mean luminance",
+            "TTP: temperature difference that corresponds to the mean luminance of the display",
             low=0, above=True, high=1e4, slider=(0.5, 20),
         ),
     ] = 5.0  # fmt: skip
@@ -359,7 +359,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             return Caution(
                 f"frame_rate_Hz = {rate:g} Hz here but {image.frame_rate_Hz:g} Hz on "
                 "Microbolometer",
-                "set both to the same frame rate, or link one to the other",
+                "use the same frame rate on both nodes, or link one parameter to the other",
             )
         if exposure_s is None or context.platform != "array" or exposure_s * rate <= 1 + NEAR:
             return None
@@ -414,10 +414,10 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
          "noise."),
         ("netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."),
         ("ner", "W/m²/sr", "Noise-equivalent radiance: rms temporal noise."),
-        ("mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if they "
-         "are not resolved.", "mrtd_x_50_percent_nyquist"),
+        ("mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if the "
+         "bars are not resolved.", "mrtd_x_50_percent_nyquist"),
         ("mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
-         "they are not resolved.", "mrtd_y_50_percent_nyquist"),
+         "the bars are not resolved.", "mrtd_y_50_percent_nyquist"),
         ("detection_range_km", "km", "Range at which half of the observers detect the target "
          "(Johnson)."),
         ("recognition_range_km", "km", "Range at which half of the observers recognize the target "

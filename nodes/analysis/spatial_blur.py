@@ -38,13 +38,13 @@ class SpatialOutputs(NamedTuple):
 class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analysis"):
     """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
-    It has the same inputs as Back Transform. The impulse response is the inverse transform of all
-    collected MTFs and PTFs. A separable response is applied in one pass along x and one along y;
-    any other is applied as a two-dimensional kernel. Complete kernels give the same result as Back
-    Transform, except for rounding. A truncated kernel has an error of at most `error_bound` times
-    the scene's largest deviation from its mean. The bound is the sum of the moduli of the kernel
-    values that are cut off. The picture's mean does not change. If a transfer function has not
-    fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
+    The inputs are the same as for Back Transform. The impulse response is the inverse transform of
+    all collected MTFs and PTFs. A separable response is applied in one pass along x and one along
+    y; any other is applied as a two-dimensional kernel. Complete kernels give the same result as
+    Back Transform, except for rounding. A truncated kernel has an error of at most `error_bound`
+    times the scene's largest deviation from its mean. The bound is the sum of the moduli of the
+    kernel values that are cut off. The picture's mean does not change. If a transfer function has
+    not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).

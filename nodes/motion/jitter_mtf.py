@@ -14,7 +14,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
     """Blur by random line-of-sight motion within one exposure (Gaussian).
 
     exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
-    typical. Erratum: the thesis calls σ² the variance in µrad and gives its root in mrad.
+    typical. Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
     """
 
     formulas = (

@@ -56,7 +56,8 @@ class LineOfSight(
         Formula(
             r"v(t)=\int S(f)\left[1+\mathrm{sinc}^2(fT)-2\,\mathrm{sinc}(fT)\cos(2\pi ft)"
             r"\right]df",
-            where="variance about the exposure's mean, at time t from its middle",
+            where="v: variance about the mean position in the exposure, at time t from the middle "
+            "of the exposure",
         ),
         Formula(
             r"\theta(\xi)=-2\pi\,\xi\,s_n,\quad s_n\sim S(f)\,\mathrm{sinc}^2(fT)",

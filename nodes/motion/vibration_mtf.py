@@ -56,7 +56,7 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
 
     @readout("periods")
     def periods(self) -> float | None:
-        """Number of periods in one exposure; empty if there are many."""
+        """Number of periods in one exposure; empty if many periods are assumed."""
         if self.frequency_Hz is None or self.integration_time_s is None:
             return None
         return self.frequency_Hz * self.integration_time_s

@@ -79,14 +79,14 @@ def _twice(
         return Caution(
             f"the pixels do not match the detector: blocks of {factor} samples average over "
             f"{block:.4g} mrad {direction}, but {detector} averages over {width_mrad:.4g} "
-            "mrad; both act on the picture",
+            "mrad; both averages act on the picture",
             "use Sample Pixels with the detector's pitch on a scene sampled more finely; "
-            "ignore this if the blocks represent the pixels, as in the 1996 networks",
+            "ignore this warning if the blocks represent the pixels, as in the 1996 networks",
         )
     return Caution(
         f"the pixel is averaged twice: {detector} already averages over {width_mrad:.4g} mrad "
         f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad again, "
         f"so the contrast at Nyquist falls to {float(left):.3g} times its value after {detector}",
-        "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this if "
-        "both are intended, as in the 1996 networks",
+        "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this warning if "
+        "both averages are intended, as in the 1996 networks",
     )

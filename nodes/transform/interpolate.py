@@ -37,8 +37,8 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
     0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
-    convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
-    (bilinear); Keys 1981 (cubic, a = −1/2).
+    convolution. With an unchanged size, the picture does not change. Sources: Tantalo 1996,
+    sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
     """
 
     formulas = (

@@ -21,14 +21,14 @@ _LEAST = 1e-3
 class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Transform"):
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
-    contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
-    For even ratios, and ratios that are not whole, the centres lie between samples. Between
-    samples, the picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or
-    periodic as in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency
-    aliases, as in a camera. Pixels that do not fit completely into the frame, at the right and the
-    bottom, are dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the
-    average over the pixel and its sampling are two stages).
+    Combine Pixels would average over the pixel again and leave only 0.64 of the contrast at
+    Nyquist. The samples lie at the centres of the pixels, so the picture does not move. For even
+    ratios, and ratios that are not whole, the centres lie between samples. Between samples, the
+    picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
+    in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
+    in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
+    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
+    over the pixel and its sampling are two stages).
     """
 
     formulas = (
@@ -120,8 +120,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         # A table on the way may have been measured through the pixels.
         passed = {law.function for factor in passed_factors(image) for law in factor.laws}
         measured = (
-            "; ignore this if the table in MTF File already includes the pixel MTF, as tables "
-            "from `imagechain measure` do"
+            "; ignore this warning if the table in MTF File already includes the pixel MTF, as "
+            "tables from `imagechain measure` do"
             if not passed.isdisjoint((tabulated_mtf, radial_tabulated_mtf))
             else ""
         )

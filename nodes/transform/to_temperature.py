@@ -11,7 +11,7 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
     """Convert a picture of band radiance to temperatures in kelvin.
 
     This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
-    Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
+    Planck's law in the band. With an emissivity of 1, the result is the apparent, or brightness,
     temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
     temperatures, digital numbers, photons and spectral radiance are refused. An image of
     emissivities can replace the single value. Sources: as for To Radiance.

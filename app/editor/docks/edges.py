@@ -43,7 +43,7 @@ class EdgeTable(QTreeWidget):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        labelled(self, "measure.edges", "Edges; press Del to exclude or include the selected one")
+        labelled(self, "measure.edges", "Edges; press Del to exclude or include the selected edge")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
         self.setRootIsDecorated(False)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

@@ -390,7 +390,7 @@ class FreeTable(QTableWidget):
         self._fitted: tuple[FittedParameter, ...] = ()
         self.setObjectName("fit.free")
         self.setAccessibleName(
-            "Free parameters, limits and fitted values; Del fixes the selected one"
+            "Free parameters, limits and fitted values; Del fixes the selected parameter"
         )
         self.setToolTip(
             "Parameters that the fit determines. You can type limits; they are not saved with the "

@@ -236,7 +236,9 @@ class MeasureView(WorkerView):
         self.viewer = menu_button(
             "measure.viewer", "Measure Viewer", "Measure the picture in a viewer (Ctrl+M)", self
         )
-        about = "Measure one picture or several from the same camera; you can also drop them here"
+        about = (
+            "Measure one picture or several from the same camera; you can also drop pictures here"
+        )
         self.file = tool_button("measure.file", "Files…", about, self)
         self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
         about = "Exclude the selected edge from the pooled MTF, or include it again (Del)"

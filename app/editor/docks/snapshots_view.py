@@ -82,7 +82,8 @@ class SnapshotsView(Viewer):
         self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)
         self.title.setContentsMargins(6, 0, 2, 0)
         self.figures = labelled(
-            QListWidget(self), "snapshots.figures", "Figures that differ; Ctrl+C copies one",
+            QListWidget(self), "snapshots.figures",
+            "Figures that differ; Ctrl+C copies the selected figure",
             "Figures in the snapshot (A) → current figures (B)",
         )  # fmt: skip
         self.figures.setWordWrap(True)
@@ -129,8 +130,8 @@ class SnapshotList(QTreeWidget):
         self._snapshots = snapshots
         labelled(
             self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
-            "The selected snapshot is A. Press F2 to rename it, Del to delete it or Enter to "
-            "restore it",
+            "The selected snapshot is A. Press F2 to rename this snapshot, Del to delete it or "
+            "Enter to restore it",
         )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)

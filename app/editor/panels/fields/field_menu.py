@@ -21,8 +21,8 @@ from core.network.macro import SEPARATOR
 from core.network.network import EXPRESSION
 
 _ABOUT_FREE = (
-    "A fit to a picture (the Fit dock) determines the free parameters. They stay free while "
-    "the network is open; this choice is not saved"
+    "A fit to a picture (the Fit dock) determines the free parameters. Parameters stay free "
+    "while the network is open; this choice is not saved"
 )
 _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
 
