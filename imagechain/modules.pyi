@@ -385,14 +385,14 @@ def sample_pixels(
 ) -> Part:
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
-    contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
-    For even ratios, and ratios that are not whole, the centres lie between samples. Between
-    samples, the picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or
-    periodic as in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency
-    aliases, as in a camera. Pixels that do not fit completely into the frame, at the right and the
-    bottom, are dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the
-    average over the pixel and its sampling are two stages).
+    Combine Pixels would average over the pixel again and leave only 0.64 of the contrast at
+    Nyquist. The samples lie at the centres of the pixels, so the picture does not move. For even
+    ratios, and ratios that are not whole, the centres lie between samples. Between samples, the
+    picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
+    in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
+    in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
+    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
+    over the pixel and its sampling are two stages).
 
     Parameters
     ----------
@@ -425,11 +425,11 @@ def anti_alias(
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
     No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
-    Detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
-    its transfer function). `gaussian` halves the contrast at the new Nyquist frequency. `lanczos`
-    is a sinc with its cutoff at this frequency and a three-lobe window. The frame is mirrored at
-    its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979
-    (Lanczos).
+    Detector MTF. `box` is the centred mean of `factor` samples (for an even factor, the transfer
+    function centres the mean). `gaussian` halves the contrast at the new Nyquist frequency.
+    `lanczos` is a sinc with its cutoff at this frequency and a three-lobe window. The frame is
+    mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon
+    1979 (Lanczos).
 
     Parameters
     ----------
@@ -459,8 +459,8 @@ def interpolate(
     wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
     0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
-    convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
-    (bilinear); Keys 1981 (cubic, a = −1/2).
+    convolution. With an unchanged size, the picture does not change. Sources: Tantalo 1996,
+    sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
 
     Parameters
     ----------
@@ -524,7 +524,7 @@ def to_temperature(
     """Convert a picture of band radiance to temperatures in kelvin.
 
     This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
-    Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
+    Planck's law in the band. With an emissivity of 1, the result is the apparent, or brightness,
     temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
     temperatures, digital numbers, photons and spectral radiance are refused. An image of
     emissivities can replace the single value. Sources: as for To Radiance.
@@ -1648,7 +1648,7 @@ def jitter_mtf(
     """Blur by random line-of-sight motion within one exposure (Gaussian).
 
     exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
-    typical. Erratum: the thesis calls σ² the variance in µrad and gives its root in mrad.
+    typical. Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
 
     Parameters
     ----------
@@ -3206,19 +3206,19 @@ def figures_of_merit(
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
     limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, its MRTD ends at the Nyquist frequency. Temporal noise is averaged
-    according to its spectrum in the picture. The frequency of the 2-D MRTD is the geometric mean of
-    the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
-    divided by the mean of the target's blurred image.
+    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. Temporal noise is
+    averaged according to its spectrum in the picture. The frequency of the 2-D MRTD is the
+    geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
+    target): SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples. `staring` samples in both
     directions. `serial_scan` samples only from line to line, because one detector scans along x.
     `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
-    along y. The noise also depends on the scanning; it is taken from the picture. One detector in
+    along y. The noise also depends on the scanning and is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
-    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`
-    they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
-    channels (σ_tv) is not simulated.
+    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`,
+    these errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f noise of
+    detector channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
     temperature. Such a picture is refused unless `background_K` gives the temperature of the
@@ -3285,23 +3285,23 @@ def figures_of_merit(
         extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
         from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles for 50 % detection; 1 for the MRTD in one direction: a number above 0 to 1000;
+        cycles for 50 % detection; use 1 with the MRTD in one direction: a number above 0 to 1000;
         default 0.75
     n50_recognition : float | Expression
-        cycles for 50 % recognition; 4 for the MRTD in one direction: a number above 0 to 1000;
+        cycles for 50 % recognition; use 4 with the MRTD in one direction: a number above 0 to 1000;
         default 3.0
     n50_identification : float | Expression
-        cycles for 50 % identification; 6.4 for the MRTD in one direction: a number above 0 to 1000;
-        default 6.0
+        cycles for 50 % identification; use 6.4 with the MRTD in one direction: a number above 0 to
+        1000; default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
-        TTP: contrast threshold from the eye and the MRTD, or the published one from MTF and noise:
-        one of mrtd, system_contrast_threshold; default 'mrtd'
+        TTP: contrast threshold from the eye and the MRTD, or the published threshold from MTF and
+        noise: one of mrtd, system_contrast_threshold; default 'mrtd'
     v50 : float | Expression
         TTP value for 50 % success; published values belong to system_contrast_threshold: a number
         above 0 to 10000; default 18.8
     scene_contrast_K : float | Expression
-        TTP: temperature difference that the display shows as its mean luminance [K]: a number above
-        0 to 10000; default 5.0
+        TTP: temperature difference that corresponds to the mean luminance of the display [K]: a
+        number above 0 to 10000; default 5.0
     display_cd_m2 : float | Expression
         TTP: mean luminance of the display [cd/m²]: a number above 0 to 1e+06; default 34.0
     display_deg : float | Expression
@@ -3438,13 +3438,13 @@ def spatial_blur(
 ) -> Part:
     """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
-    It has the same inputs as Back Transform. The impulse response is the inverse transform of all
-    collected MTFs and PTFs. A separable response is applied in one pass along x and one along y;
-    any other is applied as a two-dimensional kernel. Complete kernels give the same result as Back
-    Transform, except for rounding. A truncated kernel has an error of at most `error_bound` times
-    the scene's largest deviation from its mean. The bound is the sum of the moduli of the kernel
-    values that are cut off. The picture's mean does not change. If a transfer function has not
-    fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
+    The inputs are the same as for Back Transform. The impulse response is the inverse transform of
+    all collected MTFs and PTFs. A separable response is applied in one pass along x and one along
+    y; any other is applied as a two-dimensional kernel. Complete kernels give the same result as
+    Back Transform, except for rounding. A truncated kernel has an error of at most `error_bound`
+    times the scene's largest deviation from its mean. The bound is the sum of the moduli of the
+    kernel values that are cut off. The picture's mean does not change. If a transfer function has
+    not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
@@ -3486,14 +3486,14 @@ def line_by_line(
     A line scanner samples at equal angles along the scan and at equal distances on the ground along
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
-    (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan use one interval for the whole frame; factors along the flight use one interval per column.
-    Pupils and other non-separable factors use both intervals. All factors use angles at the sensor,
-    as in their own modules; edges and PTFs are treated as in Back Transform. Separable factors are
-    exact. Non-separable factors are interpolated between a few sampling intervals (`nodes`), with
-    an estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
-    arrays sample evenly, so both outputs agree for them. The ground is assumed to be flat, and
-    motion blur is assumed to cover the same angle as at nadir.
+    (output `whole`). Line by Line filters each column at its own interval (output `image`). Factors
+    along the scan use one interval for the whole frame; factors along the flight use one interval
+    per column. Pupils and other non-separable factors use both intervals. All factors use angles at
+    the sensor, as in their own modules; edges and PTFs are treated as in Back Transform. Separable
+    factors are exact. Non-separable factors are interpolated between a few sampling intervals
+    (`nodes`), with an estimate of the error, or summed exactly for each interval (`direct`).
+    Pushbroom scanners and arrays sample evenly, so both outputs agree for them. The ground is
+    assumed to be flat, and motion blur is assumed to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
@@ -3588,11 +3588,11 @@ def camera_geometry(
     altitude_m : float | Expression
         height above the ground [m]: a number above 0; default 1000.0
     ground_interval_m : float | Expression | None
-        sampling interval of the scene on the ground; empty: its angular interval × altitude [m]: a
+        sampling interval of the scene on the ground; empty: angular interval × altitude [m]: a
         number of at least 0 or empty; default empty
     ground_interval_y_m : float | Expression | None
-        the same interval down the picture; empty: equal to ground_interval_m [m]: a number of at
-        least 0 or empty; default empty
+        sampling interval of the scene down the picture; empty: equal to ground_interval_m [m]: a
+        number of at least 0 or empty; default empty
     columns : int | Expression | None
         samples per line; empty: as in the scene: a whole number from 1 to 65536 or empty; default
         empty
@@ -3667,26 +3667,25 @@ def image_quality(
     GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
     geometric mean of these two distances, GSD/(sin e)^¼. The relative edge response (RER) is the
     rise of the edge response from half a sample before the edge to half a sample after it. The
-    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. Both follow from
-    the chain's transfer functions; the SNR follows from its signal and temporal noise. No noise is
-    drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse
-    RER counts twice. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it.
+    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. RER and H follow
+    from the chain's transfer functions; the SNR follows from the chain's signal and temporal noise.
+    No noise is drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE
+    5 the worse RER counts twice. Connect the picture as the sensor samples it, before a frame
+    grabber interpolates it.
 
     With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
-    it to radiance, the difference follows from the illumination and the atmosphere set there.
-    Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is
-    then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses the mean
-    signal itself.
+    it to radiance, the difference follows from the illumination and the atmosphere set in that
+    module. Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The
+    SNR is then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses
+    the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. GIQE 3
     and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
     visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
-    warning lists values outside these limits. The limits of the other versions could not be
-    checked.
+    warning lists values outside these limits. The limits of GIQE 3 and 5 could not be checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).

@@ -39,8 +39,8 @@ Precision = Literal["single", "double"]
 class Chain:
     """A network of modules that you can change and run.
 
-    Changes are made in place; `with_` and `copy` return another chain. Computed values are kept
-    and shared with copies, so a run after a change computes only what depends on the change.
+    Changes are made in place; `with_` and `copy` return another chain. Computed values are kept and
+    shared with copies, so a run after a change computes only the values that depend on the change.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ class Chain:
             Folder for these arrays; by default the current folder. The files are deleted with the
             last array.
         threads : int
-            Number of threads; 0 uses all cores. The number does not affect the results.
+            Number of threads; 0 uses all cores. The number of threads does not affect the results.
         """
         policy, named = Policy(precision, tolerance, threads), {n for n, _ in self._state.given}
         what = (frames, outputs, region, memory, scratch)
@@ -382,7 +382,7 @@ class Chain:
         chain = self
 
         def smaller(error: ImagechainError) -> Plan:
-            """Plan without the analyses that cannot use your own scene; else raise the error."""
+            """Plan without the analyses that cannot use your scene, or raise the error."""
             nonlocal chain
             library = self._engine.library
             while True:

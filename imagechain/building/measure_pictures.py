@@ -65,7 +65,7 @@ class MeasuredPictures:
 
     @plain_errors
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write everything (.json), an MTF table for MTF File (.csv), or a page (.html)."""
+        """Write all results (.json), an MTF table for MTF File (.csv), or a report (.html)."""
         file = Path(fspath(path))
         write_measurement(self._measured, file)
         return file

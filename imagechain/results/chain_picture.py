@@ -26,7 +26,7 @@ _MOST_PX = 1024
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture that a chain has computed, on a port ``NODE.PORT``.
+    """A picture that a chain has computed, at a port ``NODE.PORT``.
 
     Its samples are read-only, with the shape (rows, columns) or (frames, rows, columns).
     """

@@ -219,7 +219,7 @@ class Result:
 
     @plain_errors
     def curves(self, angle_deg: float | None = None) -> StageCurves:
-        """MTF and PTF of every stage and of their product, from frequency 0 to Nyquist.
+        """MTF and PTF of every stage and of the product of all stages, from zero to Nyquist.
 
         Parameters
         ----------

@@ -328,11 +328,11 @@ class CameraGeometry(
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
     samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
-    (panoramic distortion). A pushbroom and a framing camera sample at equal steps in the focal
-    plane. The flight direction is down the picture, and scan lines are equally spaced on the
+    (panoramic distortion). A pushbroom scanner and a framing camera sample at equal steps in the
+    focal plane. The flight direction is down the picture, and scan lines are equally spaced on the
     ground. Each sample is the mean of the scene over its whole footprint, which limits aliasing and
-    keeps a uniform scene uniform. Blur comes afterwards: choose samples finer than the detector,
-    and combine pixels after the detector's MTF.
+    keeps a uniform scene uniform. Blur is applied afterwards: choose samples finer than the
+    detector, and combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other

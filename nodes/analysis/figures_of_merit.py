@@ -221,7 +221,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     v50: Annotated[
         float,
         Param(
-            "TTP value for 50 % success; published values belong to system_contrast_threshold",
+            "TTP value for 50 % success; use published values with system_contrast_threshold",
             low=0, above=True, high=10000, slider=(1, 40),
         ),
     ] = 18.8  # fmt: skip
@@ -257,7 +257,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     range_max_km: Annotated[
         float | None,
         Param(
-            "longest range of the curve; empty: where detection becomes unlikely",
+            "longest range on the curve; empty: where detection becomes unlikely",
             low=0, high=1e6, slider=(0, 20),
         ),
     ] = None  # fmt: skip
@@ -424,7 +424,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
          "(Johnson)."),
         ("identification_range_km", "km", "Range at which half of the observers identify the "
          "target (Johnson)."),
-        ("ttp_range_km", "km", "Range at which half of the observers succeed (TTP)."),
+        ("ttp_range_km", "km", "Range at which half of the observers succeed in the task (TTP)."),
     )  # fmt: skip
 
 

@@ -178,7 +178,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Param("ISO 12233 for a slanted edge, or the thesis's method for a vertical edge"),
     ] = "slanted_edge"
     target: Annotated[
-        Target, Param("feature in the region: an edge, or a line, whose width counts as blur")
+        Target, Param("feature in the region: an edge, or a line (its width counts as blur)")
     ] = "edge"
     direction: Annotated[
         Direction,

@@ -77,7 +77,10 @@ class LineOfSight(
     ] = 5.0  # fmt: skip
     psd_path: Annotated[
         Path | None,
-        Param("CSV of Hz and mrad²/Hz (horizontal, vertical); empty: rms and corner are used"),
+        Param(
+            "CSV file of frequency (Hz) and density (mrad²/Hz, horizontal and vertical); empty: "
+            "from rms and corner"
+        ),
     ] = None
     integration_time_s: Annotated[
         float, Param("exposure time", low=0, high=1e6, slider=(0, 0.05))

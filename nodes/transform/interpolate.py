@@ -33,19 +33,19 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     """Resample the picture to another size over the same field of view.
 
     Sample centres lie half an interval from the frame's edges. Beyond the edges, a picture from
-    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
-    wraps round. Any other picture, or one cropped after Back Transform, continues with its
+    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, and a periodic
+    frame wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
-    0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
-    convolution. With an unchanged size, the picture does not change. Sources: Tantalo 1996,
-    sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
+    0 takes the nearest sample (the later of two equally near samples), order 1 is bilinear, and
+    order 3 is cubic convolution. With an unchanged size, the picture does not change. Sources:
+    Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
     """
 
     formulas = (
         Formula(
             r"L'(x)=\sum_j L_j\,w(x-j),\quad w(d)=1-|d|",
-            where="x: position of a new sample, in old samples; the first lies half a new "
-            "sample from the edge; similarly for y",
+            where="x: position of a new sample, in old samples; the first new sample lies "
+            "half a new interval from the edge; similarly for y",
             when="order 1, |d| < 1",
         ),
         Formula(r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1", when="order 3, |d| ≤ 1"),

@@ -23,12 +23,12 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
 
     Combine Pixels would average over the pixel again and leave only 0.64 of the contrast at
     Nyquist. The samples lie at the centres of the pixels, so the picture does not move. For even
-    ratios, and ratios that are not whole, the centres lie between samples. Between samples, the
-    picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
-    in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
-    in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
-    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
-    over the pixel and its sampling are two stages).
+    and non-integer ratios, the centres lie between samples. Between samples, the picture is
+    evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as in Back
+    Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a
+    camera. Incomplete pixels at the right and bottom edges of the frame are dropped. Source: Park,
+    Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average over the pixel and its
+    sampling are two stages).
     """
 
     formulas = (
@@ -102,7 +102,10 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
             raise ParameterError(f"factor_{axis}", None, allowed, unit="samples")
         if not _LEAST <= known <= 65536:
             raise ParameterError(
-                f"factor_{axis}", known, f"from {_LEAST:g} to 65536, from the pitch", unit="samples"
+                f"factor_{axis}",
+                known,
+                f"the pitch must give a factor from {_LEAST:g} to 65536",
+                unit="samples",
             )
         return known
 

@@ -10,11 +10,11 @@ from nodes.transform.radiometry_steps import Radiometry, temperature_of_radiance
 class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", group="Transform"):
     """Convert a picture of band radiance to temperatures in kelvin.
 
-    This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
-    Planck's law in the band. With an emissivity of 1, the result is the apparent, or brightness,
-    temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
-    temperatures, digital numbers, photons and spectral radiance are refused. An image of
-    emissivities can replace the single value. Sources: as for To Radiance.
+    This is the inverse of To Radiance: T is the temperature at which Planck's law gives the
+    radiance (L − (1 − ε)·L(surroundings))/ε in the band. With an emissivity of 1, the result is the
+    apparent, or brightness, temperature. The picture's unit must be band radiance in watts
+    (W/m²/sr, mW/cm²/sr, …): temperatures, digital numbers, photons and spectral radiance are
+    refused. An image of emissivities can replace the single value. Sources: as for To Radiance.
     """
 
     formulas = (

@@ -149,7 +149,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _view("picture_below", "Picture &Below", "Layout: the chain as a strip above the picture"),
     _view("picture_beside", "Picture Be&side",
           "Layout: the picture on the left, everything else on the right"),
-    _view("canvas_first", "&Canvas First", "Layout: a large canvas, small viewers below"),
+    _view("canvas_first", "&Canvas First", "Layout: a large canvas with small viewers below"),
     _view("reset_layout", "&Reset Layout",
           "Return all parts of the window to their default places"),
     _view("next_part", "&Next Part", "Go to the next part of the window", "F6"),
