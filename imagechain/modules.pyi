@@ -282,9 +282,9 @@ def init_trans(
 ) -> Part:
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
-    Empty parameters take their values from a Camera before this module, otherwise from the image's
-    header. A fill factor of 1 is treated as empty. Values entered here take priority; a warning
-    reports any difference. Source: Tantalo 1996, section 4.1.
+    Empty parameters are taken from a Camera before this module, otherwise from the image's header.
+    A fill factor of 1 is treated as empty. Values entered here take priority; a warning reports any
+    difference. Source: Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -297,8 +297,8 @@ def init_trans(
     f_number : float | Expression | None
         F number: a number of at least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
-        obscuration: inner diameter of the aperture divided by its outer diameter; empty: from
-        Camera, or none: a number from 0 below 1 or empty; default empty
+        obscuration: inner diameter of the aperture divided by the outer; empty: from Camera, or
+        none: a number from 0 below 1 or empty; default empty
     range_m : float | Expression | None
         altitude or distance [m]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
@@ -355,10 +355,10 @@ def combine_pixels(
     """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
-    170 pixels. Directly after Back Transform, if the factors divide the picture's size exactly, the
-    spectrum is folded instead. The mean of a block represents the pixel's averaging over its area.
-    After Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source:
-    Tantalo 1996, section 4.1, fig. 4.6.
+    170 pixels. Directly after Back Transform, if the factors divide the size, the spectrum is
+    folded instead. The mean of a block represents the pixel's averaging over its area. After
+    Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source: Tantalo
+    1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -385,9 +385,9 @@ def sample_pixels(
 ) -> Part:
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again and leave only 0.64 of the contrast at
-    Nyquist. The samples lie at the centres of the pixels, so the picture does not move. For even
-    ratios, and ratios that are not whole, the centres lie between samples. Between samples, the
+    Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
+    contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
+    For even ratios, and ratios that are not whole, the centres lie between samples. There the
     picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
     in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
     in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
@@ -406,8 +406,8 @@ def sample_pixels(
         offset of the samples from the pixels' centres, to the right and down [pixels]: a number
         from -1 to 1; default 0.0
     offset_y : float | Expression | None
-        downward offset, if different; empty: equal to offset [pixels]: a number from -1 to 1 or
-        empty; default empty
+        offset down, if it differs; empty: equal to offset [pixels]: a number from -1 to 1 or empty;
+        default empty
 
     Notes
     -----
@@ -424,12 +424,11 @@ def anti_alias(
 ) -> Part:
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
-    No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
-    Detector MTF. `box` is the centred mean of `factor` samples (for an even factor, the transfer
-    function centres the mean). `gaussian` halves the contrast at the new Nyquist frequency.
-    `lanczos` is a sinc with its cutoff at this frequency and a three-lobe window. The frame is
-    mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon
-    1979 (Lanczos).
+    No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
+    a detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
+    its transfer function). `gaussian` halves the contrast at the new Nyquist frequency. `lanczos`
+    is a sinc with its cutoff there and a three-lobe window. The frame is mirrored at its edges. A
+    factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
 
     Parameters
     ----------
@@ -459,8 +458,8 @@ def interpolate(
     wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
     0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
-    convolution. With an unchanged size, the picture does not change. Sources: Tantalo 1996,
-    sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
+    convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
+    (bilinear); Keys 1981 (cubic, a = −1/2).
 
     Parameters
     ----------
@@ -495,10 +494,10 @@ def to_radiance(
     Parameters
     ----------
     emissivity : float | Expression
-        emissivity of all samples, if no emissivity image is connected: a number above 0 to 1;
-        default 1.0
+        emissivity of all samples, if no image of it is connected: a number above 0 to 1; default
+        1.0
     surroundings_K : float | Expression | None
-        temperature of the reflected surroundings; empty: nothing is reflected [K]: a number from 0
+        temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
         to 10000 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
@@ -524,18 +523,18 @@ def to_temperature(
     """Convert a picture of band radiance to temperatures in kelvin.
 
     This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
-    Planck's law in the band. With an emissivity of 1, the result is the apparent, or brightness,
+    Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
     temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
     temperatures, digital numbers, photons and spectral radiance are refused. An image of
-    emissivities can replace the single value. Sources: as for To Radiance.
+    emissivities can replace the single value. Sources: as To Radiance.
 
     Parameters
     ----------
     emissivity : float | Expression
-        emissivity of all samples, if no emissivity image is connected: a number above 0 to 1;
-        default 1.0
+        emissivity of all samples, if no image of it is connected: a number above 0 to 1; default
+        1.0
     surroundings_K : float | Expression | None
-        temperature of the reflected surroundings; empty: nothing is reflected [K]: a number from 0
+        temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
         to 10000 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
@@ -1537,7 +1536,7 @@ def crosstrack_mtf(
 ) -> Part:
     """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
 
-    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
+    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects this smear.
 
     Parameters
     ----------
@@ -1607,9 +1606,9 @@ def relative_motion_mtf(
     """Smear from the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
-    sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
-    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
-    eqs. 4.34 and 4.35 are in cycles/rad.
+    sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
+    gives an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and
+    201 of eqs. 4.34 and 4.35 are in cycles/rad.
 
     Parameters
     ----------
@@ -1648,7 +1647,7 @@ def jitter_mtf(
     """Blur by random line-of-sight motion within one exposure (Gaussian).
 
     exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
-    typical. Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
+    typical. Erratum: the thesis calls σ² the variance in µrad and gives its root in mrad.
 
     Parameters
     ----------
@@ -1716,13 +1715,13 @@ def line_of_sight(
     frame_rate_Hz: float | Expression = 30.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Move the line of sight at random; the motion blurs each exposure and shifts each frame.
+    """Move the line of sight at random, which blurs each exposure and shifts each frame.
 
     The angle has the power spectral density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the
     density in `psd_path`; the two axes are independent. Motion about the mean position of an
     exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with
     spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single
-    picture is frame 0 and is also shifted. 3-D Noise includes the pixel changes from this motion in
+    picture is frame 0 and is shifted too. 3-D Noise includes the pixel changes from this motion in
     its measurement, but not in its prediction. Sources: Papoulis 1991, chapter 10; Kopeika 1998,
     chapter 14.
 
@@ -3080,7 +3079,7 @@ def mtf_slices(
     angle_deg : float | Expression
         angle of the slice: 0 horizontal, 90 vertical [deg]: a number from -360 to 360; default 45.0
     samples : int | Expression
-        number of points on each curve: a whole number from 2 to 65536; default 257
+        points on each curve: a whole number from 2 to 65536; default 257
     stages : bool
         show every stage, not only the total: true or false; default True
 
@@ -3110,19 +3109,19 @@ def measured_mtf(
     """Measure the MTF from an edge or a line in a picture.
 
     `slanted_edge` finds the angle of the edge and sorts the samples into quarter-sample bins by
-    their distance from the edge. The derivative of the bin means is windowed, Fourier transformed,
-    and corrected for the responses of the bins and of the derivative. Frequencies are measured
+    their distance from the edge. The derivative of the bin means is windowed and Fourier
+    transformed, and corrected for the responses of the bins and of the derivative. Frequencies are
     along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
-    transforms the derivative. The MTF is the modulus of this transform, divided by its largest
-    value; the response of the derivative, 0.64 at Nyquist, is not corrected. Standard errors are
-    estimated by leaving out rows (jackknife).
+    transforms the derivative. The MTF is its modulus divided by the largest value; the response of
+    the derivative, 0.64 at Nyquist, is not corrected. Standard errors are estimated by leaving out
+    rows (jackknife).
 
-    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. This MTF
-    includes all stages from the source on and, for a test scene, the blur of the scene's samples,
-    which are means over their area. The blur of a scene from a file is unknown and not included; a
-    picture straight from a file has no expected MTF. Aliasing in `row_average` is not included.
-    `imagechain measure` finds the edges in pictures of real cameras. Source: ISO 12233:2023;
-    Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
+    all stages from the source on. For a test scene, it also includes the blur of the scene's
+    samples, which are means over their area. The blur of a scene from a file is unknown and not
+    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
+    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
+    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
 
     Parameters
     ----------
@@ -3140,16 +3139,15 @@ def measured_mtf(
     region_y : int | Expression
         first row of the region [px]: a whole number of at least 0; default 0
     region_width : int | Expression | None
-        number of columns; empty: to the picture's end [px]: a whole number of at least 0 or empty;
-        default empty
+        columns; empty: to the picture's end [px]: a whole number of at least 0 or empty; default
+        empty
     region_height : int | Expression | None
-        number of rows; empty: to the picture's end [px]: a whole number of at least 0 or empty;
-        default empty
+        rows; empty: to the picture's end [px]: a whole number of at least 0 or empty; default empty
     window : Literal['tukey', 'hamming', 'none']
         window on the line spread; tukey: flat over its middle half: one of tukey, hamming, none;
         default 'tukey'
     samples : int | Expression
-        number of points on the curve: a whole number from 2 to 4096; default 129
+        points of the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
         first sample of the edge, in the direction of the measurement; empty: found automatically
         [px]: a whole number of at least 0 or empty; default empty
@@ -3206,43 +3204,43 @@ def figures_of_merit(
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
     limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. Temporal noise is
-    averaged according to its spectrum in the picture. The frequency of the 2-D MRTD is the
-    geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
-    target): SNR_th·σ divided by the mean of the target's blurred image.
+    in which the sensor samples, its MRTD ends at the Nyquist frequency. Temporal noise is averaged
+    according to its spectrum in the picture. The frequency of the 2-D MRTD is the geometric mean of
+    the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
+    divided by the mean of the target's blurred image.
 
-    `scanning` sets the directions in which the sensor samples. `staring` samples in both
-    directions. `serial_scan` samples only from line to line, because one detector scans along x.
+    `scanning` sets the directions in which the sensor samples. `staring` samples in both.
+    `serial_scan` samples only from line to line, because one detector scans along x.
     `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
-    along y. The noise also depends on the scanning and is taken from the picture. One detector in
+    along y. The noise also depends on the scanning; it is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
-    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`,
-    these errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f noise of
-    detector channels (σ_tv) is not simulated.
+    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`
+    they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
+    channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
-    temperature. Such a picture is refused unless `background_K` gives the temperature of the
-    scene's own emission; use Image Quality instead. All figures in K are apparent values at the
-    camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
-    range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
-    path's τ(R) at each wavelength, weighted by dL/dT.
+    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature.
+    Such a picture is refused unless `background_K` gives the temperature of the scene's own
+    emission. Use Image Quality instead. All figures in K apply at the camera, after the atmosphere,
+    with the background's apparent temperature there. The apparent ΔT at a range is
+    ΔT·exp(−extinction·range). After an Atmospheric Path, it follows from the path's τ(R) at each
+    wavelength, weighted by dL/dT.
 
     Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
-    resolved is the one at which the target's apparent ΔT equals the 2-D MRTD.
+    resolved is the one where the target's apparent ΔT equals the 2-D MRTD.
 
     TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
-    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
-    threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
-    threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
-    the eyeball and the eye's visual channel at that frequency. `flir92` includes fixed patterns.
-    The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
-    target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
-    tracked vehicles; this value could not be checked.
+    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` it
+    is the published CTF_eye/MTF·√(1 + α²·σ²/S²); published V50 values belong to it. Here α = 169.6
+    √Hz, S is the scene contrast, and σ is the noise in K·√s that passes the eyeball and the eye's
+    visual channel at that frequency. `flir92` includes fixed patterns. The MRTD includes neither
+    the display nor the eye's contrast threshold. The defaults are a target of 2.3 m with ΔT = 2 K,
+    and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; this value
+    could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
     IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
-    1990 (eye). Their equation numbers could not be checked.
+    1990 (eye). The numbers of their equations could not be checked.
 
     Parameters
     ----------
@@ -3285,23 +3283,23 @@ def figures_of_merit(
         extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
         from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles for 50 % detection; use 1 with the MRTD in one direction: a number above 0 to 1000;
+        cycles for 50 % detection; 1 for the MRTD in one direction: a number above 0 to 1000;
         default 0.75
     n50_recognition : float | Expression
-        cycles for 50 % recognition; use 4 with the MRTD in one direction: a number above 0 to 1000;
+        cycles for 50 % recognition; 4 for the MRTD in one direction: a number above 0 to 1000;
         default 3.0
     n50_identification : float | Expression
-        cycles for 50 % identification; use 6.4 with the MRTD in one direction: a number above 0 to
-        1000; default 6.0
+        cycles for 50 % identification; 6.4 for the MRTD in one direction: a number above 0 to 1000;
+        default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
-        TTP: contrast threshold from the eye and the MRTD, or the published threshold from MTF and
-        noise: one of mrtd, system_contrast_threshold; default 'mrtd'
+        TTP: contrast threshold from the eye and the MRTD, or the published one from MTF and noise:
+        one of mrtd, system_contrast_threshold; default 'mrtd'
     v50 : float | Expression
         TTP value for 50 % success; published values belong to system_contrast_threshold: a number
         above 0 to 10000; default 18.8
     scene_contrast_K : float | Expression
-        TTP: temperature difference that corresponds to the mean luminance of the display [K]: a
-        number above 0 to 10000; default 5.0
+        TTP: temperature difference that the display shows as its mean luminance [K]: a number above
+        0 to 10000; default 5.0
     display_cd_m2 : float | Expression
         TTP: mean luminance of the display [cd/m²]: a number above 0 to 1e+06; default 34.0
     display_deg : float | Expression
@@ -3336,8 +3334,8 @@ def noise_budget(
     patterns that stay the same from frame to frame, averaged over all sensors of this kind.
     Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
     of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
-    it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do
-    not count as blur.
+    it recovers that part of the loss. A stage with an MTF of zero is assigned all of the blur.
+    Phases do not count as blur.
 
     Parameters
     ----------
@@ -3348,8 +3346,8 @@ def noise_budget(
         all noise, noise that changes from frame to frame, or fixed patterns: one of all, temporal,
         fixed; default 'all'
     show : Literal['share', 'amount']
-        length of the bars: share in percent, or amount (standard deviation of the noise, −ln of the
-        MTF for the blur): one of share, amount; default 'share'
+        bars show the share in percent, or the amount: standard deviation, and −ln of the MTF: one
+        of share, amount; default 'share'
 
     Notes
     -----
@@ -3372,18 +3370,18 @@ def noise_3d(
     is subtracted, and unbiased estimates split the variance into the seven components. The
     prediction is an average over all sensors of this kind, but only one pattern is measured. With
     few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
-    correlated between neighbouring samples also appears in σ tv and σ th. Rounding counts as noise.
-    With `path`, a file of frames, for example from a camera, is measured instead, one frame at a
-    time. Everything that stays the same from frame to frame, including the scene, then counts as
-    fixed pattern. Use frames of a uniform scene. If a picture is also linked, its predicted noise
-    is shown beside the measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992
-    (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    correlated between neighbours also appears in σ tv and σ th. Rounding counts as noise. With
+    `path`, a file of frames, for example from a camera, is measured instead, one frame at a time.
+    Everything that stays from frame to frame, including the scene, then counts as fixed pattern.
+    Use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
     frames : int | Expression
-        number of frames to simulate; 0: prediction only; all frames in a file are measured: a whole
-        number from 0 to 100000; default 16
+        frames to simulate; 0: prediction only; all frames of a file are measured: a whole number
+        from 0 to 100000; default 16
     path : str | PathLike[str] | None
         file of frames to measure instead of simulated ones: .npy (frames, rows, columns), TIFF with
         a page per frame, or ENVI with a band per frame; empty: simulate: a file name or empty;
@@ -3405,13 +3403,12 @@ def compare_images(
 ) -> Part:
     """Measure the difference between a picture and a reference of the same size.
 
-    The read-outs are the root mean square, largest and mean differences, and the peak
-    signal-to-noise ratio (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The
-    MTF ratio is the modulus of the picture's spectrum divided by the modulus of the reference's
-    spectrum, along both frequency axes. Averaged in rings, the ratio is the square root of the
-    ratio of the power spectra. Frequencies at which the reference contains only rounding errors are
-    left out. For a frame filtered with mirrored edges, set `edges` to `reflect`; the ratio is then
-    the MTF itself.
+    It gives the root mean square, largest and mean differences, and the peak signal-to-noise ratio
+    (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The MTF ratio is the
+    modulus of the picture's spectrum divided by the modulus of the reference's spectrum, along both
+    frequency axes. Averaged in rings, it is the square root of the ratio of the power spectra.
+    Frequencies where the reference contains only rounding errors are left out. For a frame filtered
+    with mirrored edges, set `edges` to `reflect`; the ratio is then the MTF itself.
 
     Parameters
     ----------
@@ -3438,13 +3435,13 @@ def spatial_blur(
 ) -> Part:
     """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
-    The inputs are the same as for Back Transform. The impulse response is the inverse transform of
-    all collected MTFs and PTFs. A separable response is applied in one pass along x and one along
-    y; any other is applied as a two-dimensional kernel. Complete kernels give the same result as
-    Back Transform, except for rounding. A truncated kernel has an error of at most `error_bound`
-    times the scene's largest deviation from its mean. The bound is the sum of the moduli of the
-    kernel values that are cut off. The picture's mean does not change. If a transfer function has
-    not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
+    It has the same inputs as Back Transform. The impulse response is the inverse transform of all
+    collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
+    otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
+    except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
+    largest deviation from its mean. The bound is the sum of the moduli of the truncated kernel
+    values. The picture's mean does not change. If a transfer function has not fallen to zero at
+    Nyquist, its kernel rings and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
@@ -3456,10 +3453,10 @@ def spatial_blur(
         where kernels are truncated: after `half_width_px`, where `error` allows, or at the frame's
         size: one of half_width, error, none; default 'half_width'
     half_width_px : int | Expression
-        kernel samples kept on each side [px]: a whole number from 0 to 65536; default 16
+        samples kept on each side [px]: a whole number from 0 to 65536; default 16
     error : float | Expression
-        largest error allowed, as a fraction of the scene's largest deviation from its mean: a
-        number from 0 to 1; default 0.001
+        largest error, as a fraction of the scene's largest deviation from its mean: a number from 0
+        to 1; default 0.001
 
     Notes
     -----
@@ -3486,23 +3483,22 @@ def line_by_line(
     A line scanner samples at equal angles along the scan and at equal distances on the ground along
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
-    (output `whole`). Line by Line filters each column at its own interval (output `image`). Factors
-    along the scan use one interval for the whole frame; factors along the flight use one interval
-    per column. Pupils and other non-separable factors use both intervals. All factors use angles at
-    the sensor, as in their own modules; edges and PTFs are treated as in Back Transform. Separable
-    factors are exact. Non-separable factors are interpolated between a few sampling intervals
-    (`nodes`), with an estimate of the error, or summed exactly for each interval (`direct`).
-    Pushbroom scanners and arrays sample evenly, so both outputs agree for them. The ground is
-    assumed to be flat, and motion blur is assumed to cover the same angle as at nadir.
+    (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
+    scan use one interval for the whole frame, factors along the flight one per column. Pupils and
+    other non-separable factors use both. All factors use angles at the sensor, as in their own
+    modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
+    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
+    arrays sample evenly, so both outputs agree for them. The ground is assumed to be flat, and
+    motion blur to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
-    largest error is 0.03 % of the picture's range for a field of 10°, 0.5 % for 30°, 1.1 % for 45°,
-    2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for these fields are 0.002, 0.02,
-    0.05, 0.1, 0.25 and 0.5 %. In the thesis's field of 30°, six-bit quantization hides the error.
-    Filtering line by line takes 1.3 to 4 times as long (`imagechain bench`, table scanning);
-    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
-    thesis leaves the comparison to later work.
+    largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
+    % in 60°, 5 % in 90° and 10 % in 120°. The rms error is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %.
+    In the thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes
+    1.3 to 4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or
+    more. Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3516,7 +3512,7 @@ def line_by_line(
         number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
         line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate (one line
-        per turn), or line_spacing_m: one of frame, flight, typed; default 'frame'
+        per turn), or the value below: one of frame, flight, typed; default 'frame'
     line_spacing_m : float | Expression | None
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
@@ -3524,10 +3520,10 @@ def line_by_line(
         altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     method : Literal['nodes', 'direct']
         non-separable factors: interpolated between a few sampling intervals, or summed exactly for
-        each interval: one of nodes, direct; default 'nodes'
+        each: one of nodes, direct; default 'nodes'
     nodes : int | Expression | None
-        number of intervals to interpolate between; empty: as many as the tolerance requires: a
-        whole number from 0 to 32 or empty; default empty
+        intervals to interpolate between; empty: as many as the tolerance needs: a whole number from
+        0 to 32 or empty; default empty
     tolerance : float | Expression
         largest interpolation error allowed in the transfer function: a number from 0 to 1; default
         1e-05
@@ -3571,14 +3567,14 @@ def camera_geometry(
     samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
     (panoramic distortion). A pushbroom and a framing camera sample at equal steps in the focal
     plane. The flight direction is down the picture, and scan lines are equally spaced on the
-    ground. Each sample is the mean of the scene over its whole footprint, which limits aliasing and
-    keeps a uniform scene uniform. Blur comes afterwards: choose samples finer than the detector,
-    and combine pixels after the detector's MTF.
+    ground. Each sample is the mean of the scene over its whole footprint, so nothing aliases and a
+    uniform scene stays uniform. Blur comes afterwards: choose samples finer than the detector, and
+    combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
-    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
-    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
-    1996, sections 2 and 5.3, for the Salacain camera.
+    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
+    are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
+    sections 2 and 5.3, for the Salacain camera.
 
     Parameters
     ----------
@@ -3588,11 +3584,11 @@ def camera_geometry(
     altitude_m : float | Expression
         height above the ground [m]: a number above 0; default 1000.0
     ground_interval_m : float | Expression | None
-        sampling interval of the scene on the ground; empty: angular interval × altitude [m]: a
+        sampling interval of the scene on the ground; empty: its angular interval × altitude [m]: a
         number of at least 0 or empty; default empty
     ground_interval_y_m : float | Expression | None
-        sampling interval of the scene down the picture; empty: equal to ground_interval_m [m]: a
-        number of at least 0 or empty; default empty
+        the same interval down the picture; empty: equal to ground_interval_m [m]: a number of at
+        least 0 or empty; default empty
     columns : int | Expression | None
         samples per line; empty: as in the scene: a whole number from 1 to 65536 or empty; default
         empty
@@ -3627,13 +3623,12 @@ def camera_geometry(
     offset_y_m : float | Expression
         distance of the camera below the scene's centre [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
-        interpolation between scene samples: constant, linear, or parabolic: one of area, bilinear,
-        cubic; default 'area'
+        interpolation between scene samples: constant areas, straight lines, or parabolas: one of
+        area, bilinear, cubic; default 'area'
     strips : int | Expression
         number of strips per oblique footprint: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
-        footprints beyond the scene: an error (refuse), or fill_value (fill): one of refuse, fill;
-        default 'refuse'
+        what the camera sees beyond the scene: one of refuse, fill; default 'refuse'
     fill_value : float | Expression
         value beyond the scene, in the scene's unit: a number; default 0.0
 
@@ -3665,27 +3660,28 @@ def image_quality(
     In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
     sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
     GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
-    geometric mean of these two distances, GSD/(sin e)^¼. The relative edge response (RER) is the
-    rise of the edge response from half a sample before the edge to half a sample after it. The
-    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. RER and H follow
-    from the chain's transfer functions; the SNR follows from the chain's signal and temporal noise.
-    No noise is drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE
-    5 the worse RER counts twice. Connect the picture as the sensor samples it, before a frame
-    grabber interpolates it.
+    geometric mean of these two, GSD/(sin e)^¼. The relative edge response (RER) is the rise of the
+    edge response from half a sample before the edge to half a sample after it. The overshoot H is
+    the height of the edge response 1 to 3 samples beyond the edge. Both follow from the chain's
+    transfer functions; the SNR follows from its signal and temporal noise. No noise is drawn or
+    measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse RER
+    counts twice. Connect the picture as the sensor samples it, before a frame grabber interpolates
+    it.
 
     With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
-    it to radiance, the difference follows from the illumination and the atmosphere set in that
-    module. Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The
-    SNR is then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses
-    the mean signal itself.
+    it to radiance, the difference follows from the illumination and the atmosphere set there.
+    Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is
+    then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses the mean
+    signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
-    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. GIQE 3
-    and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
-    visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
-    warning lists values outside these limits. The limits of GIQE 3 and 5 could not be checked.
+    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
+    first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
+    fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
+    130. A warning lists values outside these limits. The limits of the other versions could not be
+    checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).
