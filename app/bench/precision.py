@@ -55,8 +55,8 @@ def precision(settings: Settings) -> list[Table]:
     heads = {"choice": "precision", **T0_HEADS, "error": "error / max"}
     heads["mean_error"] = "relative error of the mean"
     text = (
-        "Single is the default: its error is far below the noise and the step of any quantizer in "
-        "use, and it takes half the memory. T0 is measured in single precision in both rows."
+        "Single is the default: its error is far below the noise and the step of any practical "
+        "quantizer, and it takes half the memory. T0 is measured in single precision in both rows."
     )
     title = f"Precision: Kodak optics, {settings.small}², mirrored, compared with a direct sum"
     return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]
@@ -76,7 +76,7 @@ def edges(settings: Settings) -> list[Table]:
         row = _of_picture(kodak, network, expected, scene, settings)
         rows.append({"choice": choice, **row, "border": float(other.max()), "inside": inside})
     heads = {"choice": "edges", **T0_HEADS, "error": "error / max"}
-    heads |= {"border": "difference from reflect", "inside": "the same, 8 samples from the edge"}
+    heads |= {"border": "difference from reflect", "inside": "difference 8 samples from the edge"}
     text = (
         "Reflect is the default: nothing wraps around from the opposite side of the picture, and "
         "the frame needs no padding. The columns on the right show what a periodic frame would "
@@ -193,7 +193,7 @@ def pupil_sampling(settings: Settings) -> list[Table]:
         "closed form and are sampled, by default on 512². Bilinear is the default interpolation: "
         "it weights the four neighbouring lags the same way in every direction. Linear over three "
         "has a smaller error with coarse samples, because its facets follow the cusp at zero lag. "
-        "`none` is only for viewing: it does not filter the picture."
+        "`none` only shows the raw autocorrelation; it does not filter the picture."
     )
     title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
@@ -266,9 +266,9 @@ def charge_transfer(settings: Settings) -> list[Table]:
             row |= {name: float(values.max()) for name, values in errors.items()}
             rows.append(row | timing)
     text = (
-        "Exact is the default: a vector along one axis takes almost no time compared with the "
-        "picture. The published phase follows a different formula, which starts with w³ "
-        "instead of w."
+        "Exact is the default: its vector along one axis takes almost no time compared with "
+        "filtering the picture. The published phase follows a different formula, which starts "
+        "with w³ instead of w."
     )
     name = "Charge transfer compared with the product of all transfers, by N × (1 − ε)"
     chart = Chart("largest error of H", "setting", "choice", lines=False, title=name)
@@ -311,7 +311,7 @@ def poisson(settings: Settings) -> list[Table]:
         "because only the events are drawn. Above a few photons per sample, normal deviates are "
         "faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
         "difference between the cumulative distributions of the deviates and of Poisson; 95 of "
-        f"100 exact fields of {settings.size}² stay below {chance:.1g}."
+        f"100 fields of {settings.size}² exact deviates stay below {chance:.1g}."
     )
     title = f"Poisson deviates, and normal deviates instead: {settings.size}² samples"
     name = f"{title}, against the mean; below {chance:.1g}: chance"

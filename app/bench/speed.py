@@ -50,7 +50,7 @@ def networks(settings: Settings) -> list[Table]:
 
 def one_thread(settings: Settings) -> list[Table]:
     rows = _cold_and_edited(Kodak(settings.size, threads=1), settings)
-    title = f"The same on one thread, {settings.size}² → {settings.size // 2}²"
+    title = f"Whole chain and edits on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
         "T0 is measured on one thread. The work between the large loops (planning, noise, "
         "sums) runs on one thread in both tables, so it takes a larger share of the time when "
@@ -64,7 +64,12 @@ def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
     sensor, every = ("electronics",), tuple(whole.nodes)
     cold: list[Subject] = [
         ("whole network", partial(kodak.cold, whole, FINAL, sensor), 5.0, 2.5),
-        ("whole, with read-outs of every node", partial(kodak.cold, whole, FINAL, every), 5.0, 2.5),
+        (
+            "whole network, with read-outs of every node",
+            partial(kodak.cold, whole, FINAL, every),
+            5.0,
+            2.5,
+        ),
         ("without photon noise", partial(kodak.cold, quiet, FINAL, sensor), 4.0, 2.0),
         ("optics alone, pixels combined", partial(kodak.cold, quiet, PIXELS), 2.2, 1.2),
     ]

@@ -29,8 +29,8 @@ HEADS = {
 }  # fmt: skip
 HOW = (
     "The Python loop computes the same points as the study, one after another in one process; "
-    "both give the same rows. The processes' start-up time has its own column and is not included "
-    "in the seconds; processor seconds include all processes and their start-up."
+    "both give the same rows. The start-up time of the processes has its own column and is not "
+    "included in the seconds; processor seconds include all processes and their start-up."
 )
 SIDE, LEAST_SIDE = 512, 128
 FIGURES = ("electronics.snr", "electronics.netd_system_K")

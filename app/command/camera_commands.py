@@ -106,8 +106,8 @@ def measure(
     values.file_path, several=True, many=True, required=True, to="pictures")  # fmt: skip
 @options.option(
     "--free", "NODE.PARAM[=LOW:HIGH]...",
-    "parameters to fit, within their own range or the one you give, such as jitter.sigma_mrad or "
-    "optics.defocus_waves=0:2; may be repeated", several=True, many=True)  # fmt: skip
+    "parameters to fit, each within its own range or one that you give, such as jitter.sigma_mrad "
+    "or optics.defocus_waves=0:2; may be repeated", several=True, many=True)  # fmt: skip
 @options.json_file("write the parameters, their errors and correlations")
 @options.option(
     "--output", "FILE", "write the network with the fitted values", values.ending_in(JSON)

@@ -32,8 +32,8 @@ _X_SOCKETS = Path("/tmp/.X11-unix")
     values.ending_in(PNG))  # fmt: skip
 @options.option(
     "--part", f"[{'|'.join(_PARTS)}]",
-    "what to save: window (default), canvas, panel, curves, or the first viewer's picture, "
-    "scaled down if larger than --size",
+    "what to save: window (default), canvas, panel, curves or picture (of the first viewer, "
+    "scaled down if larger than --size)",
     options.one_of(*_PARTS), default="window")  # fmt: skip
 @options.option(
     "--size", "WxH",

@@ -289,7 +289,7 @@ def _region(save: Save, value: Any) -> Region | None:
     if isinstance(value, Image):
         return save.region(value.rows, value.columns)
     if save.bounds:
-        raise UsageError(f"{save.shown}: a region needs an image, but this is a {value.port_type}")
+        raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
     return None
 
 

@@ -295,16 +295,18 @@ def network_options(function: Function) -> Function:
         rare("--final", "NODE.PORT",
             "use this picture as the network's output, instead of the one marked in the file"),
         scene("--scene", "[NODE=]FILE",
-            "use this picture or cube as the scene; NODE chooses among several scenes",
+            "use this picture or cube as the scene; NODE selects one of several scenes",
             _scene, many=True, to="scenes"),
         scene("--scene-fov-deg", "X Y",
-            "field of view of the scene (default: from its header, else as wide as the old scene)",
+            "field of view of the scene (default: from the file's header, else as wide as the old "
+            "scene)",
             finite_number, nargs=2),
         scene("--scene-range-m", "M", "distance to the scene", finite_number),
         scene("--scene-sample-m", "M", "size of a scene sample, instead of the scene's field of "
             "view", finite_number),
         scene("--scene-band-um", "A B",
-            "wavelength band of the scene (default: from its header, else as for the old scene)",
+            "wavelength band of the scene (default: from the file's header, else the old scene's "
+            "band)",
             finite_number, nargs=2),
         scene("--scene-unit", "UNIT",
             "unit of the scene: a radiance unit, K, C, reflectance, or relative (scaled to the "

@@ -279,7 +279,7 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
 @options.network_options
 @options.option(
     "--for", "NODE.PARAM[=LOW:HIGH]",
-    "parameter to find, within its own range or the one you give", required=True, to="solve_for",
+    "parameter to find, within its own range or one that you give", required=True, to="solve_for",
 )  # fmt: skip
 @options.option(
     "--until", "NODE.READOUT=VALUE",

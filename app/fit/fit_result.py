@@ -172,9 +172,9 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
             f"{parameter.port} is at the {'lower' if end == 'low' else 'upper'} end of its range, "
             f"{bound:.6g} {parameter.unit}".rstrip()
             + (
-                ": the standard error is how far from this end the edges still allow it to be"
+                ": the standard error is the distance from this end that the edges still allow"
                 if index in known.limited
-                else ": the best value may lie beyond it, so its standard error means little"
+                else ": the best value may lie beyond this end, so the standard error means little"
             )
         )
     return lines
@@ -197,9 +197,9 @@ def _weak(parameters: Sequence[FittedParameter], correlation: Matrix) -> list[st
                 else "larger than its value"
             )
             lines.append(
-                f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is {share}"
+                f"{one.port} is poorly determined: its standard error, {one.sigma:.2g}, is {share}"
                 + (
-                    "; the errors of the other parameters are valid if it is near that value"
+                    "; the errors of the other parameters are valid if this value is about right"
                     if many
                     else ""
                 )
@@ -209,7 +209,7 @@ def _weak(parameters: Sequence[FittedParameter], correlation: Matrix) -> list[st
             r = float(correlation[i, j])
             if math.isfinite(r) and abs(r) > _CORRELATED:
                 lines.append(
-                    f"{parameters[j].port} and {first.port} can hardly be separated: their errors "
+                    f"{parameters[j].port} and {first.port} are nearly inseparable: their errors "
                     f"have a correlation of {r:.4f}"
                 )
     return lines
@@ -245,7 +245,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
         share = 100.0 * fit.misfit.material
         return [
             *lines,
-            f"the residuals of the edges are up to {share:.2g} % of a step, {left} the noise: "
+            f"the edge residuals are up to {share:.2g} % of a step, {left} the noise: "
             f"the standard errors come from the scatter between {fit.misfit.edges} edges, or "
             "from all residuals if they are larger; blur that all edges share, "
             "such as softness of the scene, is treated as blur of the chain",

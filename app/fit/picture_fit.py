@@ -60,7 +60,7 @@ class TakenWith:
                 lines.append(
                     f"a sample of {self.name} is {mine:.4g} mrad {way}, but a sample of the "
                     f"chain's final picture is {other:.4g} mrad: the fitted values are wrong by "
-                    f"about the ratio, {mine / other:.3g}; set the chain's geometry to match the "
+                    f"a factor of about {mine / other:.3g}; set the chain's geometry to match the "
                     "camera"
                 )
         return lines
@@ -126,7 +126,7 @@ def fit_pictures(
     if not choice.patches:
         raise DataError(
             f"{pictures.text}: no edge can be used: {choice.reasons}; run imagechain measure to "
-            "see each edge and what would help"
+            "see why each edge was rejected"
         )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)
@@ -213,8 +213,8 @@ def _notes(choice: "EdgeChoice", final: Image, *, passed_area: bool) -> list[str
         )
     if passed_area:
         lines.append(
-            "the area of a scene sample is treated as the area of a pixel, because pixels are "
-            "combined from scene samples or no detector averages over an area"
+            "the area of a scene sample is treated as the area of a pixel, because the chain "
+            "combines scene samples into pixels or has no detector that averages over an area"
         )
     return lines
 

@@ -64,7 +64,7 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     if not known:
         raise DataError(
             f"there is no MTF to write (horizontal: {measured.reason_x}; vertical: "
-            f"{measured.reason_y}): a page (.html) shows each edge and what would help"
+            f"{measured.reason_y}): write a page (.html) to see why each edge was rejected"
         )
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency

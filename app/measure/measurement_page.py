@@ -94,8 +94,8 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
     caption = (
         "MTF of everything from the scene to the stored samples, pooled over the edges used and "
         "weighted by their errors; grey: edges whose normals lie within 30° of the axis. Beyond "
-        "the Nyquist frequency, 0.5 cycles/sample, the picture contains this contrast only as "
-        "aliasing, but slanted edges still reveal it."
+        "the Nyquist frequency, 0.5 cycles/sample, the picture is aliased, but slanted edges "
+        "still give the MTF."
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
@@ -129,8 +129,8 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, those near ±90° "
-                "the vertical one. The standard error is the one that the pooled MTF in this "
-                "direction would have if only this edge were used. Edges in other directions show "
+                "the vertical one. The standard error is the error of the pooled MTF in this "
+                "direction if only this edge were used. Edges in other directions show "
                 "how the blur changes with direction."
             ),
         ]

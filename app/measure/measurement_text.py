@@ -17,10 +17,10 @@ from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
-    "tvh": "random from sample to sample and from frame to frame",
-    "t": "of whole frames, new in every frame",
-    "tv": "of whole rows, new in every frame",
-    "th": "of whole columns, new in every frame",
+    "tvh": "noise that is random from sample to sample and from frame to frame",
+    "t": "noise of whole frames, new in every frame",
+    "tv": "noise of whole rows, new in every frame",
+    "th": "noise of whole columns, new in every frame",
 }
 _GAMMA = {
     "usual": "8-bit values in this format are usually gamma-encoded",
@@ -82,7 +82,7 @@ def _mtf_rows(
         value, error = (
             float(np.interp(NYQUIST, curve.frequency, of)) for of in (curve.mtf, curve.sigma)
         )
-        meaning = f"{words} MTF at the Nyquist frequency, including the pixel"
+        meaning = f"{words} MTF at the Nyquist frequency, including the pixel aperture"
         rows.append((f"mtf_nyquist_{name}", with_error(value, error), "", meaning))
     return rows
 
@@ -163,16 +163,16 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             others = sum(edge.used for edge in measured.edges) - curve.edges
             lines.append(
                 f"warning: only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words}: "
-                "the MTF also depends on edges in other directions, and only a few edges confirm "
-                "its error"
+                "the MTF also depends on edges in other directions, and its error rests on only a "
+                "few edges"
                 if others > 0
                 else f"warning: the {words} MTF comes from only {many}, so its error could not be "
                 "checked"
             )
         if curve.scatter > _SCATTERED:
             lines.append(
-                f"warning: the {words} MTFs of the edges differ by {curve.scatter:.2g} times what "
-                "their own errors allow: the blur varies over the picture, or some edges are not "
+                f"warning: the {words} MTFs of the edges scatter by {curve.scatter:.2g} times "
+                "their own errors: the blur varies over the picture, or some edges are not "
                 "sharp in the scene; the error is widened accordingly"
             )
     if measured.noise is None:

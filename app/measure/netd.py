@@ -134,7 +134,7 @@ def _frames(file: FrameFile, check: Callable[[], None]) -> Iterator[Frames]:
 def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField) -> None:
     """Levels without noise, or of which mean and noise are cut off."""
     if not math.isfinite(field.temporal_dn2):
-        raise DataError(f"{file.path}: the samples are too large to compute their variance")
+        raise DataError(f"{file.path}: the samples are too large for their variance to be computed")
     if not field.temporal_dn2 > 0.0:
         raise DataError(
             f"{file.path}: all frames are the same: the field is saturated, rounding hides the "
@@ -171,17 +171,22 @@ def _rows(measured: NetdMeasurement) -> list[Row]:
             "temperature_K",
             middle.temperature_K,
             "K",
-            "middle of the range, where SiTF and NETD apply",
+            "middle of the temperature range, at which SiTF and NETD apply",
         ),
         ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with temperature"),
         (
             "sitf_error",
             middle.sitf_error,
             f"{unit}/K",
-            "its standard error, if the temperatures are exact",
+            "standard error of SiTF, if the temperatures are exact",
         ),
-        ("netd_K", middle.netd_K, "K", "σ_tvh divided by SiTF: random in time, row and column"),
-        ("netd_error_K", middle.netd_error, "K", "its standard error"),
+        (
+            "netd_K",
+            middle.netd_K,
+            "K",
+            "σ_tvh (noise random in time, row and column) divided by SiTF",
+        ),
+        ("netd_error_K", middle.netd_error, "K", "standard error of NETD"),
         (
             "temporal_K",
             middle.temporal_K,

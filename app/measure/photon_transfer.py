@@ -85,7 +85,7 @@ class TransferMeasurement:
                 number_text(field.mean_dn),
                 number_text(field.temporal_dn2),
                 number_text(field.fixed_dn2),
-                "saturated" if saturated else "" if used else "not used for the line",
+                "saturated" if saturated else "" if used else "not used for the fit",
             )
             for (path, field), (used, saturated) in zip(self.files, states, strict=True)
         ]

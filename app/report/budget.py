@@ -255,7 +255,7 @@ def _beside(noise: Fact) -> str:
     all_noise = f"All noise: σ = {number(noise['summed'])} predicted"
     if noise["together"] is None:
         reason = noise["together_reason"]
-        return f"{all_noise}; the noise of this picture itself is not known: {reason}."
+        return f"{all_noise}; the noise in this picture is not known: {reason}."
     unit = f" {noise['unit']}" if noise["unit"] else ""
     return (
         f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture; the noise "

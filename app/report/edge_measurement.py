@@ -331,8 +331,9 @@ def _caption(published: str | None) -> str:
         "samples' area in the scene, pixel combining, and interpolation along the edge. Aliasing "
         "scatters the marks about this line. The row average samples a vertical edge at a single "
         "position relative to the pixels, so frequencies beyond the pixels' Nyquist frequency are "
-        "aliased. It also takes differences between neighbours, which multiply the MTF by 0.64 at "
-        "Nyquist. Its expected MTF is computed along one row and includes this aliasing."
+        "aliased. The row average also takes differences between neighbours, which multiply the "
+        "MTF by 0.64 at Nyquist. The expected MTF of the row average is computed along one row "
+        "and includes this aliasing."
     )
     if published:
         text += (

@@ -265,7 +265,7 @@ def _curves(evaluation: Evaluation) -> list[Block]:
     curves = node_curves(evaluation)
     if not curves:
         return []
-    caption = "Curves of the nodes; a gap means that there is no value there."
+    caption = "Curves of the nodes; a gap means that the curve has no value there."
     caption += _not_shown([port for port, _ in curves[MOST:]])
     return [Heading(2, "Curves"), Drawn(curves_png(curves[:MOST]), caption, "curves of nodes")]
 
@@ -439,7 +439,7 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
         blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
-        caption = "Transfer functions that are not on the path to the output shown."
+        caption = "Transfer functions of stages that are not on the path to the output shown."
         blocks += _stages(evaluation, alone, caption, "further stages")
     return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
 
@@ -490,7 +490,7 @@ _KINDS = {
     "identity": ("the node", "its settings leave the picture unchanged", ""),
     "below_budget": (
         "a stage",
-        "it changes less than the error budget, {budget} of the range",
+        "its effect is below the error budget, {budget} of the range",
         "at most {bound}",
     ),
     "wavelengths": (
@@ -499,7 +499,7 @@ _KINDS = {
         "{share} % of the transforms, at most {bound} of the contrast",
     ),
     "pupil_centre": (
-        "the pupil's OTF beyond the band",
+        "the pupil's OTF beyond the Nyquist frequency",
         "this part does not affect the picture",
         "{share} % of the OTF evaluated",
     ),
@@ -519,7 +519,7 @@ _KINDS = {
         "their inputs have not changed",
         "{share} % of the steps computed",
     ),
-    "unseen": ("whole output arrays", "they are not used", "{ports}"),
+    "unseen": ("full output arrays", "nothing needs the full arrays", "{ports}"),
 }
 
 

@@ -78,7 +78,7 @@ class OwnScene:
             raise UsageError(f"{self._named('band_um')} {low:g} {high:g}: {what}")
         if self.fov_deg is not None and self.sample_m is not None:
             names = f"{self._named('fov_deg')} and {self._named('sample_m')}"
-            raise UsageError(f"{names} both give the field of view: leave one of the two out")
+            raise UsageError(f"{names} both give the field of view: give only one of them")
 
     def _named(self, name: str) -> str:
         return f"{self.option}{name.replace('_', '-') if self.option else name}"
@@ -379,9 +379,8 @@ class _Replacing:
         step = min(before[0] / wide, before[1] / high)
         angle = step * wide, step * high
         side = "as wide" if math.isclose(angle[0], before[0]) else "as high"
-        self._where.append(
-            f"field of view {_deg(angle)}, {side} as before{self._hint('fov_deg', 'sets another')}"
-        )
+        hint = self._hint("fov_deg", "sets another")
+        self._where.append(f"field of view {_deg(angle)}, {side} as the old scene{hint}")
         return angle
 
     def _fov_before(self) -> Pair | None:
@@ -469,7 +468,7 @@ class _Replacing:
             if value is not None and not isinstance(value, Mapping):
                 network = network.with_parameter(name, parameter, value)
                 self._lines.append(
-                    f"{name}.{parameter} = {value} from now on: it was linked to the old scene"
+                    f"{name}.{parameter} is now fixed at {value}: it was linked to the old scene"
                 )
         return network
 

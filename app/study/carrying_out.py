@@ -46,7 +46,7 @@ class Workers:
 
     def check(self) -> None:
         if self.tls and not self.scheduler:
-            raise UsageError(f"{', '.join(TLS)}: they need --scheduler ADDRESS")
+            raise UsageError(f"{', '.join(TLS)} can be used only with --scheduler ADDRESS")
         if not isinstance(self.scheduler, str):
             return
         if self.scheduler and not has_dask():
@@ -68,8 +68,8 @@ class Workers:
         if not address or address.startswith(_INNER):
             return ""
         return (
-            f"the scheduler {shown(address)} has no TLS: anyone who reaches its port can run "
-            f"code as the workers' user. Start it and its workers with {', '.join(TLS)}, and "
+            f"the scheduler {shown(address)} has no TLS: anyone who can reach its port can "
+            f"run code as the workers' user. Start it and its workers with {', '.join(TLS)}, and "
             "give the same options to the study"
         )
 

@@ -79,7 +79,7 @@ class _Cluster(Workers):
             raise
         except ImportError as error:
             raise UsageError(
-                f"a worker cannot load imagechain: {error}; install it there"
+                f"a worker cannot load imagechain: {error}; install imagechain on the worker"
             ) from error
         except Exception as error:
             self._check()

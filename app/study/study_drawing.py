@@ -213,7 +213,7 @@ def write_summary(result: StudyRows, path: Path) -> None:
 def summary_page(result: StudyRows) -> str:
     study = result.study
     caption = (
-        f"Figures at {len(result.rows)} points; a cross, or white on a map, marks a point at which "
+        f"Figures at {len(result.rows)} points; a cross, or white on a map, marks a point where "
         "the figure has no value."
     )
     blocks: list[Block] = [

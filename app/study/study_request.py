@@ -129,7 +129,8 @@ def listed_points(
     lines = [line for line in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in line)]
     if len(lines) < 2:
         raise FileError(
-            f"{name}: it must have a first line of names NODE.PARAM, and one line for each point"
+            f"{name}: the first line must name the parameters as NODE.PARAM, and each further line "
+            "must give one point"
         )
     heads = [plain_cell(head.strip()) for head in lines[0]]
     labels = [head.partition(" (")[0] for head in heads]
@@ -528,4 +529,4 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
             )
         check_suffix(save.port, value, path)
         if save.bounds and not isinstance(value, Image):
-            raise UsageError(f"{save.shown}: only an image has a region, not a {value.port_type}")
+            raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")

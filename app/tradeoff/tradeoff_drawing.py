@@ -200,7 +200,8 @@ def page(results: Results) -> str:
         caption += " (dashed line)." if results.varied.is_numeric else "."
     if results.failures():
         caption += (
-            " A cross marks a value at which the figure could not be computed; see the gaps below."
+            " A cross marks a value at which the figure could not be computed; the reasons are "
+            "listed below."
         )
     blocks = [
         Heading(1, title),

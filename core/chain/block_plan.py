@@ -84,9 +84,9 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
     error = DataError(
-        f"{_what(recipe)} needs the whole picture of {shape[0]} × {shape[1]} samples, "
-        f"which does not fit in {amount_text(disk.memory_bytes)} of memory, and cannot run in "
-        "blocks: give more memory, or leave the node out",
+        f"{_what(recipe)} cannot run in blocks, and the whole picture of {shape[0]} × {shape[1]} "
+        f"samples does not fit in {amount_text(disk.memory_bytes)} of memory: give more memory, "
+        "or leave the node out",
         hint="give more with --memory",
     )
     return error if recipe.node is None else error.at(recipe.node)

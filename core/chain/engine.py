@@ -373,10 +373,10 @@ def sum_caution(
         return None
     low, high = bands.band_um
     return Caution(
-        f"the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm, are summed here, and "
-        "the nodes after this one have no bands",
-        "put Focal Plane or Spectral Response before it to sum the bands as a detector does, or "
-        "leave this node out",
+        f"this node sums the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm, so the "
+        "nodes after it have no bands",
+        "put Focal Plane or Spectral Response before this node to sum the bands as a detector "
+        "does, or leave this node out",
         node,
     )
 

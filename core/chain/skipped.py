@@ -111,7 +111,7 @@ class _Account:
         keys = {port: _key(value) for port, value in made.items()}
         unseen = tuple(port for port, key in keys.items() if key not in self.known)
         if unseen:
-            text = f"{', '.join(unseen)} not requested, so the whole array was not computed"
+            text = f"{', '.join(unseen)} not requested, so not computed as a full array"
             yield Skip(name, "unseen", text, ports=unseen)
         yield from self._unchanged(name, set(keys.values()))
         for value in made.values():
@@ -171,7 +171,7 @@ class _Account:
         if recipe.mirrored:
             text = (
                 f"edges mirrored with cosine and sine transforms of {size} samples: "
-                f"no frame of {2 * grid.columns} × {2 * grid.rows} was needed"
+                f"no padded frame of {2 * grid.columns} × {2 * grid.rows} was needed"
             )
             yield Skip(maker, "mirrored_edges", text, share=0.25)
         factors = recipe.factor_x * recipe.factor_y
@@ -196,7 +196,7 @@ class _Account:
                 reach = zip((grid.nyquist_x, grid.nyquist_y), factor.cutoff, strict=True)
                 across, along = (min(1.0, nyquist / cutoff) for nyquist, cutoff in reach)
                 if across * along < 1:
-                    text = "its OTF was evaluated only within the image's band"
+                    text = "its OTF was evaluated only up to the image's Nyquist frequencies"
                     yield Skip(factor.node or "", "pupil_centre", text, share=across * along)
 
 

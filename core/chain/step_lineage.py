@@ -158,7 +158,7 @@ class Lineage:
         if not self.noise.leaves_change:
             raise ValueError(
                 "a step cannot both add noise and make a linear change: split it into two steps, "
-                "or give it a noise_free that makes the same change"
+                "or give it a noise_free function that makes the same change"
             )
 
 

@@ -90,7 +90,7 @@ def _part(network: Network, names: Iterable[str]) -> Network:
 
 
 def _read(text: str, library: Library) -> Network:
-    strange = "contains no copied nodes and no network"
+    strange = "contains neither copied nodes nor a network"
     document = _read_format(text, (NODES_FORMAT, FORMAT), strange)
     document["format"] = FORMAT
     part = parse_network(json.dumps(document), library=library, name_of_source=SOURCE)

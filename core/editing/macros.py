@@ -91,7 +91,7 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
         if (reference.node, reference.parameter) == (path[-1], name) and not itself:
             raise NetworkError(
                 f"{shown(macro)}.{name} cannot be hidden, because {shown(node)}.{parameter_of} "
-                "follows it; unlink that parameter first"
+                f"follows it; unlink {shown(node)}.{parameter_of} first"
             )
     steps: tuple[Operation, ...] = (at_level(path, taking),)
     given = container.nodes[path[-1]].params.get(name, ABSENT)
@@ -132,7 +132,7 @@ def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -
     if any((one.node, one.parameter) == (macro, old) for _, _, one in references(network)):
         if not readable(new):
             raise NetworkError(
-                f"an expression uses {shown(macro)}.{old}: its name must be one word of "
+                f"an expression uses {shown(macro)}.{old}, so the new name must be one word of "
                 f"letters, digits and _, not {shown(new)}"
             )
         changed = changed.with_nodes(

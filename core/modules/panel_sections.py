@@ -60,7 +60,7 @@ def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[
     wrong = [name for section in sections for name in section.mentioned() if name not in parameters]
     wrong += [name for name, places in placed.items() if places > 1]
     if wrong:
-        allowed = f"each of {', '.join(parameters)} once"
+        allowed = f"{', '.join(parameters)}, once each"
         raise TypeError(
             "unknown or repeated parameters in the panel's sections: "
             f"{', '.join(wrong)}; allowed: {allowed}"
@@ -127,13 +127,13 @@ def checked(
     except Cancelled:
         raise
     except ImagechainError as error:
-        result = Caution(f"its check {check} could not run: {error.message}", "correct that first")
+        result = Caution(f"the check {check} could not run: {error.message}", "correct that first")
     except Exception as error:  # a fault of the method alone: network and other checks are sound
         fault = plug_in_error(error, node)
         what = fault.message if fault else with_place(error)
         remedy = "not in the network; the condition was not checked"
-        whose = "an error in its package" if fault else "an error in this program"
-        result = Caution(f"its check {check} failed ({what})", f"{whose}, {remedy}")
+        whose = "an error in the module's package" if fault else "an error in this program"
+        result = Caution(f"the check {check} failed ({what})", f"{whose}, {remedy}")
     if isinstance(result, Recipe):
         return PendingCheck(node, check, result)
     return None if result is None else result.at(node, check)

@@ -241,7 +241,8 @@ class _Survey:
         for loop in cycles(graph):
             way = way_round(f"{shown(node)}.{name}" for node, name in map(tuple, loop))
             for node, name in map(tuple, loop):
-                self._refuse((node, name), f"it follows itself: {way}; give one of these a value")
+                why = f"it follows itself: {way}; give one of these parameters a value"
+                self._refuse((node, name), why)
 
     def evaluate(self) -> None:
         graph: Any = self.followers
@@ -327,7 +328,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")
-        raise ExpressionError(f"{_ONLY}, and this is {what}: {parameter.allowed()}")
+        raise ExpressionError(f"{_ONLY}, but this is {what}: {parameter.allowed()}")
     return parse_expression(text)
 
 

@@ -59,7 +59,8 @@ class Node(_Frozen):
         _check_extra(self.extra, NODE_FIELDS)
         if (self.macro is not None) != (self.module == MACRO):
             raise NetworkError(
-                f"{self.id}: a node of the module {MACRO} needs a macro; no other node may have one"
+                f"{self.id}: a node of the module {MACRO} needs the field macro; other nodes must "
+                "not have it"
             )
         _set(self, params=freeze(self.params), extra=freeze(self.extra))
 
@@ -309,7 +310,7 @@ def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, An
 def marked_twice(marked: tuple[str, ...]) -> NetworkError:
     """The error for several nodes marked as the output."""
     named = ", ".join(map(shown, marked[:8])) + (", …" if marked[8:] else "")
-    return NetworkError(f"{len(marked)} nodes are marked final ({named}); only one may be")
+    return NetworkError(f"{len(marked)} nodes are marked final ({named}); only one is allowed")
 
 
 def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:

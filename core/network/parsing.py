@@ -175,7 +175,7 @@ def read_json(text: str, source: str) -> Any:
     precision, half surrogate pairs, and hostile size and depth are refused.
     """
     if len(text) > LARGEST:
-        raise NetworkError(f"{source}: larger than the {LARGEST >> 20} MiB a network may have")
+        raise NetworkError(f"{source}: larger than {LARGEST >> 20} MiB, the limit for a network")
     try:
         _check_depth(text)
         data = json.loads(

@@ -286,7 +286,7 @@ def _of_macro(node: Node, body: Network, library: Library) -> Iterator[Imagechai
         wrong = _missing(body, declared, kind, end)
         if wrong:
             yield NetworkError(
-                f"its {kind} {shown(name)} names {shown(text(end))}{wrong}", node=node.id
+                f"the macro's {kind} {shown(name)} names {shown(text(end))}{wrong}", node=node.id
             )
     fed = [end for ends in face.inputs.values() for end in ends]
     for kind, named in (("input", fed), ("parameter", list(face.parameters.values()))):
@@ -302,8 +302,8 @@ def _of_macro(node: Node, body: Network, library: Library) -> Iterator[Imagechai
         for name, targets in face.inputs.items():
             if (link.target, link.input) in targets:
                 yield NetworkError(
-                    f"its input {shown(name)} feeds {shown(link.text()[1])}, which already has "
-                    f"a link inside ({link})",
+                    f"the macro's input {shown(name)} feeds {shown(link.text()[1])}, which already "
+                    f"has a link inside the macro ({link})",
                     node=node.id,
                 )
     for name, value in node.params.items():

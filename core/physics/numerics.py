@@ -98,7 +98,7 @@ def brent_root(function: Callable[[float], float], *, low: float, high: float) -
         return before
     if at_best != 0.0 and (at_before > 0.0) == (at_best > 0.0):
         allowed = (
-            f"there must be a zero between them; the values there are {at_before:g} and {at_best:g}"
+            f"the function must have a zero between them; it is {at_before:g} and {at_best:g} there"
         )
         raise ParameterError("low, high", (low, high), allowed)
     other, at_other = before, at_before  # the zero lies between `best` and `other`

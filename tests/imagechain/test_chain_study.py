@@ -96,7 +96,7 @@ def test_a_client_is_taken_and_one_without_tls_warned_of(chain, monkeypatch):
         )
         monkeypatch.setattr("app.study.carrying_out._INNER", ())
         with pytest.warns(
-            UserWarning, match=r"inproc://.* has no TLS: anyone who reaches its port"
+            UserWarning, match=r"inproc://.* has no TLS: anyone who can reach its port"
         ):
             ic.study(chain, scheduler=client, **words)
 

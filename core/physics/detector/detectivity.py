@@ -100,8 +100,8 @@ def d_star(
     events = _noise_events(material, background_K, half_angle_deg)
     if not events > 0.0:
         allowed = (
-            f"too cold to limit the noise of {material.name}, and the material's own noise is not "
-            "known: enter D* instead"
+            f"too cold to limit the noise of {material.name}, whose own noise is not known: enter "
+            "D* instead"
         )
         raise ParameterError("background_K", background_K, allowed, unit="K")
     per_joule = efficiency * np.asarray(wavelength_um, dtype=float) / _HC_J_UM

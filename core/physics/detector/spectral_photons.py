@@ -42,7 +42,7 @@ def efficiency_of_responsivity(
     most = gain * ELEMENTARY_CHARGE_C * wavelength / PHOTON_ENERGY_J_UM
     efficiency = positive("responsivity_A_per_W", responsivity_A_per_W, unit="A/W") / most
     if efficiency > 1.0:
-        allowed = f"at most {most:.4g} at {wavelength:g} µm, where each photon gives an electron"
+        allowed = f"at most {most:.4g} at {wavelength:g} µm, where every photon gives one electron"
         raise ParameterError("responsivity_A_per_W", responsivity_A_per_W, allowed, unit="A/W")
     return efficiency
 

@@ -86,7 +86,7 @@ class Aperture:
         annular_otf(frequency_ratio=0.0, obscuration_ratio=self.obscuration_ratio)
         wavefront_factor(frequency_ratio=0.0, rms_waves=self.rms_waves * scale)
         if not abs(self.defocus_waves * scale) <= MOST_DEFOCUS_WAVES:
-            allowed = f"at most ±{MOST_DEFOCUS_WAVES:g} waves of the shortest wavelength"
+            allowed = f"at most ±{MOST_DEFOCUS_WAVES:g} waves at the shortest wavelength"
             raise ParameterError("defocus_waves", self.defocus_waves, allowed, unit="waves")
 
 
@@ -175,8 +175,8 @@ def wavelengths_needed(
         if error <= tolerance:
             return count, max(error, 1e-15)
     raise DataError(
-        f"{counts[-1]} wavelengths between kinks leave an error of {error:.2g}: give a tolerance "
-        "above that, or fewer waves of defocus"
+        f"{counts[-1]} wavelengths between kinks leave an error of {error:.2g}: give a larger "
+        "tolerance, or fewer waves of defocus"
     )
 
 
@@ -400,7 +400,7 @@ def _fit(function: Callable[[Vector], Vector], low: float, high: float, toleranc
         if rest[size - size // 4] <= tolerance:
             return np.asarray(coefficients[: max(2, int(np.count_nonzero(rest > tolerance / 8)))])
     raise DataError(
-        f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad takes more than "
+        f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad needs more than "
         f"{SIZES[-1]} terms: give a larger tolerance, a number of wavelengths, or fewer waves of "
         "defocus"
     )
@@ -436,7 +436,7 @@ def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDA
         raise ParameterError(
             "rms_wavefront_waves",
             worst,
-            f"0 to {MOST_RMS_WAVES:g} waves of the shortest wavelength, where Shannon's formula "
+            f"0 to {MOST_RMS_WAVES:g} waves at the shortest wavelength, where Shannon's formula "
             "holds; for a larger error, use Exit Pupils",
             unit="waves",
         )

@@ -125,8 +125,8 @@ def known_wavefront(samples: ArrayLike) -> NDArray[np.float64]:
         values[_clear(empty, 1) & _clear(empty, 0)] = np.nan
     if np.isnan(values).all():
         raise DataError(
-            "the wavefront map is 0 or NaN everywhere, so the aperture is unknown: set path to a "
-            "file of the aperture"
+            "the wavefront map is 0 or NaN everywhere, so the aperture is unknown: set path to an "
+            "aperture file"
         )
     return values
 

@@ -82,7 +82,7 @@ HGCDTE_MWIR = Material(
     temperature_K=77.0,
     noise_factor=2,
     resistance_area_ohm_cm2=1e6,
-    source="photovoltaic, Hg0.70Cd0.30Te at 77 K; cut-off from the band gap of Hansen, Schmit and"
+    source="photovoltaic, Hg0.70Cd0.30Te at 77 K; cutoff from the band gap of Hansen, Schmit and"
     " Casselman 1982",
 )
 
@@ -92,7 +92,7 @@ HGCDTE_LWIR = Material(
     quantum_efficiency=0.7,
     temperature_K=77.0,
     noise_factor=4,
-    source="photoconductive, Hg0.79Cd0.21Te at 77 K; cut-off from the band gap of Hansen, Schmit"
+    source="photoconductive, Hg0.79Cd0.21Te at 77 K; cutoff from the band gap of Hansen, Schmit"
     " and Casselman 1982; EG&G Judson 1995: D* about 4e10 in a 60° field of view",
 )
 

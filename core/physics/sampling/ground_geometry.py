@@ -189,7 +189,7 @@ def check_horizon(*, camera: Camera) -> None:
         if not np.all(np.asarray(corners) @ ground_matrix(camera=camera)[2] > 1e-6):
             raise DataError(
                 "the frame reaches past the horizon: use a smaller roll_deg or pitch_deg, or a "
-                "smaller field"
+                "smaller field of view"
             )
         return
     if camera.kind == "line":

@@ -102,7 +102,7 @@ def _periods(
     time = non_negative("integration_time_s", integration_time_s or 0.0, unit="s")
     periods = rate * time
     if not math.isfinite(periods):
-        raise ParameterError("periods in one exposure", periods, "a finite number")
+        raise ParameterError("vibration periods in one exposure", periods, "a finite number")
     rounding = 4.0 * sys.float_info.epsilon * periods
     nearest = round(periods)
     if periods == 0.0 or (nearest >= 1 and abs(periods - nearest) <= rounding):

@@ -81,7 +81,7 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(works, tmp_path):
     ("words", "line"),
     [
         (("huge.npy=3K", "hot.npy=9K"),
-         "huge.npy: the samples are too large to compute their variance"),
+         "huge.npy: the samples are too large for their variance to be computed"),
         (("hot.npy=300K", "small.npy=310K"),
          "small.npy: contains frames of 20 × 20 samples, but hot.npy has 48 × 64: give files "
          "from the same camera"),

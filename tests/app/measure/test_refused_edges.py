@@ -45,7 +45,7 @@ def uneven():
         (edge(0.5, middle=(92.5, 48.0)), "too close to the frame's border"),
         (two_edges(), "another edge too close"),
         (interlaced(), "interlaced"),
-        (uneven(), "its brightness or contrast varies along its length"),
+        (uneven(), "brightness or contrast varies along the edge"),
         (edge(sigma=(5.0, 5.0)), "the edge spread is wider than the clear area around the edge"),
     ],
 )

@@ -232,7 +232,7 @@ def test_bad_input(fails, write, small, picture, tmp_path, words, said):
 def test_what_followed_the_scene_keeps_its_value(works, write, small, picture, tmp_path):
     small["nodes"]["blur"]["params"]["sigma_x_mrad"] = {"expression": "scene.width / 100"}
     done = works("run", write(small), "--scene", picture(GREY))
-    assert "blur.sigma_x_mrad = 0.48 from now on: it was linked to the old scene" in done.stdout
+    assert "blur.sigma_x_mrad is now fixed at 0.48: it was linked to the old scene" in done.stdout
 
 
 def test_solve_and_study_take_it(imagechain, works, write, small, picture, tmp_path):

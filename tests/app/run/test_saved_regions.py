@@ -25,7 +25,7 @@ FAULTS = {
     "too many digits": (f"back.image[{'9' * 5000}:,:]=a.npy", FORM),
     "no image": (
         "init.magnitude[:,:]=a.npy",
-        "--save init.magnitude[:,:]=a.npy: a region needs an image, but this is a magnitude",
+        "--save init.magnitude[:,:]=a.npy: a region needs an image, not a magnitude",
     ),
     "no such port": ("back.imag[0:9,:]=a.npy", "mean image?"),
     "one file twice": ("back.image[0:9,:]=./b.npy", "two outputs"),

@@ -79,9 +79,9 @@ def hostile(**changes):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "contains no copied nodes"),
-        ("[1, 2]", "contains no copied nodes"),
-        (hostile(format="something else"), "contains no copied nodes"),
+        ("", "contains neither copied nodes"),
+        ("[1, 2]", "contains neither copied nodes"),
+        (hostile(format="something else"), "contains neither copied nodes"),
         (hostile(nodes={}), "contains no nodes"),
         (hostile(version=99), "newer Imagechain"),
         (hostile(links=[["a.mtf", "b.magnitude"]]), "gives transfer, but"),
@@ -89,7 +89,7 @@ def hostile(**changes):
             hostile(links=[["a.magnitude", "b.magnitude"], ["b.magnitude", "a.magnitude"]]),
             "form a cycle",
         ),
-        ("{" + " " * (17 << 20), "larger than the 16 MiB"),
+        ("{" + " " * (17 << 20), "larger than 16 MiB"),
     ],
 )
 def test_what_is_no_copy_is_refused_in_one_line(kodak, library, text, reason):

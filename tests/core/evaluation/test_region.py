@@ -165,8 +165,7 @@ class TestEngine:
             (
                 "blur.magnitude",
                 Region(0, 0, 1, 1),
-                "blur: region = '0:1,0:1' is not allowed: only an image has a region, "
-                "not a magnitude",
+                "blur: region = '0:1,0:1' is not allowed: a region needs an image, not a magnitude",
             ),
             ("init.context", Region(0, 0, 1, 1), "not a context"),
         ],

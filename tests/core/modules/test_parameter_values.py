@@ -33,7 +33,7 @@ class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
             "length_mm",
             "3 um",
             "length_mm = '3 um' is not allowed: a number above 0 in mm; to "
-            "convert another unit, begin with '=': '=3 um'",
+            "convert from another unit, begin with '=': '=3 um'",
         ),
         ("range_m", 9, "range_m = 9 m is not allowed: a number from 2 below 9 or empty"),
         ("count", 1.5, "count = 1.5 px is not allowed: a whole number from 1 to 8"),

@@ -99,7 +99,7 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
 def test_only_numbers_follow(place, allowed, document, small_library):
     network = linked(document, small_library, **{place: "init.near_m"})
     (line,) = refusals(network, small_library)
-    assert "only a numeric parameter can follow others, and this is " + allowed in line
+    assert "only a numeric parameter can follow others, but this is " + allowed in line
 
 
 def test_what_is_no_expression_is_refused(document, small_library):

@@ -172,15 +172,17 @@ MACRO = ("nodes", "camera", "macro")
     ("path", "value", "begins"),
     [
         ((*MACRO, "outputs", "image"), "back.picture",
-         "camera: its output image names back.picture, but Back Transform has no output"),
+         "camera: the macro's output image names back.picture, but Back Transform has no output"),
         ((*MACRO, "parameters", "other"), "jitter.sigma",
-         "camera: its parameter other names jitter.sigma, but Jitter MTF has no parameter sigma"),
+         "camera: the macro's parameter other names jitter.sigma, but Jitter MTF has no parameter "
+         "sigma"),
         ((*MACRO, "parameters", "again"), "jitter.sigma_mrad",
          "camera: the inner parameter jitter.sigma_mrad is set by 2 parameters of the macro"),
         ((*MACRO, "inputs", "again"), "init.image",
          "camera: the inner input init.image is fed by 2 inputs of the macro; only one is allowed"),
         ((*MACRO, "inputs", "phase"), "back.phase",
-         "camera: its input phase feeds back.phase, which already has a link inside"),
+         "camera: the macro's input phase feeds back.phase, which already has a link inside the "
+         "macro"),
         (("nodes", "camera", "params"), {"blurr": 1},
          "camera: blurr = 1 is not allowed: Small camera shows no such parameter; did you mean"),
         (("links", 1, 0), "camera.picture",

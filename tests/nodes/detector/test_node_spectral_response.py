@@ -114,7 +114,9 @@ def test_what_knows_no_bands_says_that_it_took_their_sum(tmp_path, cube):
     plan = NodeBench(LIBRARY, tmp_path, nodes, links).plan
     for name in ("sharpen", "kelvin"):
         texts = [caution.message for caution in plan.nodes[name].warnings]
-        assert any("the picture's 20 bands, 3 to 5 µm, are summed" in text for text in texts), texts
+        assert any("this node sums the picture's 20 bands, 3 to 5 µm" in text for text in texts), (
+            texts
+        )
     assert not plan.nodes["read"].warnings
 
 

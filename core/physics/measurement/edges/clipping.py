@@ -55,7 +55,9 @@ def why_clipped(
     """
     if clip_levels is not None:
         share = float(np.mean((value <= clip_levels[0]) | (value >= clip_levels[1])))
-        return f"clipped: {share:.0%} of its samples are at a limit" if share > _SHARE else ""
+        return (
+            f"clipped: {share:.0%} of the edge's samples are at a limit" if share > _SHARE else ""
+        )
     contrast, half = float(np.ptp(value)), 0.5 * float(np.abs(distance).max(initial=0.0))
     sides = value[distance < -_BESIDE], value[distance > _BESIDE]
     if not contrast > 0.0 or not len(sides[0]) or not len(sides[1]):
@@ -84,9 +86,9 @@ def why_clipped(
         least = _FADED * float(other.std()) * np.exp(_SURE / np.sqrt(count)) if fades else 0.0
         if noise > max(_NOISE_SHOWS * contrast, 2.0 * _quantum(near), least, askew):
             return (
-                f"clipped: the samples beside it are constant at {limit:.6g}, the limit of the "
-                f"picture's values, but the step has noise of {noise / contrast:.2g} of the "
-                "contrast"
+                f"clipped: the samples beside the edge are constant at {limit:.6g}, the limit of "
+                f"the picture's values, but the noise of the step is {noise / contrast:.2g} of "
+                "the contrast"
             )
     return ""
 
@@ -113,8 +115,8 @@ def without_those_at(
         for place in reaching:
             if made[place].used:
                 reason = (
-                    f"clipped: {shares[place]:.0%} of its samples are at the limit of the "
-                    f"picture's values, {limit:.6g}, where {many} other edges are clipped"
+                    f"clipped: {shares[place]:.0%} of the edge's samples are at {limit:.6g}, the "
+                    f"limit of the picture's values, at which {many} other edges are clipped"
                 )
                 made[place] = replace(made[place], used=False, why_not=reason)
     return made

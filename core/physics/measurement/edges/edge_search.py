@@ -151,7 +151,7 @@ def _examined(
         return replace(
             rough,
             why_not=f"too little contrast: about {least / noise:.2g} times the noise; an edge "
-            f"of its length needs at least {_least_contrast(piece.length):.2g}",
+            f"of this length needs at least {_least_contrast(piece.length):.2g}",
         )
     room = _frame_reach(piece, picture.shape, clear)
     reach = min(float(room.max()), float(_LARGEST_REACH + _BEYOND))
@@ -202,9 +202,9 @@ def _enough(used: int, examined: int) -> str:
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
-        return f"weaker than others, none of which can be used: {examined} were examined"
+        return f"weaker than others, none of which can be used: {examined} edges were examined"
     return (
-        f"not examined: weaker than {examined} others ({used} of them can be used), or too close "
+        f"not examined: weaker than {examined} other edges ({used} of them usable), or too close "
         "to them"
     )
 
@@ -255,8 +255,8 @@ def _settled(
     if clip_levels is None and between < _LEAST_STEP:
         return replace(
             edge,
-            why_not="clipped: nearly all of its samples have one of two values, so its blur is "
-            "mostly lost",
+            why_not="clipped: nearly all of the edge's samples have one of two values, so the "
+            "blur is mostly lost",
         )
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
         return replace(
@@ -270,7 +270,7 @@ def _settled(
     if fit.gap > _LARGEST_GAP:
         return replace(
             edge,
-            why_not=f"not slanted enough: at {edge.angle_deg:.1f}°, its supersampled profile has "
+            why_not=f"not slanted enough: at {edge.angle_deg:.1f}°, the supersampled profile has "
             f"gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}",
         )
     return replace(edge, used=True)
@@ -380,7 +380,7 @@ def _within_surroundings(
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "its brightness or contrast varies along its length: by "
+                    "brightness or contrast varies along the edge: by "
                     f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
                     "the contrast"
                 )
@@ -414,12 +414,12 @@ def _least_contrast(length: float) -> float:
 def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
     if not contrast > 0.0:
         return (
-            "too little contrast: away from the edge, its bright side is no brighter than the "
+            "too little contrast: away from the edge, the bright side is no brighter than the "
             "dark side"
         )
     times = contrast / max(noise_sigma, 1e-300)
     return (
-        f"too little contrast: {times:.2g} times the noise; an edge of its length needs at "
+        f"too little contrast: {times:.2g} times the noise; an edge of this length needs at "
         f"least {_least_contrast(length):.2g}"
     )
 
@@ -463,7 +463,7 @@ def _sides(
         inner = value[(away > 0.5 * reach) & (away <= 0.75 * reach)]
         outer = value[(away > 0.75 * reach) & (away <= reach)]
         if len(inner) < 8 or len(outer) < 8:
-            return "too little clear area beside it"
+            return "too little clear area beside the edge"
         error = math.sqrt(inner.var() / len(inner) + outer.var() / len(outer))
         levels.append(float(np.mean(np.concatenate([inner, outer]))))
         variances.append(float((inner.var() + outer.var()) / 2.0))
@@ -536,7 +536,7 @@ def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
             return replace(
                 edge,
                 used=False,
-                why_not=f"soft in the scene: its spread is {edge.softness:.2g} samples wide, "
+                why_not=f"soft in the scene: the edge spread is {edge.softness:.2g} samples, "
                 f"compared with {sharpest:.2g} for sharper edges",
             )
     return edge

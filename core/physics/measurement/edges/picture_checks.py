@@ -32,7 +32,7 @@ def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = Fa
     shift, shift_error = row_shift(picture=picture)
     if abs(shift) > max(_LEAST_SHIFT, _SURE * shift_error):
         return (
-            f"interlaced: its odd rows are shifted by {abs(shift):.2g} samples relative to the "
+            f"interlaced: the odd rows are shifted by {abs(shift):.2g} samples relative to the "
             "even rows; measure one field"
         )
     interpolated = why_interpolated(picture=picture)

@@ -131,8 +131,8 @@ def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
     margin = float(min(middle.min(), columns - 1 - middle.max()))
     if margin < _MARGIN:
         raise DataError(
-            f"the edge leaves the region, or comes within {_MARGIN:g} samples of its side: "
-            "choose a region with the edge in the middle, from end to end"
+            f"the edge leaves the region or comes within {_MARGIN:g} samples of the region's side: "
+            "choose a region in which the edge runs through the middle from end to end"
         )
     half = min(margin, max(_MARGIN, 2.5 * _width(signal, middle)))
     away = np.arange(columns) - middle[:, np.newaxis]
@@ -275,7 +275,7 @@ def _edge_spread(
     weight = slope**2
     total = float(np.sum(weight))
     if not total > 0.0:
-        raise DataError("no edge found: the region is uniform across it")
+        raise DataError("no edge found: the region is uniform across the expected edge")
     off = off - float(np.sum(weight * off)) / total  # all alike they only move the edge
     values = mean
     for _ in range(_CENTRINGS):

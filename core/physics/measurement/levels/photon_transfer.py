@@ -226,8 +226,8 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
     for field in [*levels, *([dark] if dark is not None else [])]:
         if not all(map(math.isfinite, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))):
             raise DataError(
-                "the samples of a level are too large to compute their variance; cameras give "
-                "a few million at most"
+                "the samples of a level are too large for their variance to be computed; camera "
+                "samples reach a few million at most"
             )
     brightest = max(level.mean_dn for level in levels)
     if dark is not None and dark.mean_dn >= brightest:

@@ -116,7 +116,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     falls = np.diff(means)[later] * rise[0] <= 0.0
     if not abs(rise[0]) > _LEAST_RISE * of_rise[0] or falls.any() or (slope * rise[0] <= 0.0).any():
         raise DataError(
-            "with temperature, the mean neither rises nor falls steadily by more than its noise: "
+            "the mean does not rise or fall steadily with temperature by more than its noise: "
             + ", ".join(f"{mean:.6g} at {at:.6g} K" for mean, at in zip(means, kelvin, strict=True))
         )
     allowed = np.full(len(slope), _BAND * span**2)
@@ -151,7 +151,7 @@ def filled(frame: NDArray[np.floating], good: Mask) -> Vector:
     if good.all():
         return np.asarray(frame, np.float64)
     if not good.any():
-        raise DataError("no pixel behaves like the others: these are not uniform fields")
+        raise DataError("no pixel responds like the others: these are not frames of uniform fields")
     samples = np.array(frame, np.float64)
     known, wanted = np.flatnonzero(good), np.flatnonzero(~good)
     after = np.searchsorted(known, wanted).clip(1, max(known.size - 1, 1)) if known.size > 1 else 0

@@ -184,9 +184,9 @@ def _measured(
             spread = 0.5 * _CONFIDENCE * error / at_mean
             known = f"{math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
         refusal = (
-            f"the flat areas, {len(level)} blocks of level {level.min():.4g} to {level.max():.4g}, "
-            f"do not determine the noise at the picture's mean level, {mean:.4g}: {known}; "
-            f"allowed: at most {_WITHIN:.0%}"
+            f"the flat areas ({len(level)} blocks at levels {level.min():.4g} to "
+            f"{level.max():.4g}) do not determine the noise at the picture's mean level, "
+            f"{mean:.4g}: {known}; allowed: at most {_WITHIN:.0%}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2
@@ -202,8 +202,8 @@ def _measured(
         reason = "the noise varies across the picture by more than the signal level explains"
         remarks.append(
             reason
-            + ": sigma is the root of the mean variance (the camera filters noise, or there is "
-            "fine texture)"
+            + ": sigma is the square root of the mean variance (the camera filters noise, or there "
+            "is fine texture)"
         )
         figures = {"gain_reason": reason, "read_noise_reason": reason}
     sigma = math.sqrt(at_mean)
@@ -215,7 +215,7 @@ def _measured(
     for name, part in (("rows", rows), ("columns", columns)):
         if part is not None and part.significant and part.sigma > sigma:
             remarks.append(
-                f"whole {name} differ by {part.sigma:.3g}, more than the noise of one sample: "
+                f"whole {name} differ by {part.sigma:.3g}, more than the noise of one sample; "
                 "this may be a pattern in the scene"
             )
     return PictureNoise(
@@ -251,21 +251,21 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):
         return (
             "the noise of the flattest areas rises towards high frequencies (low frequencies "
-            f"have {1 + structure.coarse:.2f} of their power): the picture was "
+            f"have {1 + structure.coarse:.2f} times the power of high ones): the picture was "
             "sharpened after the noise was added"
         )
     if abs(flat.lean) > _WHITE + 3.0 * flat.lean_error:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
         return (
             f"the noise of the flattest areas falls more along the {first} than along the "
-            f"{then} (their middle frequencies differ by {abs(flat.lean):.2f} of the high "
-            f"frequencies' power): the picture was blurred along the {first} after the noise "
+            f"{then} (the power of the middle frequencies differs by {abs(flat.lean):.2f} of the "
+            f"power of the high ones): the picture was blurred along the {first} after the noise "
             "was added, or there is texture everywhere"
         )
     share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)
     if not flat.even and (share < _LEAST_UNEVEN or structure.coarse > _COARSE_UNEVEN):
         return (
-            f"no areas of uniform noise: {share:.0%} of the picture seem flat, and their low "
+            f"no areas of uniform noise: {share:.0%} of the picture seems flat, but its low "
             f"frequencies have {1 + structure.coarse:.2f} times the power of the high ones: "
             "there is texture everywhere"
         )

@@ -62,7 +62,7 @@ def test_clipped_edge():
     assert refused(picture.clip(48.0, 56.0)).startswith("clipped: ")
     assert refused(np.minimum(picture, 55.5)).startswith("clipped: 100% of the samples on one side")
     both = noisy_edge(noise=0.1).clip(49.0, 55.0)  # no noise is left on either side
-    assert refused(both).startswith("clipped: the samples beside it")
+    assert refused(both).startswith("clipped: the samples beside the edge")
     assert find_edges(picture=noisy_edge(noise=0.0))[0].used
     assert refused(picture, clip_levels=(0.0, 56.0)).startswith("clipped: ")
     assert find_edges(picture=picture, clip_levels=(40.0, 60.0))[0].used
@@ -72,7 +72,7 @@ def test_clipped_edge():
     ("noise", "limits", "words"),
     [
         (0.08, (48.8, 60.0), "of the samples on one side are at the limit"),
-        (0.24, (48.8, 55.2), "but the step has noise of"),
+        (0.24, (48.8, 55.2), "but the noise of the step is"),
     ],
 )
 def test_edge_whose_ends_are_cut_off(noise, limits, words):
@@ -151,7 +151,7 @@ def test_interlaced_picture():
     picture[1::2] = (picture[1::2] + np.roll(picture[1::2], 1, axis=1)) / 2.0
     picture = picture[:, 2:] + np.random.default_rng(1).normal(0.0, 0.05, picture[:, 2:].shape)
     reason = refused(picture)
-    assert reason.startswith("interlaced: its odd rows are shifted by ")
+    assert reason.startswith("interlaced: the odd rows are shifted by ")
     assert float(reason.split()[7]) == pytest.approx(0.5, abs=0.1)
 
 
