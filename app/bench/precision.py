@@ -190,10 +190,10 @@ def pupil_sampling(settings: Settings) -> list[Table]:
     text = (
         "Exact is the default: a sampled pupil never reaches the small error of the closed form, "
         "however long it takes. Pupils from files and pupils with a wavefront error have no "
-        "closed form and are sampled, by default on 512². Bilinear is the default interpolation: "
+        "closed form and are sampled, by default at 512². Bilinear is the default interpolation: "
         "it weights the four neighbouring lags the same way in every direction. Linear over three "
-        "has a smaller error with coarse samples, because its facets follow the cusp at zero lag. "
-        "`none` only shows the raw autocorrelation; it does not filter the picture."
+        "lags has a smaller error with coarse samples, because its facets follow the cusp at zero "
+        "lag. `none` only shows the raw autocorrelation; it does not filter the picture."
     )
     title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
@@ -220,7 +220,7 @@ def wavelengths(settings: Settings) -> list[Table]:
     rows = []
     for aperture, radius in {
         "Kodak's": RADIUS_MM / sample_mm,
-        "small, cutoff in the band": small,
+        "small, cutoff at half Nyquist": small,
     }.items():
         means = [truth.disc_band_mean(mp, float(f), 2 * radius * sample_mm, (3, 5)) for f in xi]
         for count in (1, 3, 9, 33) if settings.quick else (1, 2, 3, 5, 9, 17, 33, 129):
@@ -232,9 +232,9 @@ def wavelengths(settings: Settings) -> list[Table]:
             rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
     text = (
         "The default is 1, the mean wavelength of the band: over the picture's frequencies, the "
-        "OTF of an aperture such as Kodak's is almost linear in λ. Use more if the cutoff falls "
-        "among these frequencies, as for the small aperture. The reference value is an adaptive "
-        "integral over the band."
+        "OTF of an aperture such as Kodak's is almost linear in λ. Use more wavelengths if the "
+        "cutoff falls among these frequencies, as for the small aperture. The reference value is "
+        "an adaptive integral over the band."
     )
     chart = Chart("largest error", "choice", "aperture")
     return [Table("wavelengths", title, heads, rows, text, chart)]
@@ -313,8 +313,8 @@ def poisson(settings: Settings) -> list[Table]:
         "difference between the cumulative distributions of the deviates and of Poisson; 95 of "
         f"100 fields of {settings.size}² exact deviates stay below {chance:.1g}."
     )
-    title = f"Poisson deviates, and normal deviates instead: {settings.size}² samples"
-    name = f"{title}, against the mean; below {chance:.1g}: chance"
+    title = f"Exact and normal deviates for Poisson noise: {settings.size}² samples"
+    name = f"{title}, against the mean; distances below {chance:.1g} are chance"
     chart = Chart("Kolmogorov distance from Poisson", "mark", "choice", title=name)
     return [Table("poisson", title, heads, rows, text, chart)]
 

@@ -59,7 +59,8 @@ def _filled(text: str) -> str:
 @options.command()
 @options.argument(
     "key", "[KEY|WORD]",
-    "only this module, or modules with this word in their key, title or summary", required=False,
+    "list only this module, or modules with this word in their key, title or summary",
+    required=False,
 )  # fmt: skip
 @options.json_flag
 def modules(_stop: Stop, key: str, json: bool) -> None:
@@ -197,7 +198,7 @@ def _default(parameter: Parameter) -> str:
 
 @options.command()
 @options.argument(
-    "word", "[WORD]", "only presets with this word in their name, description or module",
+    "word", "[WORD]", "list only presets with this word in their name, description or module",
     required=False,
 )  # fmt: skip
 @options.json_flag

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 )
 @options.option(
     "--memory", "SIZE",
-    "memory for pictures, such as 2GB or 500MB (default: half of what the process may use). If "
+    "memory for pictures, such as 2GB or 500MB (default: half of the memory available). If "
     "a network needs more, it runs in blocks with its pictures on disk; the results are the same",
     values.size_in_bytes, to="memory_bytes", group=options.RARER)  # fmt: skip
 @options.option(

@@ -153,7 +153,7 @@ _tls = partial(options.option, group=options.RARER)
 @options.option(
     "--scheduler", "ADDRESS",
     "compute on the workers of a Dask scheduler, such as tls://10.0.0.1:8786; the workers need "
-    "Imagechain and must see the same files", default="", group=options.RARER)  # fmt: skip
+    "Imagechain and access to the same files", default="", group=options.RARER)  # fmt: skip
 @_tls("--tls-ca-file", "FILE", "CA certificate for a scheduler at tls://")
 @_tls("--tls-cert", "FILE", "certificate for a scheduler at tls://")
 @_tls("--tls-key", "FILE", "private key for a scheduler at tls://")

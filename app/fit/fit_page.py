@@ -61,7 +61,7 @@ def _pictures(result: FitResult) -> list[Block]:
             "Patches of the picture, the same patches from the fitted network, and their "
             "difference in units of the noise's standard deviation. Where the network is right, "
             "the difference is only noise; a pattern along the edge means that the network lacks "
-            "an effect. Above each patch: the direction of the normal.",
+            "an effect. Above each patch: the direction of the edge's normal.",
             "real and simulated patches",
         ),
         Drawn(
@@ -132,11 +132,13 @@ def _noise(result: FitResult) -> list[Block]:
     if not isinstance(result.noise, NoiseComparison):
         return [*blocks, Text(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
     how = (
-        "fitted together with the edges" if result.noise.fitted else "no free parameter changes it"
+        "fitted together with the edges"
+        if result.noise.fitted
+        else "not fitted: no free parameter affects the noise"
     )
     caption = (
-        "Sample variance in flat areas against level, with its error, and the prediction from the "
-        f"network's noise budget ({how})."
+        "Sample variance in flat areas against level, with its standard error, and the prediction "
+        f"from the network's noise budget ({how})."
     )
     return [*blocks, Drawn(noise_png(result.noise), caption, "noise against level")]
 
@@ -319,8 +321,8 @@ def parameter_rows(result: FitResult) -> list[tuple[str, str, str]]:
 def fit_text(result: FitResult) -> str:
     chi2 = result.chi2_per_degree
     lines = [
-        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  (of "
-        f"{result.fit.misfit.degrees} degrees; 1: the residuals are only noise)"
+        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  "
+        f"({result.fit.misfit.degrees} degrees of freedom; 1: the residuals are only noise)"
     ]
     if isinstance(result.noise, NoiseComparison):
         how = "fitted too" if result.noise.fitted else "with the network's own noise"

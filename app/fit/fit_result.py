@@ -232,7 +232,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
             "no values in the ranges give edges of this shape: the residuals are "
             f"{100.0 * fit.misfit.material:.2g} % of a step, {math.sqrt(excess):.2g} times the "
             "noise; the picture may be compressed, interlaced, sharpened or nonlinear, or the "
-            "chain lacks a stage: no parameter that acts on the edges is determined",
+            "chain lacks a stage, so no parameter that acts on the edges is determined",
         ]
     left = f"{math.sqrt(excess):.2g} times"
     lines += [
@@ -253,6 +253,6 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     return [
         *lines,
         f"the chain does not reproduce these edges: the residuals are {left} the noise; the "
-        "standard errors are widened to match, but the values may be off by more: add the "
+        "standard errors are widened to match, but the values may be off by more; add the "
         "missing effect to the chain and fit again",
     ]

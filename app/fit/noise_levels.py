@@ -40,11 +40,13 @@ class NoiseLevels:
         self._engine, self._work = engine, work
         sources = find_chain(plan).sources
         if len(sources) != 1:
-            raise DataError(f"the final picture comes from {len(sources)} pictures, not from one")
+            raise DataError(
+                f"the final picture comes from {len(sources)} source pictures, not from one"
+            )
         self._port = sources[0]
         scene: Image = plan.output(self._port)
         if scene.bands is not None:
-            raise DataError(f"{self._port} has wavelength bands, and a uniform field has none")
+            raise DataError(f"{self._port} has wavelength bands, but a uniform field has none")
         self._scene = scene
         values = work.value(scene.recipe)
         start = float(np.mean(values, dtype=np.float64)) or 1.0

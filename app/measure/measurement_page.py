@@ -72,7 +72,7 @@ def _edges(measured: PictureMeasurement) -> list[Block]:
     for preview in measured.previews:
         name = measured.picture_name(preview.picture)
         caption = (
-            f"{name}. The tables below use the same numbers. Grey levels span the 0.1 % to "
+            f"{name}. The tables below use the same edge numbers. Grey levels span the 0.1 % to "
             "99.9 % quantiles."
         )
         drawn = edges_png(measured, preview)
@@ -128,9 +128,9 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
-                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, those near ±90° "
-                "the vertical one. The standard error is the error of the pooled MTF in this "
-                "direction if only this edge were used. Edges in other directions show "
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, edges near ±90° "
+                "the vertical one. The standard error applies to the pooled MTF in this "
+                "direction if only this edge is used. Edges in other directions show "
                 "how the blur changes with direction."
             ),
         ]

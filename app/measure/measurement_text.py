@@ -105,7 +105,7 @@ def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
                 "read_noise",
                 read,
                 unit or "DN",
-                f"dark noise, at level {noise.offset_dn:.6g}",
+                f"noise at the dark level, {noise.offset_dn:.6g}",
             )
         )
     return rows
@@ -126,8 +126,8 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
-        f"{file.name}: {_GAMMA[file.gamma]}: they are treated as linear; if the camera applied a "
-        "gamma, the figures are wrong"
+        f"{file.name}: {_GAMMA[file.gamma]}, but they are treated as linear; if the camera "
+        "applied a gamma, the figures are wrong"
         for file in files
         if file.gamma and not file.is_lossy
     ]

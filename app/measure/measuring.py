@@ -180,7 +180,7 @@ def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
     mean = float(picture.mean())
     if not offset < mean:
         raise DataError(
-            f"{name}: its mean level, {mean:.6g}, is not above the dark level, {offset:.6g}: give "
+            f"{name}: the mean level, {mean:.6g}, is not above the dark level, {offset:.6g}: give "
             "dark frames with --dark, or the dark level with --offset-dn"
         )
 
@@ -192,7 +192,7 @@ def _refuse_extreme(picture: Matrix, name: str) -> None:
     if most > _LARGEST or 0.0 < high - low < 1.0 / _LARGEST:
         raise DataError(
             f"{name}: samples from {low:.4g} to {high:.4g} cannot be measured; allowed: up to "
-            f"{_LARGEST:g}, with differences of {1.0 / _LARGEST:g} or more: scale them"
+            f"{_LARGEST:g}, with differences of {1.0 / _LARGEST:g} or more; scale the samples"
         )
 
 
@@ -308,7 +308,7 @@ def with_frames(
         frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
         frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
         frames.step, frames.levels,
-        ("noise means temporal noise, without fixed patterns",), missing,
+        ("the noise figures are temporal noise, without fixed patterns",), missing,
     ), ""  # fmt: skip
 
 
@@ -395,8 +395,7 @@ def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
     words = "horizontal" if direction == "x" else "vertical"
     if not near:
         return (
-            f"no straight edge was found with its normal within {LARGEST_ANGLE_DEG:g}° of the "
-            f"{words}"
+            f"no straight edge with a normal within {LARGEST_ANGLE_DEG:g}° of the {words} was found"
         )
     if removed := sum(edge.why_not == BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"

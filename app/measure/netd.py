@@ -164,7 +164,7 @@ def _rows(measured: NetdMeasurement) -> list[Row]:
                 "µm",
                 "effective wavelength, from fitting Planck's law to the means",
             ),
-            ("wavelength_error_um", error, "µm", "its standard error"),
+            ("wavelength_error_um", error, "µm", "standard error of the wavelength"),
         ]
     return [
         (

@@ -20,7 +20,7 @@ from nodes.files.read import check_finite, read_info, read_pixels
 
 Matrix = NDArray[np.float64]
 
-NO_DATA = "replace them by one number, such as 0: constant areas are left out"
+NO_DATA = "replace them with one number, such as 0; constant areas are not measured"
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Shares of red, green and blue in luminance (ITU-R BT.709)."""
 _COLOURS = ("R", "G", "B")

@@ -23,7 +23,7 @@ Gamma = Literal["", "possible", "usual"]
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
 BY_HAND = "removed by you"
-WITH_LOSS = "compressed with loss, which changed its fine detail and noise"
+WITH_LOSS = "compressed with loss (fine detail and noise are altered)"
 
 
 @dataclass(frozen=True, eq=False)

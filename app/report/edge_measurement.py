@@ -337,8 +337,8 @@ def _caption(published: str | None) -> str:
     )
     if published:
         text += (
-            " The row average is the method of the thesis. The thesis prints its curves for "
-            "pictures of real cameras without numbers, so they are not drawn here."
+            " The row average is the method of the thesis. The thesis gives no numbers for "
+            "its curves from pictures of real cameras, so they are not drawn here."
         )
     return named(text, published)
 

@@ -505,13 +505,13 @@ _KINDS = {
     ),
     "mirrored_edges": (
         "padding of the frame's edges",
-        "cosine transforms mirror the frame already",
+        "cosine transforms already mirror the frame",
         "{share} % of the padded samples transformed",
     ),
     "folded": (
         "the picture before its pixels are combined",
         "the spectrum is folded instead",
-        "inverse of {share} % of the samples",
+        "inverse transform of {share} % of the samples",
     ),
     "region": ("pictures outside a region", "only the region is used", "{share} % computed"),
     "unchanged": (

@@ -233,7 +233,11 @@ class _Replacing:
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
             whose = (
-                "" if own.band_um else " from its header" if header_band(info, 0) else " as before"
+                ""
+                if own.band_um
+                else " from the file's header"
+                if header_band(info, 0)
+                else " as before"
             )
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)
@@ -450,7 +454,7 @@ class _Replacing:
             if name in layout:
                 layout[source] = (layout[name][0], layout[name][1] + 160.0)
             title = declaration(self._library[self._converter]).title
-            self._lines.append(f"{title} ({source}) converts it to radiance")
+            self._lines.append(f"{title} ({source}) converts the scene to radiance")
         links = [
             replace(link, source=source, output="image") if link.source == name else link
             for link in links

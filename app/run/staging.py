@@ -155,8 +155,8 @@ class Staging:
         now = real_target(target)
         if self._claimed.get(target, now) != now:
             raise FileError(
-                f"cannot write {target}: since the run began, it or a folder in its path has "
-                f"become a link to {now}"
+                f"cannot write {target}: since the run began, the file or a folder in its path "
+                f"has become a link to {now}"
             )
 
     def _place(self, real: Path, target: Path) -> Path:

@@ -171,7 +171,7 @@ def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: 
         if plane and disk.wants(value.grid.shape, policy.dtype):
             raise UsageError(
                 f"--save {port}: a {value.port_type} of {value.grid.rows} × {value.grid.columns} "
-                "samples must be computed all at once but does not fit into --memory "
+                "samples must be computed all at once but does not fit in --memory "
                 f"{amount_text(disk.memory_bytes)}"
             )
 

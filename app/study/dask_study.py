@@ -120,8 +120,8 @@ def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
             )
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise UsageError(
-                f"--scheduler {scheduler:.120}: no Dask scheduler answers there"
-                + (", or not with these certificates" if tls else "")
+                f"--scheduler {scheduler:.120}: no Dask scheduler answers at this address"
+                + (", or it rejects these certificates" if tls else "")
             ) from error
         with client:
             yield client

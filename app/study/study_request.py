@@ -151,7 +151,7 @@ def listed_points(
         axis = Variation(node, parameter, given=label)
         if head not in (label, axis.title):
             unit = axis.unit or "none"
-            raise FileError(f"{name}: column {head}: the unit must be the parameter's, {unit}")
+            raise FileError(f"{name}: column {head}: the unit must be {unit}, the parameter's unit")
         columns[place] = [
             from_here(_read(axis, cell, f"{name}: line {number}"), parameter, path.parent)
             for number, cell in enumerate(columns[place], 2)
@@ -525,7 +525,7 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
         path = Path(save.text)
         if is_cube(value, path):
             raise UsageError(
-                f"{save.shown}: a study writes pictures, not cubes: .tif, .exr or .npy"
+                f"{save.shown}: a study writes pictures (.tif, .exr or .npy), not cubes"
             )
         check_suffix(save.port, value, path)
         if save.bounds and not isinstance(value, Image):

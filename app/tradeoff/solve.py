@@ -342,14 +342,14 @@ class _Words:
                 f"{self._value(other)} gives {self._figure(gives)}"
             )
         if solution.others:
-            text += f"; so does a value near {', '.join(map(self._value, solution.others))}"
+            text += f"; other solutions are near {', '.join(map(self._value, solution.others))}"
         return text
 
     def none(self, solution: _Solution, reasons: Mapping[float, str]) -> str:
         name = self.figure.text
         if not solution.seen:
             why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
-            return f"{name} has no value for any {self.port}{why}"
+            return f"{name} has no value at any {self.port}{why}"
         first, last = solution.seen[0], solution.seen[-1]
         text = (
             f"no value of {self.port} from {self._value(first[0])} to {self._value(last[0])} makes "
@@ -363,7 +363,7 @@ class _Words:
             text += f", at {word} {self._at(extreme)}"
         for (inside, _), without in solution.edges:
             side = "above" if without > inside else "below"
-            text += f"; {side} {self._value(inside)} {name} has no value"
+            text += f"; {side} {self._value(inside)}, {name} has no value"
             text += f": {reasons[without]}" if without in reasons else ""
         return text
 

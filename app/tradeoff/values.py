@@ -150,7 +150,9 @@ def _range(setting: Assignment, parameter: Parameter, most: int, *, drawn: bool)
     low, high = float(parts[0]), float(parts[1])
     whole = parameter.kind == "integer"
     if not np.isfinite([low, high]).all() or low == high or (drawn and low > high):
-        raise UsageError(f"{said}: FROM and TO must be two numbers{', FROM below TO' * drawn}")
+        raise UsageError(
+            f"{said}: FROM and TO must be different numbers{', FROM below TO' * drawn}"
+        )
     if log and (low <= 0 or high <= 0):
         raise UsageError(f"{said}: log needs FROM and TO above 0")
     if drawn:

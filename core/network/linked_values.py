@@ -143,8 +143,8 @@ def with_references(node: Node, moved: Moved) -> Node:
         if isinstance(text, str) and (new := rewritten(text, moved)) != text:
             if len(new) > LONGEST:
                 raise NetworkError(
-                    f"an expression that uses it would have {len(new)} characters; at most "
-                    f"{LONGEST} are allowed"
+                    f"an expression would become {len(new)} characters long; at most {LONGEST} "
+                    "are allowed"
                 )
             changed[name] = {**raw, EXPRESSION: new}
     return replace(node, params={**node.params, **changed}) if changed else node

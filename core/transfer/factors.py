@@ -77,7 +77,7 @@ class Law:
         bound: dict[str, Any] = {}
         for name, value in self.parameters:
             if isinstance(value, Recipe):
-                assert work is not None, "a law with a recipe bound needs work to evaluate it"
+                assert work is not None, "a law bound to a recipe can be evaluated only with `work`"
                 bound[name] = work.value(value)
             else:
                 bound[name] = value

@@ -313,7 +313,7 @@ def _no_range() -> ParameterError:
     return ParameterError(
         "range_m",
         None,
-        "the range of the path: set it here, put this node after a Camera with range_m, or "
+        "set the range of the path here, put this node after a Camera with range_m, or "
         "connect the context of Init & Trans",
         unit="m",
     )

@@ -175,8 +175,8 @@ def wavelengths_needed(
         if error <= tolerance:
             return count, max(error, 1e-15)
     raise DataError(
-        f"{counts[-1]} wavelengths between kinks leave an error of {error:.2g}: give a larger "
-        "tolerance, or fewer waves of defocus"
+        f"{counts[-1]} wavelengths between kinks of the OTF leave an error of {error:.2g}: give a "
+        "larger tolerance, or fewer waves of defocus"
     )
 
 

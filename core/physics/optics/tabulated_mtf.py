@@ -69,7 +69,7 @@ def from_zero(
     if normalised:
         if not values[0] > 0.0:
             raise DataError(
-                f"the table has {values[0]:g} at frequency 0 and cannot be normalised by it"
+                f"the table has {values[0]:g} at frequency 0, so it cannot be normalised"
             )
         values = tuple(value / values[0] for value in values)
     if abs(values[0] - at_zero) > ROUNDED:

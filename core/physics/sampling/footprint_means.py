@@ -181,7 +181,7 @@ def _integrals(
     bottom = max(int(np.ceil(max(low.max(), high.max()))), top + 1)
     reach = np.clip(borders.x_at(np.array([[top], [bottom]], np.float64)), 0.0, wide)
     if not np.all(np.isfinite(reach)):
-        raise FloatingPointError("invalid borders of a footprint")
+        raise FloatingPointError("the borders of a footprint are invalid")
     left = min(int(reach.min()), wide - 1) - PAD
     right = max(int(np.ceil(reach.max())) + PAD, left + PAD + 1)
     if scene is None:

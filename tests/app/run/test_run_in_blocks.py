@@ -174,7 +174,7 @@ def test_saved_pictures_are_streamed(imagechain, works, small, write, scene, tmp
         (
             ["--save", "blur.magnitude=b.npy"],
             "--save blur.magnitude: a magnitude of 99 × 84 samples must be computed all at once "
-            "but does not fit into --memory 50 kB",
+            "but does not fit in --memory 50 kB",
         ),
         (["--scratch", "away"], "cannot write to the scratch folder away: No such file or dir"),
     ],

@@ -40,7 +40,7 @@ def test_says_what_was_not_computed(imagechain, write, small, tmp_path):
         "blur",
         "jitter",
         "back (25 % of the padded samples transformed)",
-        "pixels (inverse of 25 % of the samples)",
+        "pixels (inverse transform of 25 % of the samples)",
         "init (magnitude, phase), back (image)",
     ]
     assert "neutral: skipped" in page

@@ -82,7 +82,7 @@ def test_every_table_begins_with_1(frequencies, values, options, expected):
             (0.0, 2.0),
             (0.0, 0.4),
             {"at_zero": 1.0, "normalised": True},
-            "cannot be normalised by it",
+            "so it cannot be normalised",
         ),
     ],
 )
