@@ -37,8 +37,8 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
     """
     if magnitude.grid.shape != phase.grid.shape:
         raise DataError(
-            f"magnitude is {magnitude.grid.columns} × {magnitude.grid.rows} samples and phase "
-            f"{phase.grid.columns} × {phase.grid.rows}: both must have the same size"
+            f"magnitude has {magnitude.grid.columns} × {magnitude.grid.rows} samples and phase "
+            f"has {phase.grid.columns} × {phase.grid.rows}: both must have the same size"
         )
     grid = magnitude.grid
     like = magnitude.image or phase.image

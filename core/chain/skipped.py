@@ -102,10 +102,10 @@ class _Account:
 
     def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:
         if planned.node.disabled:
-            yield Skip(name, "disabled", "switched off: its input is passed on")
+            yield Skip(name, "disabled", "switched off: the input is passed on")
             return
         if is_neutral(planned):
-            yield Skip(name, "identity", "its setting changes nothing: its input is passed on")
+            yield Skip(name, "identity", "the settings change nothing: the input is passed on")
             return
         made = _made(planned)
         keys = {port: _key(value) for port, value in made.items()}

@@ -413,10 +413,10 @@ def where_absent(key: str, library: Library) -> str:
         return ""
     fault = library.faults.get(package) if isinstance(library, PackagedLibrary) else None
     if fault is not None:
-        return f"it belongs to the package {package}, which is installed, but {fault}"
+        return f"the module belongs to the package {package}, which is installed, but {fault}"
     if any(package_of(other) == package for other in library):
         return f"the package {package} is installed but has no such module"
-    return f"it belongs to the package {package}, which is not installed here"
+    return f"the module belongs to the package {package}, which is not installed here"
 
 
 def no_module(key: str, library: Library) -> str:

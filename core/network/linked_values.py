@@ -241,7 +241,7 @@ class _Survey:
         for loop in cycles(graph):
             way = way_round(f"{shown(node)}.{name}" for node, name in map(tuple, loop))
             for node, name in map(tuple, loop):
-                why = f"it follows itself: {way}; give one of these parameters a value"
+                why = f"the parameter follows itself: {way}; give one of these parameters a value"
                 self._refuse((node, name), why)
 
     def evaluate(self) -> None:
@@ -260,7 +260,7 @@ class _Survey:
             )
             coerced = parameter.coerce(value)
         except ParameterError:
-            self._refuse(place, f"it gives {_amount(value, parameter)}")
+            self._refuse(place, f"the expression gives {_amount(value, parameter)}")
         except ExpressionError as error:
             self._refuse(place, error.message)
         else:

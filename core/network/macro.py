@@ -281,7 +281,7 @@ def _entries(extra: Mapping[str, Any], kind: str, where: str) -> list[tuple[str,
     for name in entries:
         if not name.strip() or any(mark in name for mark in ".=/") or not name.isprintable():
             raise NetworkError(
-                f"{where}.{kind} has the name {name!r:.80}: it must not be blank or contain "
+                f"{where}.{kind} has the name {name!r:.80}: a name must not be blank or contain "
                 "'.', '=', '/' or a control character"
             )
     return list(entries.items())

@@ -150,7 +150,7 @@ class Sunlight:
         scale = 1.0
         if self.illuminance_lux is not None:
             if not self.unscaled_lux:
-                allowed = "no light from 0.38 to 0.78 µm can be scaled to it"
+                allowed = "the spectrum has no light from 0.38 to 0.78 µm to scale"
                 if self.unscaled_lux is None:
                     allowed = "the spectrum must cover 0.38 to 0.78 µm"
                 elif not (self.elevation_deg or self.sky):

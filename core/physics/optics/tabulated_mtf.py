@@ -62,8 +62,8 @@ def from_zero(
     if frequencies[0] > 0.0:
         if normalised:
             raise DataError(
-                f"the table begins at frequency {frequencies[0]:g}: it has no value at 0 to "
-                "normalise by"
+                f"the table begins at frequency {frequencies[0]:g}, so there is no value at 0 "
+                "to normalise by"
             )
         return (0.0, *frequencies), (at_zero, *values)
     if normalised:

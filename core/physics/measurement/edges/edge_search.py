@@ -475,7 +475,7 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"a side is not level: {reach} samples from the edge, it still changes by "
+                f"a side is not level: {reach} samples from the edge, the level still changes by "
                 f"{change / contrast:.0%} of the contrast"
             )
     seen = min(reach + _BEYOND, wide)

@@ -55,8 +55,8 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
         return ""
     return (
         "interpolated: on a checkerboard of samples, one colour has "
-        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the other, which is a sign "
-        "of demosaicing"
+        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the other, a sign of "
+        "demosaicing"
     )
 
 

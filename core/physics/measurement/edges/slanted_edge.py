@@ -179,14 +179,14 @@ def _refuse_line(line: EdgeLine, columns: int) -> None:
     _refuse_direction(line.slope)
     if line.scatter > max(1.0, columns / 64.0):
         raise DataError(
-            f"no straight edge found: its positions in the rows scatter by {line.scatter:.2g} "
+            f"no straight edge found: edge positions in the rows scatter by {line.scatter:.2g} "
             "samples about a line. Choose a region with one straight edge, or with less noise"
         )
     crossed = abs(line.slope) * (line.rows - 1)
     if crossed < 1.0:
         raise DataError(
-            f"the edge is not slanted: over {line.rows} rows it crosses {crossed:.2g} samples; "
-            "it must cross at least 1. Turn it by 2° to 10°, use more rows, or set method = "
+            f"the edge is not slanted: over {line.rows} rows, it crosses {crossed:.2g} samples; "
+            "needed: at least 1. Turn the edge by 2° to 10°, use more rows, or set method = "
             "row_average"
         )
 
@@ -243,7 +243,7 @@ def _reach(*, line: EdgeLine, columns: int) -> int:
     if samples < _LEAST_REACH:
         raise DataError(
             f"the region is too small: it has {max(samples, 0.0):.2g} samples beside the edge "
-            f"in every row and needs at least {_LEAST_REACH:g}. Widen it, or use fewer rows"
+            f"in every row; needed: at least {_LEAST_REACH:g}. Widen the region, or use fewer rows"
         )
     return math.floor(samples * BINS_PER_SAMPLE - 0.5)
 
@@ -265,7 +265,7 @@ def _edge_spread(
     if not count.all():
         raise DataError(
             f"at {abs(line.angle_deg):.3g}° every row samples the edge at the same distances, "
-            "so it cannot be supersampled: turn it to 2° to 10°, or use more rows"
+            "so it cannot be supersampled: turn the edge to 2° to 10°, or use more rows"
         )
     mean = np.bincount(place, values, 2 * bins + 1) / count
     scatter = np.sqrt(np.bincount(place, (values - mean[place]) ** 2, 2 * bins + 1) / count)
@@ -507,5 +507,5 @@ def _refuse_narrow(spread: EdgeSpread, height: float, error: float) -> None:
     if outside > _CUT_BY_WINDOW * height + 6.0 * error / np.sqrt(near):
         raise DataError(
             f"the region is too small: {outside / height:.0%} of the edge's step lies more than "
-            f"{spread.away[-1] / 2:.3g} samples from it. Widen the region"
+            f"{spread.away[-1] / 2:.3g} samples from the edge. Widen the region"
         )

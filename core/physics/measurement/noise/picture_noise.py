@@ -37,7 +37,7 @@ Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _COMPRESSED = (
-    f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does, so its "
+    f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does, so the "
     "noise is no longer the camera's"
 )
 _LEAST_BLOCKS = 24
@@ -158,7 +158,7 @@ def _still(blocks: PictureBlocks) -> bool:
 def _hidden(step: float | None) -> str:
     if step is None:
         return "the flat areas have no noise"
-    return f"the noise is smaller than the converter's step of {step:.4g}, which hides it"
+    return f"the noise is smaller than the converter's step of {step:.4g} and is hidden by rounding"
 
 
 def _measured(
@@ -258,16 +258,16 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
         return (
             f"the noise of the flattest areas falls more along the {first} than along the "
-            f"{then} (the power of the middle frequencies differs by {abs(flat.lean):.2f} of the "
-            f"power of the high ones): the picture was blurred along the {first} after the noise "
+            f"{then} (middle-frequency power differs by {abs(flat.lean):.2f} of the "
+            f"high-frequency power): the picture was blurred along the {first} after the noise "
             "was added, or there is texture everywhere"
         )
     share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)
     if not flat.even and (share < _LEAST_UNEVEN or structure.coarse > _COARSE_UNEVEN):
         return (
             f"no areas of uniform noise: {share:.0%} of the picture seems flat, but its low "
-            f"frequencies have {1 + structure.coarse:.2f} times the power of the high ones: "
-            "there is texture everywhere"
+            f"frequencies have {1 + structure.coarse:.2f} times the power of the high ones, "
+            "so there is texture everywhere"
         )
     return ""
 

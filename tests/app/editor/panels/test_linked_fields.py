@@ -80,7 +80,10 @@ def test_arithmetic_and_units_are_taken(text, value, sigma, session):
         ("-1", "a number of at least 0"),
         ("1,000", "either 1000 or 1.000"),
         ("init.f_number", "begin with = to follow it"),
-        ("= 1 - init.f_number", "it gives -1 mrad; it must give a number of at least 0"),
+        (
+            "= 1 - init.f_number",
+            "the expression gives -1 mrad; it must give a number of at least 0",
+        ),
         ("= blur.sigma_x_mrad", "follows itself"),
     ],
 )

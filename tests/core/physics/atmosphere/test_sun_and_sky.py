@@ -100,7 +100,7 @@ def test_the_solar_illuminance_and_what_it_is_scaled_to():
     lux = {"illuminance_lux": 1.0}
     for dark, why in (
         (Sunlight(0, **lux), "the sun is on the horizon and sky is 0"),
-        (Sunlight(9, irradiance=0, **lux), "no light from 0.38"),
+        (Sunlight(9, irradiance=0, **lux), "the spectrum has no light from 0.38"),
         (Sunlight(9, points=infrared, **lux), "the spectrum must cover 0.38"),
     ):
         with pytest.raises(ParameterError, match=f"illuminance_lux = 1.0 lx is not allowed: {why}"):
