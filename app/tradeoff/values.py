@@ -151,7 +151,7 @@ def _range(setting: Assignment, parameter: Parameter, most: int, *, drawn: bool)
     whole = parameter.kind == "integer"
     if not np.isfinite([low, high]).all() or low == high or (drawn and low > high):
         raise UsageError(
-            f"{said}: FROM and TO must be different numbers{', FROM below TO' * drawn}"
+            f"{said}: FROM and TO must be different numbers{', with FROM below TO' * drawn}"
         )
     if log and (low <= 0 or high <= 0):
         raise UsageError(f"{said}: log needs FROM and TO above 0")

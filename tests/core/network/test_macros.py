@@ -214,7 +214,11 @@ def test_a_cycle_through_a_macro(document):
         (("nodes", "camera"), {"module": "macro"}, "has the module macro but no field macro"),
         (("nodes", "scene", "macro"), {}, "nodes.scene is not a macro but has a field macro"),
         ((*MACRO, "outputs", "image"), 3, "macro.outputs.image must be a string, NODE.NAME, not 3"),
-        ((*MACRO, "parameters", "a.b"), "jitter.sigma_mrad", "parameters has the name 'a.b': it"),
+        (
+            (*MACRO, "parameters", "a.b"),
+            "jitter.sigma_mrad",
+            "parameters has the name 'a.b': a name",
+        ),
     ],
 )
 def test_what_is_no_macro_is_refused_when_read(path, value, message, document):
