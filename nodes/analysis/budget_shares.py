@@ -279,7 +279,7 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
         rows.append(TableRow("blur", "none", "", "all stages have a transfer function of 1"))
     for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):
         rows.append(
-            TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all stages, {words}")
+            TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"{words} |MTF| of all stages")
         )
     for axis, name, words in ((0, "xi", "horizontal"), (1, "eta", "vertical")):
         meaning = f"{words} frequency at which the MTFs are given"

@@ -110,7 +110,7 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     ]
     if camera.kind != "framing":
         series.append(Series("line spacing", angles, np.full(count, camera.line_spacing_m)))
-    axis = "from the optical axis" if camera.kind == "framing" else "view angle"
+    axis = "angle from the optical axis" if camera.kind == "framing" else "view angle"
     return CurveData("Ground sample", f"{axis} (deg)", "size (m)", tuple(series))
 
 
@@ -324,15 +324,15 @@ class CameraOutputs(NamedTuple):
 class CameraGeometry(
     CameraSettings, key="camera_geometry", title="Camera Geometry", group="Analysis"
 ):
-    """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
+    """Sample a scene on flat ground as a line scanner, pushbroom or framing camera does.
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
-    (panoramic distortion). A pushbroom scanner and a framing camera sample at equal steps in the
-    focal plane. The flight direction is down the picture, and scan lines are equally spaced on the
-    ground. Each sample is the mean of the scene over its whole footprint, which limits aliasing and
-    keeps a uniform scene uniform. Blur is applied afterwards: choose samples finer than the
-    detector, and combine pixels after the detector's MTF.
+    samples at equal angles, so its ground samples grow with the view angle θ, as sec²θ across the
+    track and as sec θ along it (panoramic distortion). A pushbroom scanner and a framing camera
+    sample at equal steps in the focal plane. The flight direction is down the picture, and scan
+    lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
+    footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
+    choose samples finer than the detector, and combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
@@ -431,7 +431,9 @@ class CameraGeometry(
         angles = np.degrees(view_angles(camera=camera, u=u))
         half = max(float(angles[-1] - angles[0]) / 2, 1e-6)
         middle = float(angles[-1] + angles[0]) / 2
-        title = "from the optical axis (deg)" if camera.kind == "framing" else "from nadir (deg)"
+        title = (
+            "angle from the optical axis (deg)" if camera.kind == "framing" else "view angle (deg)"
+        )
         drawn = Plot(
             Axis(middle - half, middle + half, title),
             Axis(0.0, 1.12 * float(sizes.max()), "m"),
@@ -496,7 +498,7 @@ class CameraGeometry(
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample distance across the track: farther end divided by centre."""
+        """Ground sample distance across the track, farther end of the middle line over centre."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 

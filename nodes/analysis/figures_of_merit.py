@@ -323,7 +323,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's."""
+        """The band differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
@@ -351,7 +351,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def timing(self, image: Image, context: Context) -> Caution | None:
-        """The frame rate differs from the detector's, or a frame is shorter than the exposure."""
+        """The frame rate differs from the detector's, or the exposure is longer than a frame."""
         rate, exposure_s = self.frame_rate_Hz, image.exposure_s
         if rate is None:
             return None

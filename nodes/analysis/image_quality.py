@@ -121,7 +121,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     off_nadir_deg: Annotated[
         float,
         Param(
-            "look angle off nadir along the track over flat ground, if elevation_deg is empty",
+            "look angle off nadir, along the track over flat ground; used if elevation_deg "
+            "is empty",
             low=0, high=89, slider=(0, 60),
         ),
     ] = 0.0  # fmt: skip

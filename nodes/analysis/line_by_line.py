@@ -142,15 +142,16 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
     A line scanner samples at equal angles along the scan and at equal distances on the ground along
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
-    interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
-    (output `whole`). Line by Line filters each column at its own interval (output `image`). Factors
-    along the scan use one interval for the whole frame; factors along the flight use one interval
-    per column. Pupils and other non-separable factors use both intervals. All factors use angles at
-    the sensor, as in their own modules; edges and PTFs are treated as in Back Transform. Separable
-    factors are exact. Non-separable factors are interpolated between a few sampling intervals
-    (`nodes`), with an estimate of the error, or summed exactly for each interval (`direct`).
-    Pushbroom scanners and arrays sample evenly, so both outputs agree for them. The ground is
-    assumed to be flat, and motion blur is assumed to cover the same angle as at nadir.
+    interval·cos(view angle). Back Transform uses one interval for the whole frame, as the 1996
+    model does (output `whole`). Line by Line filters each column at its own interval (output
+    `image`). Factors along the scan use one interval for the whole frame; factors along the flight
+    use one interval per column. Pupils and other non-separable factors use both intervals. All
+    factors use angles at the sensor, as in the modules that supply them; frame edges and PTFs are
+    treated as in Back Transform. Separable factors are exact. Non-separable factors are
+    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
+    summed exactly for each interval (`direct`). Pushbroom scanners and arrays sample evenly, so
+    both outputs agree for them. The ground is assumed to be flat, and motion blur is assumed to
+    cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the

@@ -145,8 +145,8 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     and corrected for the responses of the bins and of the derivative. Frequencies are measured
     along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
     transforms the derivative. The MTF is the modulus of this transform, divided by its largest
-    value; the response of the derivative, 0.64 at Nyquist, is not corrected. Standard errors are
-    estimated by leaving out rows (jackknife).
+    value; the response of the derivative, 0.64 at Nyquist, is not corrected for. Standard errors
+    are estimated by leaving out rows (jackknife).
 
     `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. This MTF
     includes all stages from the source on and, for a test scene, the blur of the scene's samples,

@@ -110,22 +110,22 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
 
     @readout()
     def at_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the horizontal Nyquist frequency of the image's samples (PTF: in radians)."""
+        """Total MTF (or PTF, rad) at the horizontal Nyquist frequency of the image's samples."""
         return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[0])
 
     @readout()
     def at_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the vertical Nyquist frequency of the image's samples (PTF: in radians)."""
+        """Total MTF (or PTF, rad) at the vertical Nyquist frequency of the image's samples."""
         return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[0])
 
     @readout()
     def at_pixel_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
+        """Total MTF (or PTF, rad) at the pixels' horizontal Nyquist frequency, 0.5 cycles/pitch."""
         return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[1])
 
     @readout()
     def at_pixel_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the pixels' vertical Nyquist frequency, half a cycle per detector pitch."""
+        """Total MTF (or PTF, rad) at the pixels' vertical Nyquist frequency, 0.5 cycles/pitch."""
         return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[1])
 
 

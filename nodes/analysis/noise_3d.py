@@ -39,11 +39,12 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     prediction is an average over all sensors of this kind, but only one pattern is measured. With
     few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
     correlated between neighbouring samples also appears in σ tv and σ th. Rounding counts as noise.
-    With `path`, a file of frames, for example from a camera, is measured instead, one frame at a
-    time. Everything that stays the same from frame to frame, including the scene, then counts as
-    fixed pattern. Use frames of a uniform scene. If a picture is also linked, its predicted noise
-    is shown beside the measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992
-    (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    With `path`, the frames of a file, for example from a camera, are measured instead of simulated
+    frames; they are read one at a time. Everything that stays the same from frame to frame,
+    including the scene, then counts as fixed pattern. Use frames of a uniform scene. If a picture
+    is also linked, its predicted noise is shown beside the measurement. Sources: D'Agostino and
+    Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
+    Components (unbiased estimates).
     """
 
     formulas = (
@@ -64,7 +65,8 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     frames: Annotated[
         int,
         Param(
-            "number of frames to simulate; 0: prediction only; all frames in a file are measured",
+            "number of frames to simulate; 0: prediction only; with path, all frames of the file "
+            "are measured",
             low=0,
             high=100000,
             slider=(0, 200),
@@ -73,7 +75,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     path: Annotated[
         Path | None,
         Param(
-            "file of frames to measure instead of simulated ones: .npy (frames, rows, "
+            "file of frames to measure instead of simulated frames: .npy (frames, rows, "
             "columns), TIFF with a page per frame, or ENVI with a band per frame; empty: "
             "simulate"
         ),

@@ -46,9 +46,10 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     kernel values that are cut off. The picture's mean does not change. If a transfer function has
     not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
 
-    Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
-    Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
+    Two passes are faster than Fourier filtering only with short kernels on small frames: up to ±16
+    samples on 128 × 128, and up to ±4 on 512 × 512. Two-dimensional kernels are always slower
+    (`imagechain bench`, table spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996,
+    section 2.1.4.
     """
 
     formulas = (
@@ -66,7 +67,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     truncation: Annotated[
         Truncation,
         Param(
-            "where kernels are truncated: after `half_width_px`, where `error` allows, or "
+            "where kernels are truncated: at half_width_px, where the error reaches `error`, or "
             "at the frame's size"
         ),
     ] = "half_width"

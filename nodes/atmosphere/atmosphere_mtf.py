@@ -41,9 +41,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
     number, or the scattering coefficient along the path. On a downward or upward path, this
     coefficient falls exponentially with height. Absorption attenuates all frequencies equally and
-    does not blur: use Atmospheric Path. Looking up blurs more than looking down, because the
-    strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff
-    ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
+    does not blur: use Atmospheric Path. The blur is stronger looking up than looking down, because
+    the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol
+    cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
@@ -116,12 +116,14 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     ] = None
     turbidity: Annotated[
         Literal["none", "low", "moderate", "high", "custom"],
-        Param("aerosol level; custom: from the optical depth τ or the coefficients below"),
+        Param(
+            "aerosol level; custom: from scatter_depth, or from scattering_per_km along the path"
+        ),
     ] = "none"
     scatter_depth: Annotated[
         float | None,
         Param(
-            "optical depth τ, used when turbidity is custom; empty: from the coefficients", low=0
+            "optical depth τ, used when turbidity is custom; empty: from scattering_per_km", low=0
         ),
     ] = None
     turbidity_cutoff_cyc_per_mrad: Annotated[
@@ -130,13 +132,13 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     ] = 0.001
     particle_radius_um: Annotated[
         float | None,
-        Param("particle radius, which sets the cutoff (radius over wavelength); empty: the cutoff "
-              "above", low=0, high=1e6, slider=(0.1, 20)),
+        Param("particle radius, which sets the cutoff (radius over wavelength); empty: from "
+              "turbidity_cutoff_cyc_per_mrad", low=0, high=1e6, slider=(0.1, 20)),
     ] = None  # fmt: skip
     view: Annotated[
         Literal["horizontal", "vertical", "up"],
         Param(
-            "line of sight, used with the coefficients and Cn²; vertical: looking down from a "
+            "line of sight, used with scattering_per_km and Cn²; vertical: looking down from a "
             "height; up: looking up to a height"
         ),
     ] = "horizontal"

@@ -314,7 +314,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def ranges(self, image: Image, context: Context | None) -> Caution | None:
-        """The range differs from the camera's, or from another Atmospheric Path's."""
+        """The range differs from the range of the camera or of another Atmospheric Path."""
         of_camera = None if image.camera is None else image.camera.range_m
         of_context = None if context is None else context.range_m
         own = self.range_m or of_camera or of_context

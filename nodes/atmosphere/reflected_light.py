@@ -36,9 +36,9 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
     is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
-    of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
-    sky has the same radiance everywhere. The picture's unit, set on Read Image, must be 1, %,
-    reflectance or albedo. A reflectance applies to all wavelengths. With `bands` above 1, the
+    of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file.
+    The sky has the same radiance in all directions. The picture's unit, set on Read Image, must be
+    1, %, reflectance or albedo. A reflectance applies to all wavelengths. With `bands` above 1, the
     radiance has that many bands; a cube of reflectances keeps its own bands. Add Atmospheric Path
     for the path from the surface to the camera.
 
@@ -87,8 +87,8 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     path: Annotated[
         Path | None,
         Param(
-            "CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of the number; "
-            "or empty"
+            "CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of "
+            "`sun` and solar_irradiance; empty: no file"
         ),
     ] = None
     sun_elevation_deg: Annotated[

@@ -30,10 +30,10 @@ class ChargeDiffusionMTF(
     undepleted silicon (thickness_um minus depletion_um). If absorption_per_um is empty, the MTF is
     averaged over the band of the cold filter or the picture, for silicon at 295 K. The average
     assumes the same number of photons at all wavelengths and weights each wavelength by the
-    carriers generated. With front illumination, red and near-infrared light blurs most, because it
-    is absorbed deep in the silicon. With back illumination, blue light blurs most. Sources: Seib
-    1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015
-    (silicon).
+    carriers generated. With front illumination, red and near-infrared light is blurred most,
+    because it is absorbed deep in the silicon. With back illumination, blue light is blurred most.
+    Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
+    2015 (silicon).
     """
 
     formulas = (

@@ -31,10 +31,10 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     come from `high` up to `switch_level`, and from `low` above this level. For two gains of one
     exposure, enter the same seed on both Focal Planes, so that they share shot noise and fixed
     pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
-    tables to get the combined dynamic range, and a warning if `low_factor` does not fit. Focal
-    Plane warns if the high gain clips; this is expected. Noise budgets and figures use the noise of
-    `high`, which is the noise of the picture up to `switch_level`. Source: EMVA 1288 release 4.0
-    (dynamic range: saturation over dark noise), applied to the two read-outs.
+    tables to get the combined dynamic range, and a warning if `low_factor` does not match the
+    tables. Focal Plane warns if the high gain clips; this is expected. Noise budgets and figures of
+    merit use the noise of `high`, which is the noise of the picture up to `switch_level`. Source:
+    EMVA 1288 release 4.0 (dynamic range: saturation over dark noise), applied to the two read-outs.
     """
 
     formulas = (
@@ -169,9 +169,9 @@ def switch_caution(
     mean = max(high.mean, factor * low.mean)  # that of high may be clipped
     if mean > level:
         return Caution(
-            "budgets and figures use the noise of high, but a pixel at the picture's mean is "
-            f"taken from low: the mean is {mean:.4g}, above switch_level = {level:g}",
-            "connect budgets and figures to the read-out that you want to assess",
+            "budgets and figures of merit use the noise of high, but a pixel at the picture's mean "
+            f"is taken from low: the mean is {mean:.4g}, above switch_level = {level:g}",
+            "connect budgets and figures of merit to the read-out that you want to assess",
         )
     if high.high <= level < factor * low.high:
         return Caution(

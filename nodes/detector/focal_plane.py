@@ -454,7 +454,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def optics(self, image: Image, context: Context) -> Caution | None:
-        """Diffraction is computed for a band other than the cold filter's."""
+        """Diffraction is computed for a band that differs from the cold filter's band."""
         known = image.band_um or context.band_um
         if known is None:
             return None

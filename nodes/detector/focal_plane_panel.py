@@ -87,7 +87,8 @@ class FocalPlanePanel(SeededModule):
         Param("temperature of the optics; empty: no emission", low=0, high=1e4, slider=(200, 340)),
     ] = None
     cold_shield_efficiency: Annotated[
-        float, Param("fraction of the housing that the cold shield hides", low=0, high=1)
+        float,
+        Param("fraction of the housing's radiation that the cold shield blocks", low=0, high=1),
     ] = 1.0
     housing_K: Annotated[
         float | None,

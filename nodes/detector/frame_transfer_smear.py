@@ -37,7 +37,7 @@ class FrameTransferSmear(
     formulas = (
         Formula(
             r"L'_r=L_r+\frac{t_l}{t}\sum_{k\neq r}L_k",
-            where="r: a row; k: the other rows of its column, or only the rows on one side; t_l: "
+            where="r: a row; k: the other rows of the column, or only the rows on one side; t_l: "
             "line_transfer_time_s; t: integration_time_s",
         ),
     )
@@ -73,7 +73,7 @@ class FrameTransferSmear(
 
     @readout("%")
     def smear_percent(self, image: Image) -> float:
-        """Mean smear over the rows of a uniform picture."""
+        """Mean smear over the rows of a uniform picture, relative to the signal."""
         return 100.0 * (self._change(image).gain - 1.0)
 
 

@@ -124,7 +124,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     reference_integration_time_s: Annotated[
         float | None,
         Param(
-            "integration time at which the NETD was measured; empty: the camera's", low=0, high=1e3
+            "integration time at which the NETD was measured; empty: equal to the camera's time",
+            low=0,
+            high=1e3,
         ),
     ] = None
     f_number: Annotated[
@@ -137,7 +139,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ] = 1.0
     integration_time_s: Annotated[
         float | None,
-        Param("integration time of the camera; empty: the data sheet's", low=0, high=1e3),
+        Param(
+            "integration time of the camera; empty: equal to the data sheet's time", low=0, high=1e3
+        ),
     ] = None
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
@@ -413,7 +417,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             f"slow changes are approximated: {100 * left:.2g} % of a change remains after "
             f"{_MOST_FRAMES - 1} frames, and frames before that are treated like the earliest "
             "frame kept",
-            "lower time_constant_s or frame_rate_Hz if this is not accurate enough",
+            "lower time_constant_s or frame_rate_Hz if this approximation is not accurate enough",
         )
 
     @warning

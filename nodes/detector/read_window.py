@@ -37,11 +37,19 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
 
     columns: Annotated[
         int | None,
-        Param("width of the window; empty: all", unit="px", low=1, high=65536, slider=(16, 2048)),
+        Param(
+            "width of the window; empty: all columns",
+            unit="px",
+            low=1,
+            high=65536,
+            slider=(16, 2048),
+        ),
     ] = None
     rows: Annotated[
         int | None,
-        Param("height of the window; empty: all", unit="px", low=1, high=65536, slider=(16, 2048)),
+        Param(
+            "height of the window; empty: all rows", unit="px", low=1, high=65536, slider=(16, 2048)
+        ),
     ] = None
     left: Annotated[
         int | None,
@@ -99,7 +107,7 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
 
     @readout("Hz", name="frame_rate_Hz")
     def frame_rate(self, outputs: ImageOutput) -> float | None:
-        """Highest frame rate of this window; none without `row_time_us`."""
+        """Highest frame rate of this window; left out if row_time_us is empty."""
         if self.row_time_us is None:
             return None
         return 1e6 / (outputs.image.rows * self.row_time_us + self.overhead_us)

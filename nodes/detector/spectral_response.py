@@ -162,7 +162,7 @@ class SpectralResponse(
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A source temperature is given, but a picture with several bands does not use it."""
+        """A source temperature is given but not used: the picture has several bands."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(

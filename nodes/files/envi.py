@@ -287,8 +287,8 @@ def _check_coverage(
     raise ParameterError(
         "cut_on_um, cut_off_um",
         (cut_on_um, cut_off_um),
-        f"the bands of {info.path.name} lie between {low.min():.6g} and {high.max():.6g} um and "
-        f"cover {covered:.6g} um of this interval; set an interval within the bands",
+        f"the bands of {info.path.name} lie between {low.min():.6g} and {high.max():.6g} µm and "
+        f"cover {covered:.6g} µm of this interval; set an interval within the bands",
     )
 
 

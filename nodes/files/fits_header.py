@@ -118,7 +118,7 @@ def _check_axes(header: FitsHeader) -> None:
     if all(sizes.get(key, 1) > 1 for key in _AXES[2:]):
         shape = ", ".join(f"{key} = {size}" for key, size in sizes.items())
         raise FileError(
-            f"{header.path}: {shape}: this FITS file contains a cube of cubes; allowed: "
+            f"{header.path}: {shape}: this file has two axes beyond rows and columns; allowed: "
             f"{' or '.join(_AXES[2:])} = 1, so that the other axis counts the bands"
         )
 

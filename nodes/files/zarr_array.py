@@ -233,7 +233,7 @@ def _opened(folder: Path) -> _Opened:
         axes = _axes(folder, stored.shape, named)
         opened = _Opened(folder / stored.path, stored, attributes, axes)
         if min(*opened.chunks, *opened.stored) < 1:
-            raise FileError(f"{folder}: damaged: its chunks have the shape {opened.stored}")
+            raise FileError(f"{folder}: damaged: chunk shape {opened.stored}; allowed: all above 0")
         return opened
     except FileError:
         raise

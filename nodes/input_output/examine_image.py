@@ -40,8 +40,8 @@ class ExamineImage(
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
     For radiance in a known band, the apparent temperature is also given: a black body at this
-    temperature has the same band radiance. Figures and probe use the samples themselves (spectra in
-    FFT order); the histogram uses the displayed values. A picture's centred spectrum is shown as
+    temperature has the same band radiance. Read-outs and probe use the samples themselves (spectra
+    in FFT order); the histogram uses the displayed values. A picture's centred spectrum is shown as
     the logarithm of its modulus.
     """
 

@@ -167,7 +167,7 @@ def radiance_caution(
         return Caution(
             f"the samples' mean, {stats.mean:.4g} W/m²/sr, exceeds {limit:.3g} W/m²/sr, the most "
             f"that a surface on Earth can emit and reflect {where}{looks}",
-            f"{_REMEDY}; ignore this for flames, lamps, engines and the Sun",
+            f"{_REMEDY}; ignore this warning for flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:
         least = coldest_for_radiance(radiance=stats.mean)

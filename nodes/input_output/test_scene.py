@@ -81,7 +81,12 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     cut_off_um: Annotated[float, Param("longest wavelength", low=0, above=True)] = 12.0
     bands: Annotated[
         int,
-        Param("spectral bands of equal width; 0: a single band", low=0, high=4096, slider=(0, 64)),
+        Param(
+            "number of spectral bands of equal width; 0: a single band",
+            low=0,
+            high=4096,
+            slider=(0, 64),
+        ),
     ] = 0
     emissivity: Annotated[
         Emissivity,

@@ -21,7 +21,7 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
         Formula(
             r"H(\xi)=J_0(2\pi A\,\xi)",
             where="A: amplitude, mrad",
-            when="for a whole number of periods, or for many",
+            when="for a whole number of periods, or for many periods",
         ),
         Formula(
             r"H(\xi)=\left|\frac{1}{t}\int_0^t e^{-2\pi iA\,\xi\,\sin(2\pi fs)}\,ds\right|",

@@ -25,7 +25,9 @@ from nodes.shared.shared_warnings import Band, is_radiance
 Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[
     Path | None,
-    Param("CSV of wavelength (µm) and a detector response that also weights the light; or empty"),
+    Param(
+        "CSV of wavelength (µm) and detector response, which also weights the light; empty: none"
+    ),
 ]
 _KELVIN = ("K", "kelvin")
 

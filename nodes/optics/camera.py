@@ -40,8 +40,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     factor and range for Init & Trans and all modules after it; aperture and obscuration for
     Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
     there. Any two of focal length, F-number and aperture determine the third. An image without a
-    sampling interval gets one from the pixel angle on the axis. So does an image with the same
-    field of view as the lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal
+    sampling interval, or with the same field of view as the lens, 2·atan(Np/2f), gets its sampling
+    interval from the pixel angle on the axis; otherwise a wide field would be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
@@ -54,10 +54,11 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
     depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
     the axis and usual in infrared work; `sine` (π/(4F²)) is exact for a lens corrected for coma,
-    such as a fast photographic or infrared lens. The two differ by 25 % at F/1 and by 1.6 % at F/4.
-    Sources: Holst 2008, Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle,
-    f-number, GSD); Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number);
-    Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
+    such as a fast photographic or infrared lens. The values of `disc` and `sine` differ by 25 % at
+    F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical Imaging System Performance,
+    chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983, Optical System Design, chapter 6
+    (sine condition, T-number); Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5
+    (orbit).
     """
 
     formulas = (
@@ -197,7 +198,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def orbit(self) -> Caution | None:
-        """The range contradicts the orbit, the orbit is high, or a look angle lacks an orbit."""
+        """The range contradicts the orbit, the orbit is high, or a look angle needs an orbit."""
         orbit = self.sheet().orbit
         if orbit is not None:
             where = "from altitude and look angle"

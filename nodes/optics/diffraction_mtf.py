@@ -285,7 +285,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Number of wavelengths used, of bands (cube) or of integration panels (long response)."""
+        """Number of wavelengths; bands for a cube, integration panels for a long response."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count

@@ -47,11 +47,11 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
     aperture's radius. For a file this disc is the smallest circle around all samples above 1 % of
-    the largest. It is centred on the array if that makes its radius at most one sample larger. A
-    `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives the
-    radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus
-    and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border of the
-    array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
+    the largest. The circle is centred on the array if its radius then grows by at most one sample.
+    A `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives
+    the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
+    defocus and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border
+    of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
     wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
     `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
     top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
@@ -75,7 +75,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     radius: Annotated[
         float | None,
         Param(
-            "radius of the aperture; empty: 75, or for a file its enclosing circle",
+            "radius of the aperture; empty: 75, or for a file the radius of its enclosing circle",
             unit="samples", low=0, slider=(1, 256),
         ),
     ] = None  # fmt: skip

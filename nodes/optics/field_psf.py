@@ -66,7 +66,8 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     half a tile, at least 16 samples, and up to 1024 if a narrower margin would lose more than 0.5 %
     of a PSF's light. A tile is at least a quarter as wide as its margin. Beyond the frame the
     picture is mirrored, or repeated if Back Transform made it periodic. Budgets, MTFs and figures
-    use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
+    of merit use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput.
+    19, 1063.
     """
 
     formulas = (

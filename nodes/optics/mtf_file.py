@@ -77,7 +77,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         Literal["file", "x", "y", "radial"],
         Param(
             "axis along which the curve acts; `file`: from the name of the curve's column, "
-            "where `mtf` is radial"
+            "where the name mtf means radial"
         ),
     ] = "file"
     normalise: Annotated[

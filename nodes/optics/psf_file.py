@@ -26,15 +26,15 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     """Blur with a point spread function from a file: measured, or from a lens design.
 
     Every point of the picture is spread into the PSF in the file. Row 0 is at the top, and a tail
-    to the right in the file is a tail to the right in the picture. The file may be in any format of
-    Read Image, `.npy`, text, or a Zemax listing. The spacing in a Zemax listing is used if
-    `sample_pitch` is empty. Samples are divided by their sum. With `centroid` kept, the point is at
-    the middle of the file, (n − 1)/2, which lies between samples for even sizes. A centroid
-    elsewhere shifts the picture. With `centroid` removed nothing shifts. The OTF is the exact sum
-    over the samples at the picture's own frequencies, for any pitch, and 0 beyond the file's
-    Nyquist frequency. A PSF measured with a detector includes the pixel: leave out Detector MTF.
-    Without a file nothing changes. Source: Goodman 2005, Introduction to Fourier Optics, section
-    6.3.
+    to the right in the file is a tail to the right in the picture. The file may have any format
+    that Read Image reads, or be a `.npy` file, a text file or a Zemax listing. The spacing in a
+    Zemax listing is used if `sample_pitch` is empty. Samples are divided by their sum. With
+    `centroid` kept, the point is at the middle of the file, (n − 1)/2, which lies between samples
+    for even sizes. A centroid elsewhere shifts the picture. With `centroid` removed nothing shifts.
+    The OTF is the exact sum over the samples at the picture's own frequencies, for any pitch, and 0
+    beyond the file's Nyquist frequency. A PSF measured with a detector includes the pixel: leave
+    out Detector MTF. Without a file nothing changes. Source: Goodman 2005, Introduction to Fourier
+    Optics, section 6.3.
     """
 
     formulas = (

@@ -16,7 +16,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
     drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
     detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
-    index of the lens; ISO 9358 measures it in a small black area within an evenly bright field.
+    index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
     Light that leaves the frame is mirrored or repeated, as for all filters.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),

@@ -62,9 +62,9 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
     `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
     Plane converts radiance to photons at the brightness temperature that the picture had before the
-    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm).
-    Spectral pictures do not have this error, nor does any `photon_weighting` other than scene.
-    Source: Kingslake 1983, Optical System Design, chapter 6.
+    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm). This
+    error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
+    Kingslake 1983, Optical System Design, chapter 6.
     """
 
     formulas = (

@@ -140,7 +140,7 @@ class SeededModule(Module):
 
     seed_mode: Annotated[
         Literal["automatic", "typed"],
-        Param("derive the seed from the network's seed and this node's name, or enter it below"),
+        Param("derive the seed from the network's seed and this node's name, or enter it in seed"),
     ] = "automatic"
     seed: Annotated[int, Param("seed, used when seed_mode is typed", low=0, high=2**63 - 1)] = 0
 

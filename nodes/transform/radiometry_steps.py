@@ -150,12 +150,12 @@ class Radiometry(Module):
             return ()
         if emissivity.shape != image.shape:
             raise DataError(
-                f"the emissivity is {emissivity.columns} × {emissivity.rows} samples and the "
-                f"picture {image.columns} × {image.rows}: both must have the same size"
+                f"the emissivity image has {emissivity.columns} × {emissivity.rows} samples and "
+                f"the picture {image.columns} × {image.rows}: both must have the same size"
             )
         return (emissivity.recipe,)
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's."""
+        """The band differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)

@@ -97,8 +97,8 @@ EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
         ),
         (
             fits([*CARDS[:2], ("NAXIS", 4), *CARDS[3:], ("NAXIS3", 2), ("NAXIS4", 3)], bytes(72)),
-            "NAXIS1 = 3, NAXIS2 = 2, NAXIS3 = 2, NAXIS4 = 3: this FITS file contains a cube of "
-            "cubes; allowed: NAXIS3 or NAXIS4 = 1",
+            "NAXIS1 = 3, NAXIS2 = 2, NAXIS3 = 2, NAXIS4 = 3: this file has two axes beyond "
+            "rows and columns; allowed: NAXIS3 or NAXIS4 = 1",
         ),
         (
             fits(
