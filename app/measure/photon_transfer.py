@@ -39,7 +39,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
         # Where EMVA 1288 defines a figure otherwise, or has one more.
         ("system_gain_dn_per_e", emva.system_gain_dn_per_e, "DN/e-", "K of EMVA 1288: 1/gain"),
         ("saturation_capacity_e", emva.saturation_capacity_e, "e-",
-         "µe.sat of EMVA 1288: level of the largest temporal variance"),
+         "µe.sat of EMVA 1288: level with the largest temporal variance"),
         ("sensitivity_threshold_e", emva.sensitivity_threshold_e, "e-",
          "µe.min of EMVA 1288: signal at SNR 1"),
         ("emva_dynamic_range_dB", _decibels(emva.dynamic_range), "dB", "µe.sat divided by µe.min"),

@@ -188,7 +188,7 @@ def taken_value(parameter: Parameter, value: Any) -> Any:
     """A value as a network file has it, once the parameter takes it, and not as none."""
     coerced = parameter.coerce(value)
     if coerced is None and value is not None:
-        why = "this value stands for an empty parameter, as null does"
+        why = "this value leaves the parameter empty, as null does"
         raise ParameterError(parameter.name, value, why)
     return plain(coerced)
 

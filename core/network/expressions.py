@@ -213,7 +213,7 @@ class _Reader:
 
     def power(self, depth: int, *, angle: bool) -> None:
         if depth > DEEPEST:
-            raise ExpressionError(f"the expression is nested more than {DEEPEST} deep")
+            raise ExpressionError(f"the expression is nested more than {DEEPEST} levels deep")
         self.value(depth, angle=angle)
         if self.operator("^", "**"):
             self.signed(depth + 1, angle=angle)

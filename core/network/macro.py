@@ -178,7 +178,7 @@ def passing_input(node: Node, output: str, library: Library) -> str | None:
 def checked_depth(level: int, where: str) -> None:
     """Refuse macros that lie too deep inside of others."""
     if level > DEEPEST:
-        raise NetworkError(f"{shown(where)}: macros are nested more than {DEEPEST} deep")
+        raise NetworkError(f"{shown(where)}: macros are nested more than {DEEPEST} levels deep")
 
 
 # What a macro shows of its inside: ports and parameters, by the inner node they stand for.

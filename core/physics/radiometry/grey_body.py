@@ -103,7 +103,7 @@ def _emissivity(values: ArrayLike) -> FloatArray:
     if np.any(wrong):
         first = float(share[wrong].flat[0])
         raise DataError(
-            f"emissivity: {np.count_nonzero(wrong)} of {share.size} samples are not from 0 to 1 "
+            f"emissivity: {np.count_nonzero(wrong)} of {share.size} samples are outside 0 to 1 "
             f"(the first is {first:g})"
         )
     return share

@@ -178,7 +178,7 @@ def pixel_count(*, samples: int, ratio: float) -> int:
     """
     count = math.floor(samples / positive("ratio", ratio) + _WHOLE)
     if count < 1:
-        raise DataError(f"a pixel of {ratio:g} samples does not fit a frame of {samples}")
+        raise DataError(f"a pixel of {ratio:g} samples does not fit a frame of {samples} samples")
     return count
 
 

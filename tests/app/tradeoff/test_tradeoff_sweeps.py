@@ -140,7 +140,7 @@ def test_what_still_works_where_a_node_fails_is_told(network):
 
 def test_zero_that_stands_for_empty_is_no_zero(network):
     points, _ = swept(network, "electronics", "amplifier_snr", [0.0, None], "electronics.snr")
-    assert "stands for an empty parameter" in points[0].reasons["electronics.snr"]
+    assert "leaves the parameter empty" in points[0].reasons["electronics.snr"]
     assert "electronics.snr" in points[1].figures
 
 

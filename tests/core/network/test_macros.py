@@ -150,7 +150,7 @@ def test_macros_inside_of_macros(document):
 
 def test_macros_lie_so_deep_at_most(document):
     assert not faults(nested(copy.deepcopy(document), 7))
-    with pytest.raises(NetworkError, match="macros are nested more than 8 deep"):
+    with pytest.raises(NetworkError, match="macros are nested more than 8 levels deep"):
         read(nested(document, 8))
 
 

@@ -37,8 +37,8 @@ HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
         (HEAD + f'"x": {"9" * 10**6}}}', "a number of 1000000 digits is too large"),
         (HEAD + '"x": {"a\\n": 1, "a\\n": 2}}', "the key 'a\\n' occurs twice in one object"),
         (HEAD + '"x": ["\\ud800"]}', "'\\ud800' is not valid Unicode text"),
-        (HEAD + '"x": ' + "[" * 65 + "]" * 65 + "}", "nested more than 64 deep"),
-        ("[" * 10**6, "nested more than 64 deep"),
+        (HEAD + '"x": ' + "[" * 65 + "]" * 65 + "}", "nested more than 64 levels deep"),
+        ("[" * 10**6, "nested more than 64 levels deep"),
     ],
 )
 def test_text_that_is_no_network(text, message, small_library):
@@ -138,4 +138,4 @@ def test_reading_a_long_file_from_a_small_stack(small_library):
     finally:
         threading.stack_size(0)
     thread.join(PATIENCE_S)
-    assert found == ["network: nested more than 64 deep"]
+    assert found == ["network: nested more than 64 levels deep"]

@@ -475,8 +475,8 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"a side is not level: {reach} samples from the edge, the level still changes by "
-                f"{change / contrast:.0%} of the contrast"
+                f"a side is not level: the level still changes by {change / contrast:.0%} of the "
+                f"contrast at {reach} samples from the edge"
             )
     seen = min(reach + _BEYOND, wide)
     place = np.arange(-seen, seen + 1)

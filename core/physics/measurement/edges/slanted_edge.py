@@ -478,8 +478,8 @@ def _check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target
         doubt = 4.0 * error * np.sqrt(2.0 / len(near))
         if change > _UNSETTLED * height + doubt:
             raise DataError(
-                f"the region is too small: {spread.away[-1]:.3g} samples from the {target}, the "
-                f"level still changes by {change / height:.0%} of the contrast. Widen the region"
+                f"the region is too small: the level still changes by {change / height:.0%} of the "
+                f"contrast at {spread.away[-1]:.3g} samples from the {target}. Widen the region"
             )
     if target == "edge":
         _refuse_narrow(spread, height, error)
