@@ -328,8 +328,9 @@ def _caption(published: str | None) -> str:
     text = (
         "MTF measured (marks, with their standard errors) and expected (lines). For the slanted "
         "edge, the expected MTF is the product of the MTFs of the stages and of sampling: the "
-        "samples' area in the scene, pixel combining, and interpolation along the edge. Because of "
-        "aliasing, the measured MTF scatters about the expected MTF. The row average samples a vertical edge at a single "
+        "samples' area in the scene, pixel combining, and interpolation along the edge. "
+        "Because of aliasing, the measured MTF scatters about the expected MTF. "
+        "The row average samples a vertical edge at a single "
         "position relative to the pixels, so frequencies beyond the pixels' Nyquist frequency are "
         "aliased. The row average also takes differences between neighbours, which multiply the "
         "MTF by 0.64 at Nyquist. The expected MTF of the row average is computed along one row "

@@ -85,8 +85,8 @@ def row_average(
     doubt = max(noise / np.sqrt(rows), ends / np.sqrt(outer))
     if not contrast > _LEAST_CONTRAST * doubt or contrast < 1e-9:
         raise DataError(
-            f"no {target} found: the levels differ by {contrast:.3g} of the region's range, and the "
-            f"mean of {rows} rows is uncertain by {doubt:.2g} of it"
+            f"no {target} found: the levels differ by {contrast:.3g} of the region's range, "
+            f"and the mean of {rows} rows is uncertain by {doubt:.2g} of the range"
         )
     left = left if clip_left is None else clip_left
     right = right if clip_right is None else clip_right
