@@ -32,7 +32,7 @@ from imagechain.own_packages import load_own_packages
 load_own_packages(Path(__file__).resolve().parent.parent)
 
 if TYPE_CHECKING:
-    from core.chain.results import CurveData, TableData
+    from core.chain.wires import CurveData, TableData
     from core.errors import (
         Cancelled,
         ChangedFileError,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
         UnconnectedError,
         UsageError,
     )
-    from core.modules.panel_sections import Caution
+    from core.modules.parameters import Caution
     from imagechain import modules, physics
     from imagechain.building.camera import Camera
     from imagechain.building.chain import Chain, networks, open
@@ -106,10 +106,10 @@ __all__ = [
 
 # Where each name lies; imported when it is first used.
 _NAMES = {
-    "core.chain.results": "CurveData TableData",
+    "core.chain.wires": "CurveData TableData",
     "core.errors": "Cancelled ChangedFileError DataError FileError ImagechainError InputError "
     "NetworkError ParameterError UnconnectedError UsageError",
-    "core.modules.panel_sections": "Caution",
+    "core.modules.parameters": "Caution",
     "imagechain.building.camera": "Camera",
     "imagechain.building.chain": "Chain networks open",
     "imagechain.building.chain_node": "ChainNode",

@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.physics.acquisition.giqe import ObliqueQuality, giqe_3, giqe_4, giqe_5, giqe_oblique
-from core.physics.atmosphere.sun_and_sky import standard_sun_irradiance
-from core.physics.checks import positive
-from core.physics.detector.charge_diffusion import diffusion_mtf, silicon_absorption_per_um
-from core.physics.detector.detector_mtf import aperture_mtf
+from core.physics.atmosphere.air_path import standard_sun_irradiance
+from core.physics.detector.detector_mtf import (
+    aperture_mtf,
+    diffusion_mtf,
+    silicon_absorption_per_um,
+)
 from core.physics.detector.focal_plane_array import rule_07_A_per_cm2, solid_angle
+from core.physics.numerics import positive
 from core.physics.optics.overlap_area import annular_otf
 from core.physics.radiometry.planck import band_radiance, brightness_temperature, spectral_radiance
 from core.physics.sampling.detector_sampling import field_of_view_deg

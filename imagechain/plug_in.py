@@ -5,17 +5,15 @@
 The names here are stable; names in the layers below may change.
 """
 
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream, normal_field
-from core.chain.step_lineage import AtStep, Noise, picture_step, source_step
+from core.chain.step_lineage import AtStep, Linear, Noise, picture_step, source_step
 from core.chain.wires import Context, Image, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Caution, Formula, Param, Section
 from core.transfer.factors import Law, Planar, Separable
 from nodes.shared.deviates import SeededModule
 from nodes.shared.factors import radial, separable

@@ -19,20 +19,16 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.engine import Engine, Plan
+from core.chain.engine import Engine, Plan, transfer_plane
 from core.chain.noise_power import NoisePower
-from core.chain.realize import transfer_plane
-from core.chain.results import CurveData, TableData
-from core.chain.wires import Image, Transfer
+from core.chain.wires import CurveData, Image, TableData, Transfer
 from core.errors import ImagechainError, NetworkError, ParameterError
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import Recipe, Step
-from core.evaluation.region import Region
-from core.evaluation.work import Work
+from core.evaluation.recipes import Recipe, Region, Step
+from core.evaluation.work import Policy, Work
 from core.modules.declaration import Declaration, Module, declaration
 from core.modules.parameters import Parameter, plain
 from core.network.network import Link, Network, Node
-from core.transfer.product import Product
+from core.transfer.factors import Product
 from nodes.library import standard_library
 
 Params = Mapping[str, Any]

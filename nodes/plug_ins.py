@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
+from core.errors import in_line
 from core.evaluation.float_guard import PLUG_INS, with_place
 from core.modules.declaration import (
     Library,
@@ -24,7 +25,6 @@ from core.modules.declaration import (
     local_key,
     package_of,
 )
-from core.names import in_line
 
 
 @dataclass(frozen=True)

@@ -110,9 +110,9 @@ def test_of_scipy_only_fft_and_special(layer):
         "app/fit/parameter_search.py: scipy.optimize.least_squares",
         "app/fit/scene_fit.py: scipy.ndimage",
         "core/physics/detector/readout.py: scipy.optimize.isotonic_regression",
-        "core/physics/measurement/edges/picture_checks.py: scipy.ndimage",
-        "core/physics/measurement/edges/ridges.py: scipy.sparse.coo_array",
-        "core/physics/measurement/edges/ridges.py: scipy.sparse.csgraph.connected_components",
+        "core/physics/measurement/found_edge.py: scipy.ndimage",
+        "core/physics/measurement/ridges.py: scipy.sparse.coo_array",
+        "core/physics/measurement/ridges.py: scipy.sparse.csgraph.connected_components",
     }
 
 

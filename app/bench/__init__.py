@@ -6,7 +6,7 @@ from typing import Any
 
 from app.bench.tables import Table
 from app.bench.timing import Settings, machine_facts, machine_words
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 
 PARTS = {
     "speed": "Speed",

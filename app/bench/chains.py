@@ -7,8 +7,8 @@ from typing import Any
 
 from app.run.shipped import find_network
 from core.chain.engine import Engine, Plan
-from core.evaluation.policy import Policy, Precision
 from core.evaluation.store import Store
+from core.evaluation.work import Policy, Precision
 from core.network.file import load_network
 from core.network.network import Link, Network, Node
 from nodes.library import standard_library

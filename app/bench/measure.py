@@ -18,7 +18,7 @@ from app.fit.picture_fit import FittedPictures, fit_pictures
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from nodes.library import standard_library
 
 Array = NDArray[np.float64]

@@ -23,7 +23,7 @@ from app.bench.timing import Settings, paired, round_trip, seconds
 from app.bench.truth import Sensor
 from app.run.process import version
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy, Precision
+from core.evaluation.work import Policy, Precision
 from core.transfer.factors import Planar
 from core.transfer.planar_blocks import Axes, Known
 from nodes.library import standard_library

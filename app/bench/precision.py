@@ -16,13 +16,12 @@ from app.bench.tables import T0_HEADS, Chart, Table, figure_text
 from app.bench.timing import Settings, paired, round_trip, seconds
 from core.chain.back_transformed import Delivered
 from core.chain.random_fields import Stream, normal_field, poisson_field
-from core.evaluation.policy import Policy, Precision
+from core.evaluation.work import Policy, Precision
 from core.machine import ForEach
 from core.network.network import Network
 from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
-from core.transfer.factors import Grid, Planar
+from core.transfer.factors import Grid, Planar, Product
 from core.transfer.planar_blocks import Planes
-from core.transfer.product import Product
 
 Array = NDArray[Any]
 Row = dict[str, Any]

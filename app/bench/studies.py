@@ -18,7 +18,7 @@ from app.bench.timing import Settings
 from app.study.carrying_out import run_study
 from app.study.study_request import StudyRows
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.network import Network
 from nodes.library import standard_library
 

@@ -11,14 +11,14 @@ from app.command import options
 from app.command.results import Progress, check_stop, show, written
 from app.run import option_values as values
 from app.run.process import Stop
-from core.names import in_line
+from core.errors import in_line
 from nodes.files.common.file_format import CSV, HTML, JSON
 
 if TYPE_CHECKING:
     from app.fit.fit_result import FitResult
     from app.measure.picture_measurement import PictureMeasurement
     from app.run.overrides import GivenNetwork
-    from core.evaluation.policy import Policy
+    from core.evaluation.work import Policy
 
 
 @options.command()

@@ -31,15 +31,13 @@ from app.tradeoff.tradeoff_drawing import trade_off_content
 from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
 from app.tradeoff.values import Variation
 from core.atomic import write_text
-from core.chain.engine import Engine
-from core.chain.realize import realize
-from core.errors import ImagechainError, InputError, UsageError
-from core.evaluation.policy import Policy
+from core.chain.engine import Engine, realize
+from core.errors import ImagechainError, InputError, UsageError, printable
 from core.evaluation.store import Store
+from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration
-from core.names import printable
+from core.network.file import parse_network
 from core.network.network import Network
-from core.network.parsing import parse_network
 from core.network.validation import plain_network
 from nodes.files.common.table_cells import csv_lines
 from nodes.library import standard_library

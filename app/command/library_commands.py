@@ -18,10 +18,9 @@ from app.command.results import Progress, say, show, written
 from app.run import option_values as values
 from app.run.process import Stop, Stopped, print_error
 from app.run.readout_tables import columns
-from core.errors import UsageError
+from core.errors import UsageError, alike, close, shown
 from core.modules.declaration import Declaration, package_of, ports_text, where_absent
 from core.modules.parameters import Parameter, plain
-from core.names import alike, close, shown
 
 if TYPE_CHECKING:
     from app.bench import Measured

@@ -40,16 +40,14 @@ from app.run.way_of_running import (
 )
 from app.run.write_rules import WriteRules
 from core.atomic import write_bytes, write_text
-from core.chain.engine import Engine, Plan
-from core.chain.realize import realize
+from core.chain.engine import Engine, Plan, realize
 from core.chain.skipped import Skip, skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, UsageError
-from core.evaluation.policy import Policy
-from core.evaluation.region import Region
+from core.errors import ImagechainError, UsageError, in_line
+from core.evaluation.recipes import Region
+from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
-from core.modules.panel_sections import Caution
-from core.names import in_line
+from core.modules.parameters import Caution
 from core.network.validation import NetworkProblems
 from nodes.files.common.file_format import ZARR
 from nodes.files.frame_writing import (

@@ -20,9 +20,8 @@ from app.run.option_values import (
     whole_number,
 )
 from app.run.shipped import Place, every_network, find_network
-from core.errors import UsageError
+from core.errors import UsageError, close, shown
 from core.modules.parameters import LARGEST_INTEGER
-from core.names import close, shown
 from nodes.files.common.file_format import JSON, Format, suffixes
 
 if TYPE_CHECKING:
@@ -346,7 +345,7 @@ def numerical_options(function: Function) -> Function:
 
     @functools.wraps(function)
     def given(*words: Any, precision: Any, tolerance: Any, threads: int, **more: Any) -> Any:
-        from core.evaluation.policy import Policy
+        from core.evaluation.work import Policy
 
         return function(*words, policy=Policy(precision, tolerance, threads), **more)
 

@@ -13,14 +13,13 @@ from app.command.results import Progress, say, show
 from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.process import Stop, too_late
-from core.errors import ImagechainError, InputError
-from core.names import in_line
+from core.errors import ImagechainError, InputError, in_line
 from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:
     from app.run.overrides import GivenNetwork
     from app.run.write_rules import WriteRules
-    from core.evaluation.policy import Policy
+    from core.evaluation.work import Policy
 
 
 @options.command()

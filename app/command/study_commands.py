@@ -15,14 +15,13 @@ from app.command.results import Progress, say, show, written
 from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.process import Stop
-from core.errors import DataError, UsageError
-from core.names import in_line, shown
+from core.errors import DataError, UsageError, in_line, shown
 from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:
     from app.run.overrides import GivenNetwork
     from app.study.study_request import StudyRows
-    from core.evaluation.policy import Policy
+    from core.evaluation.work import Policy
 
 _MOST_JOBS = 1024
 _OF_PLUG_IN = re.compile(r"\ba fault in the (module \S+ of the )?plug-in ")

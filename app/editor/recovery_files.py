@@ -18,16 +18,13 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.editor.session import Session
-from core.atomic import write_text
+from core.atomic import FileLock, is_held, own_token, runs, take, write_text
 from core.editing.document import Document, rebased
-from core.editing.links import check_new_wires
+from core.editing.wiring import check_new_wires
 from core.errors import FileError, ImagechainError, NetworkError
-from core.file_lock import FileLock, is_held, take
-from core.leftovers import own_token, runs
 from core.modules.declaration import Library
-from core.network.file import format_network
+from core.network.file import format_network, parse_network
 from core.network.network import Network
-from core.network.parsing import parse_network
 
 FORMAT = "imagechain-recovery"
 VERSION = 1

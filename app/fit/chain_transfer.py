@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 from app.fit.edge_fit import HIGHEST, SpreadTable, frequencies, spread_table
 from app.run.output import HOW_TO_MARK, HOW_TO_NAME, find_output
 from core.chain.engine import Engine, Plan
-from core.chain.linear_change import PlaceDependent
-from core.chain.step_lineage import lineage_of
+from core.chain.step_lineage import PlaceDependent, lineage_of
 from core.chain.wires import Image
 from core.errors import DataError, UsageError
 from core.evaluation.work import Work
 from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.numerics import sinc
-from core.physics.sampling.interpolation import block_mean_mtf
+from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.transfer.factors import Factor, Planar, Separable
 from nodes.analysis.lineage import ImageTransfer, transfer_of
 

@@ -12,7 +12,7 @@ from app.measure.measurement_text import with_error
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.readout_tables import columns, number_text
-from core.names import in_line
+from core.errors import in_line
 
 _CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
 

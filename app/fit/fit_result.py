@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
 from app.fit.identifiability import Combination, Identified, identified
-from core.physics.measurement.noise.variance_levels import LevelVariance
+from core.physics.measurement.sample_noise import LevelVariance
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -18,7 +18,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.physics.measurement.noise.variance_levels import LevelVariance
+from core.physics.measurement.sample_noise import LevelVariance
 from nodes.analysis.lineage import ImageNoise, NoiseOf
 
 Vector = NDArray[np.float64]

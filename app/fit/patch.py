@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.found_edge import FoundEdge, edge_samples
+from core.physics.measurement.found_edge import FoundEdge, edge_samples
 
 # The part of a picture about an edge.
 

@@ -22,10 +22,10 @@ from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
-from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.picture_checks import missing_samples
-from core.physics.measurement.noise.picture_noise import noise_of_picture
-from core.physics.measurement.noise.variance_levels import LevelVariance
+from core.physics.measurement.edge_search import find_edges
+from core.physics.measurement.found_edge import missing_samples
+from core.physics.measurement.picture_noise import noise_of_picture
+from core.physics.measurement.sample_noise import LevelVariance
 
 Matrix = NDArray[np.float64]
 

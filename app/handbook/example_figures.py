@@ -14,13 +14,10 @@ from app.report.drawing.curves import draw_on
 from app.report.drawing.picture_drawing import figure, number
 from app.run.saving import encode_png, grey_levels, robust_limits
 from core.chain.engine import Engine, Plan
-from core.chain.results import CurveData, Series
-from core.chain.wires import Curve, Image, Pupil, Transfer
-from core.errors import ImagechainError
-from core.evaluation.policy import Policy
-from core.evaluation.work import Work
+from core.chain.wires import Curve, CurveData, Image, Pupil, Series, Transfer
+from core.errors import ImagechainError, in_line
+from core.evaluation.work import Policy, Work
 from core.modules.declaration import Declaration
-from core.names import in_line
 
 _WIDE, _HIGH = 5.2, 3.2  # inches of a plot
 _SMALLEST_PHASE = 1e-9

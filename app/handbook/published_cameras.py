@@ -13,8 +13,8 @@ from typing import Any
 from app.report.drawing.picture_drawing import number, short
 from app.run.shipped import published_networks
 from core.chain.engine import Engine, Plan
-from core.evaluation.policy import Policy
-from core.names import thaw
+from core.errors import thaw
+from core.evaluation.work import Policy
 from core.network.file import load_network
 
 _NO_SOURCE = ("any value", "assumed", "solved")

@@ -28,7 +28,7 @@ from app.user_folders import cache_folder
 from core.chain.engine import Engine
 from core.chain.wires import Curve, Pupil
 from core.errors import FileError, UsageError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.modules.declaration import Declaration, Library, declaration, ports_text
 from core.modules.parameters import Parameter, plain
 from core.network.file import load_network

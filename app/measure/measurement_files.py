@@ -12,10 +12,9 @@ import numpy as np
 from app.measure.measurement_text import TEMPORAL, file_warnings
 from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement
 from core.atomic import write_text
-from core.errors import DataError, UsageError
-from core.names import printable
-from core.physics.measurement.edges.edge_mtf import MtfCurve
-from core.physics.measurement.noise.frames_noise import FramesNoise
+from core.errors import DataError, UsageError, printable
+from core.physics.measurement.edge_mtf import MtfCurve
+from core.physics.measurement.picture_noise import FramesNoise
 from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.mtf_table import LARGEST_MTF

@@ -20,7 +20,7 @@ from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Pr
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.saving import robust_limits
-from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
+from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 
 _MOST_REFUSED = 60
 _PLACE = ("edge", "column", "row", "normal (°)", "length")

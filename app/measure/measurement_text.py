@@ -13,7 +13,7 @@ from app.measure.picture_measurement import (
     PictureMeasurement,
 )
 from app.run.readout_tables import number_text
-from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
+from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {

@@ -28,17 +28,21 @@ from app.measure.picture_measurement import (
     file_of,
 )
 from core.errors import DataError, ParameterError
-from core.physics.measurement.edges.edge_mtf import (
+from core.physics.measurement.edge_mtf import (
     LARGEST_ANGLE_DEG,
     MtfCurve,
     measure_edge,
     pooled_mtf,
 )
-from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.found_edge import FoundEdge
-from core.physics.measurement.edges.picture_checks import missing_samples, why_interpolated
-from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
-from core.physics.measurement.noise.picture_noise import LineNoise, PictureNoise, noise_of_picture
+from core.physics.measurement.edge_search import find_edges
+from core.physics.measurement.found_edge import FoundEdge, missing_samples, why_interpolated
+from core.physics.measurement.picture_noise import (
+    FramesNoise,
+    LineNoise,
+    PictureNoise,
+    SceneFrames,
+    noise_of_picture,
+)
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.frame_reading import open_frames
 

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.readout_tables import columns, json_text, number_text
-from core.errors import DataError
-from core.names import in_line
-from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
-from core.physics.measurement.levels.thermal_response import (
+from core.errors import DataError, in_line
+from core.physics.measurement.photon_transfer import FlatField, FlatFrames
+from core.physics.measurement.thermal_response import (
     NoiseTemperature,
     ThermalField,
     ThermalResponse,

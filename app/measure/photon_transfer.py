@@ -7,9 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from app.run.readout_tables import columns, json_text, number_text
-from core.names import in_line
-from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
-from core.physics.measurement.levels.photon_transfer import PhotonTransfer, photon_transfer
+from core.errors import in_line
+from core.physics.measurement.photon_transfer import (
+    FlatField,
+    FlatFrames,
+    PhotonTransfer,
+    photon_transfer,
+)
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.frame_reading import FrameFile, check_one_camera, open_frames

@@ -7,16 +7,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_mtf import (
+from core.physics.measurement.edge_mtf import (
     LARGEST_ANGLE_DEG,
     EdgeMtf,
     MtfCurve,
     crossing_error,
     pooled_mtf,
 )
-from core.physics.measurement.edges.found_edge import FoundEdge
-from core.physics.measurement.noise.frames_noise import FramesNoise
-from core.physics.measurement.noise.variance_levels import LevelVariance
+from core.physics.measurement.found_edge import FoundEdge
+from core.physics.measurement.picture_noise import FramesNoise
+from core.physics.measurement.sample_noise import LevelVariance
 
 Gamma = Literal["", "possible", "usual"]
 

@@ -9,12 +9,10 @@ import numpy as np
 from app.run.evaluation import Evaluation
 from app.run.responses import Axis, mtf_at, response
 from app.run.shipped import every_network
-from core.chain.engine import Plan
-from core.chain.realize import realize
+from core.chain.engine import Plan, realize
 from core.chain.wires import Image
-from core.errors import NetworkError
+from core.errors import NetworkError, close
 from core.modules.parameters import plain
-from core.names import close
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import plain_network

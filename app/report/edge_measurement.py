@@ -16,17 +16,15 @@ from app.report.drawing.picture_drawing import COLOURS, figure, named, short
 from app.report.html_page import Block, Drawn, Grid, Heading, Text
 from app.run.evaluation import Evaluation
 from core.chain.frame_sequence import Remaking
-from core.chain.linear_change import Axis, Linear, PlaceDependent
-from core.chain.step_lineage import lineage_of, source_step
+from core.chain.step_lineage import Axis, Linear, PlaceDependent, lineage_of, source_step
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
-from core.evaluation.recipes import Recipe, Step
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, Step
 from core.evaluation.work import Work
-from core.physics.measurement.edges.row_average import row_average
-from core.physics.measurement.edges.slanted_edge import falls_to
+from core.physics.measurement.row_average import row_average
+from core.physics.measurement.slanted_edge import falls_to
 from core.physics.numerics import sinc
-from core.physics.sampling.interpolation import folded
+from core.physics.sampling.detector_sampling import folded
 from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer, transfer_of
 from nodes.analysis.mtf_measuring import Measured, measured_rows, measured_slanted

@@ -21,12 +21,11 @@ from app.run.process import version
 from app.run.readout_tables import json_text
 from app.run.responses import StageResponse, at_nyquist
 from core.atomic import write_text
-from core.chain.engine import PlannedNode
-from core.chain.realize import realize
+from core.chain.engine import PlannedNode, realize
 from core.chain.skipped import Skip, is_neutral
 from core.chain.wires import Image, Table
+from core.errors import printable, thaw
 from core.modules.parameters import plain
-from core.names import printable, thaw
 from core.transfer.periodic import backend
 from nodes.files.common.file_format import JSON
 from nodes.input_output.sample_unit import statistics

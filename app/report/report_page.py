@@ -43,7 +43,7 @@ from app.run.figures import Figure, figure_rows
 from app.run.readout_tables import four_digits, sized
 from app.run.responses import Responses
 from app.run.way_of_running import reduced, way_in_words
-from core.chain.realize import realize
+from core.chain.engine import realize
 
 _MOST_INPUTS = 2
 _MOST_OTHERS = 4

@@ -12,17 +12,14 @@ from typing import Any
 from app.run.output import find_output, source_images
 from app.run.responses import Responses, response, responses
 from app.run.transfer_chain import Chain, find_chain
-from core.chain.engine import Engine, Plan
-from core.chain.realize import asked_for, realize
+from core.chain.engine import Engine, Plan, asked_for, realize
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import Recipe
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.machine import Workers
-from core.modules.panel_sections import Caution, PendingCheck
+from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
 from nodes.files.read import check_finite

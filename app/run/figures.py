@@ -11,8 +11,7 @@ from app.run.evaluation import Evaluation
 from app.run.output import Output, ancestors, find_output, sound_part
 from app.run.readout_tables import four_digits, number_text, sized
 from app.run.responses import Axis, mtf_at
-from core.chain.engine import Plan
-from core.chain.realize import realize
+from core.chain.engine import Plan, realize
 from core.chain.wires import Image
 from core.errors import ImagechainError
 from nodes.input_output.sample_unit import statistics

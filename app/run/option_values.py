@@ -24,7 +24,7 @@ from nodes.files.common.file_format import (
 )
 
 if TYPE_CHECKING:
-    from core.evaluation.region import Region
+    from core.evaluation.recipes import Region
 
 REPORTS = (JSON, HTML)
 TRANSFERS = (CSV, JSON)
@@ -85,7 +85,7 @@ class Save(Assignment):
             raise UsageError(
                 f"{self.shown}: the region is empty: rows {top}:{bottom}, columns {left}:{right}"
             )
-        from core.evaluation.region import Region
+        from core.evaluation.recipes import Region
 
         return Region(top, left, bottom - top, right - left)
 

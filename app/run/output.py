@@ -8,9 +8,8 @@ from typing import Any
 
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image
-from core.errors import ImagechainError, NetworkError
+from core.errors import ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Library, declaration
-from core.names import shown, thaw
 from core.network.network import Network, Node, marked_twice, reached
 from core.network.validation import NetworkProblems
 

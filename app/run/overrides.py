@@ -12,10 +12,9 @@ from typing import Any
 
 from app.run.option_values import Assignment
 from app.run.shipped import Place
-from core.errors import NetworkError, ParameterError, UsageError
+from core.errors import NetworkError, ParameterError, UsageError, close, in_line, shown
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
-from core.names import close, in_line, shown
 from core.network.file import read_network
 from core.network.linked_values import expression
 from core.network.network import Network, passed_through, with_marks

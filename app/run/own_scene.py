@@ -15,12 +15,10 @@ from app.run.output import delivering
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.editing.operations import fresh_name
-from core.errors import DataError, FileError, UsageError
-from core.evaluation.policy import Policy
+from core.errors import DataError, FileError, UsageError, close, shown
 from core.evaluation.recipes import Step, ends_lineage
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.modules.declaration import Library, declaration
-from core.names import close, shown
 from core.network.linked_values import naming
 from core.network.network import Link, Network, Node, reached
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit

@@ -14,15 +14,20 @@ from core.editing.clipboard import as_new, pasted
 from core.editing.document import rebased
 from core.editing.layout import Point
 from core.editing.operations import ABSENT, Operation, Together, check_plain, set_parameter
-from core.errors import FileError, ImagechainError, NetworkError
+from core.errors import FileError, ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import Parameter
-from core.names import shown, thaw
-from core.network.file import format_network, read_network, read_text, read_unchanged, save_network
+from core.network.file import (
+    format_network,
+    read_json,
+    read_network,
+    read_text,
+    read_unchanged,
+    save_network,
+)
 from core.network.linked_values import expression_text
 from core.network.macro import face_of_macro
 from core.network.network import Network, Node
-from core.network.parsing import read_json
 
 KEY = "preset:"
 """What the key of a preset begins with; no module's key has a colon."""

@@ -11,11 +11,11 @@ from numbers import Integral, Real
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from core.names import printable
+from core.errors import printable
 
 if TYPE_CHECKING:
     from app.run.evaluation import Evaluation
-    from core.modules.panel_sections import Caution
+    from core.modules.parameters import Caution
 
 MOST_WARNINGS = 5
 """How many kinds of warnings are shown of many points."""

@@ -15,15 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.atomic import atomic_file, write_bytes, write_text
+from core.chain.engine import realize
 from core.chain.frame_sequence import at_frame
-from core.chain.realize import realize
-from core.chain.results import CurveData, TableData
-from core.chain.wires import Context, Curve, Image, Table
+from core.chain.wires import Context, Curve, CurveData, Image, Table, TableData
 from core.errors import UsageError
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import number_bits
-from core.evaluation.region import Region
-from core.evaluation.work import Work
+from core.evaluation.recipes import Region, number_bits
+from core.evaluation.work import Policy, Work
 from core.scratch import is_on_disk
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import networks
-from core.errors import FileError
-from core.names import alike, shown, shown_path
+from core.errors import FileError, alike, shown, shown_path
 from nodes.files.common.file_format import JSON
 
 

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from core.atomic import no_regular_file
+from core.atomic import FOLDER_PREFIX, LOCK, FileLock, new_mark, no_regular_file, sweep, take
 from core.errors import FileError, ImagechainError
-from core.file_lock import FileLock, take
-from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
 from nodes.files.common.file_format import ZARR
 from nodes.files.store_folder import is_store
 

@@ -17,9 +17,8 @@ from core.chain.block_plan import LargestPicture, largest_picture, least_scratch
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image, SpectrumWire, Transfer
 from core.errors import DataError, FileError, UsageError
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import BlockRun, Work
+from core.evaluation.work import BlockRun, Policy, Work
 from core.machine import amount_text, usable_bytes
 from core.scratch import ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR

@@ -16,10 +16,8 @@ from pathlib import Path
 from app.run.shipped import Place
 from app.run.staging import Guard, Staging, real_target
 from app.user_folders import state_folder
-from core.atomic import write_text
-from core.errors import FileError, ImagechainError, UsageError
-from core.file_lock import in_turn
-from core.names import shown
+from core.atomic import in_turn, write_text
+from core.errors import FileError, ImagechainError, UsageError, shown
 from nodes.files.store_folder import is_store
 
 OPTION = "--allow-writes-to"

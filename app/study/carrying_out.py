@@ -19,9 +19,8 @@ from app.study.point_rows import Row, RowMaker, Setting, Task
 from app.study.study_journal import Journal, write_columns
 from app.study.study_request import GRID, Study, StudyRows, Values, make_study
 from app.study.worker_processes import process_rows
-from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install
-from core.evaluation.policy import Policy
-from core.names import shown
+from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install, shown
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from core.network.network import Network
 from core.network.validation import check_network, plain_network

@@ -13,8 +13,7 @@ from typing import Any
 from app.study.point_rows import Row, Setting, Task
 from app.study.worker_processes import WorkerEnded, Workers, dealt_rows
 from app.study.worker_rows import rows_of_batch
-from core.errors import FileError, ImagechainError, UsageError
-from core.names import shown
+from core.errors import FileError, ImagechainError, UsageError, shown
 
 _AHEAD, _FEWEST = 2, 32  # batches out for each thread, and at least: more workers may come
 _CONNECT_S = 10

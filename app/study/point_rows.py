@@ -15,14 +15,12 @@ from app.run.saving import save_value
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import Cancelled, FileError, ImagechainError
-from core.evaluation.policy import Policy
+from core.errors import Cancelled, FileError, ImagechainError, in_line
 from core.evaluation.recipes import content_key
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.machine import store_bytes
 from core.modules.declaration import Library, declaration
-from core.names import in_line
 from core.network.network import Network, Node
 from nodes.files.read import check_finite
 

@@ -30,7 +30,7 @@ from app.tradeoff.tradeoff_drawing import (
 from app.tradeoff.tradeoff_results import ROUNDING
 from app.tradeoff.values import Variation
 from core.atomic import write_bytes, write_text
-from core.names import printable
+from core.errors import printable
 from nodes.files.formats import PNG
 
 MOST_FIGURES, MOST_ACROSS = 12, 8

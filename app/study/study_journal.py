@@ -19,10 +19,8 @@ import numpy as np
 
 from app.run.readout_tables import exact
 from app.study.point_rows import Row
-from core.atomic import atomic_file, write_bytes, write_text
-from core.errors import FileError, UsageError, how_to_install
-from core.file_lock import is_held, take
-from core.names import printable
+from core.atomic import atomic_file, is_held, take, write_bytes, write_text
+from core.errors import FileError, UsageError, how_to_install, printable
 from nodes.files.common.file_format import NETCDF, PARQUET
 from nodes.files.common.table_cells import csv_lines
 

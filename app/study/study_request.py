@@ -29,12 +29,19 @@ from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, w
 from app.tradeoff.values import OPTION, Variation, one_value, taken_value, variation
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import FileError, ImagechainError, ParameterError, UsageError
-from core.evaluation.policy import Policy
+from core.errors import (
+    FileError,
+    ImagechainError,
+    ParameterError,
+    UsageError,
+    close,
+    shown,
+    shown_path,
+)
 from core.evaluation.recipes import content_key
+from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
-from core.names import close, shown, shown_path
 from core.network.network import Network
 from nodes.files.common.file_format import CSV
 from nodes.files.common.table_cells import plain_cell

@@ -18,11 +18,10 @@ from app.run.overrides import named_parameter
 from app.run.readout_tables import warning_lines
 from app.tradeoff.tradeoff_results import Figure, computed, named_figure, shown_value, with_value
 from core.chain.engine import Engine, Plan
-from core.errors import DataError, ParameterError, UsageError
-from core.evaluation.policy import Policy
+from core.errors import DataError, ParameterError, UsageError, in_line
+from core.evaluation.work import Policy
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
-from core.names import in_line
 from core.network.network import Network
 from core.physics.numerics import brent_root
 

@@ -27,7 +27,7 @@ from app.run.readout_tables import (
 )
 from app.tradeoff.tradeoff_results import ROUNDING, Figure, Results, shown_value
 from app.tradeoff.values import Variation, is_number
-from core.names import printable
+from core.errors import printable
 from nodes.files.common.file_format import CSV, JSON, PNG
 from nodes.files.common.table_cells import csv_lines
 

@@ -25,13 +25,12 @@ from core.errors import (
     NetworkError,
     ParameterError,
     UsageError,
+    shown,
 )
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
-from core.modules.panel_sections import PendingCheck
-from core.modules.parameters import Parameter
-from core.names import shown
+from core.modules.parameters import Parameter, PendingCheck
 from core.network.linked_values import following
 from core.network.network import Network, reached
 

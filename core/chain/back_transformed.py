@@ -11,19 +11,25 @@ from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, Row, Rows, SteppedBands, stacked, weighted_factors
 from core.chain.filtered_sum import FilteredSum, WavelengthRank, spectral_of
-from core.chain.linear_change import Axis, Blocks, Filtering, Linear, PixelSamples, Vector
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Lineage, picture_step
+from core.chain.step_lineage import (
+    Axis,
+    Blocks,
+    Filtering,
+    Lineage,
+    Linear,
+    PixelSamples,
+    Vector,
+    picture_step,
+)
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, in_parts
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, Step, in_parts
 from core.evaluation.work import Work
-from core.transfer.factors import Edges, Factor, Grid
+from core.transfer.factors import Edges, Factor, Grid, Product, Skipped, spend
 from core.transfer.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.transfer.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
 from core.transfer.planar_blocks import Axes, axes_of, known_planes
-from core.transfer.product import Product, Skipped, spend
 from core.transfer.sampled_waves import sampled_filter
 
 Array = NDArray[Any]

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.linear_change import LevelChange, Linear
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import LevelChange, Linear, picture_step
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, content_key, ends_lineage, in_blocks
 from core.evaluation.work import Work

@@ -12,9 +12,8 @@ from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step, furthest_first
-from core.evaluation.work import BlockRun, Shape
+from core.evaluation.work import BlockRun, Policy, Shape
 from core.machine import amount_text
 from core.scratch import ScratchDisk
 

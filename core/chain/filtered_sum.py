@@ -26,11 +26,10 @@ from core.chain.band_stack import BandStack, Row, Rows
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.scratch import StripArray
-from core.transfer.factors import Factor, Grid, Planar
+from core.transfer.factors import Factor, Grid, Planar, Product
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from core.transfer.planar_blocks import Axes, Planes
-from core.transfer.product import Product
 
 Array = NDArray[Any]
 RADII = 1537

@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import Moments
-from core.transfer.factors import Factor, Grid
+from core.transfer.factors import Factor, Grid, Product, nyquist_lines
 from core.transfer.planar_blocks import Axes, axes_of
-from core.transfer.product import Product, nyquist_lines
 
 Array = NDArray[Any]
 Matrix = NDArray[np.float64]

@@ -19,8 +19,7 @@ from core.editing.layout import (
     way_back,
 )
 from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
-from core.errors import NetworkError
-from core.names import thaw
+from core.errors import NetworkError, thaw
 from core.network.network import Network, cycles
 
 FIELD = "backdrops"

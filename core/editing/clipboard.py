@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import Any
 
 from core.editing.layout import Point, Sizes, arranged, free_places
-from core.editing.links import check_new_wires
 from core.editing.operations import (
     ABSENT,
     Add,
@@ -20,14 +19,13 @@ from core.editing.operations import (
 )
 from core.editing.references import WIRE_DOTS
 from core.editing.wire_dots import dots_along, dots_among, joined_fields
-from core.errors import ImagechainError, NetworkError
+from core.editing.wiring import check_new_wires
+from core.errors import ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Declaration, Library
 from core.modules.parameters import Parameter, plain
-from core.names import shown, thaw
-from core.network.file import format_network
+from core.network.file import FORMAT, format_network, parse_network, read_json
 from core.network.linked_values import with_names
 from core.network.network import EXPRESSION, Link, Network, Node
-from core.network.parsing import FORMAT, parse_network, read_json
 
 NODES_FORMAT, VALUES_FORMAT = "imagechain-nodes", "imagechain-values"
 SOURCE = "the clipboard"

@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from core.editing.layout import is_in_reach
-from core.editing.links import check_new_wires
 from core.editing.operations import ABSENT, Operation, SetField, Together, set_parameter
-from core.errors import ChangedFileError, NetworkError
+from core.editing.wiring import check_new_wires
+from core.errors import ChangedFileError, NetworkError, in_line, thaw
 from core.modules.declaration import Library, declaration
-from core.names import in_line, thaw
-from core.network.file import format_network, save_network
+from core.network.file import LARGEST, format_network, save_network
 from core.network.network import EXPRESSION, Network
-from core.network.parsing import LARGEST
 
 _LONGEST = 32  # letters of a value
 

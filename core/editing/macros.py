@@ -1,10 +1,13 @@
 """Changes of nodes inside of macros, and of the parameters that a macro shows."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from core.editing.backdrops import FIELD as BACKDROPS
+from core.editing.backdrops import backdrops_of
+from core.editing.layout import Point
 from core.editing.operations import (
     ABSENT,
     Edit,
@@ -15,24 +18,42 @@ from core.editing.operations import (
     body_of,
     exposed_as,
     fresh_name,
+    named,
+    restored,
     set_network_field,
     set_parameter,
+    with_field,
 )
-from core.errors import NetworkError
-from core.names import shown, thaw
+from core.editing.references import of_nodes, renamed, without_dots
+from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
+from core.errors import NetworkError, shown, thaw
+from core.modules.declaration import Library
 from core.network.expressions import readable
-from core.network.linked_values import references, with_references
+from core.network.linked_values import (
+    new_name,
+    references,
+    references_in,
+    resolved,
+    with_names,
+    with_references,
+)
 from core.network.macro import (
     PARAMETERS,
     SEPARATOR,
     End,
+    Interface,
+    checked_depth,
+    declared_node,
+    depth,
     face_of_macro,
     interface_of,
+    opened,
     path_of,
     text,
+    unfolded,
     with_face,
 )
-from core.network.network import Network
+from core.network.network import EXPRESSION, MACRO, Link, Network, Node, cycle_error, cycles
 
 
 def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
@@ -141,3 +162,338 @@ def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -
     face = face_of_macro(network)
     ends = {name: moved(*end) for name, end in face.parameters.items()}
     return with_face(changed, replace(face, parameters=ends))
+
+
+# Making one node of several, a macro, and several of one again; the picture stays the same.
+
+
+def group(
+    network: Network,
+    library: Library,
+    names: Iterable[str],
+    name: str = "macro",
+    where: str = "",
+    value_of: Callable[[str, str], Any] | None = None,
+) -> tuple[str, Operation]:
+    """What makes one node of several, and its name; what draws noise draws the same afterwards.
+
+    `where` are the macros this happens in, as ``camera/``. `value_of` gives the value of a node's
+    parameter, in a macro with what is set from outside; by default as the network alone has it.
+    """
+    members = tuple(dict.fromkeys(names))
+    if not members:
+        raise NetworkError("select the nodes to group first")
+    inner = {member: network.node(member) for member in members}
+    fresh = fresh_name(name, set(network.nodes) - set(members))
+    around = face_of_macro(network)
+    parameters: dict[str, End] = {}
+    for end in around.parameters.values():
+        if end[0] in members:
+            parameters[fresh_name(end[1], parameters)] = end
+    # From inside of a macro nothing outside can be named: such an expression becomes one of the
+    # macro's own parameter.
+    for member, node in inner.items():
+        for parameter in node.linked:
+            end = member, parameter
+            if _follows_others(node, parameter, members) and end not in parameters.values():
+                parameters[fresh_name(parameter, parameters)] = end
+    inputs = _inputs_of(network, library, members, around)
+    face = Interface(inputs, _outputs_of(network, library, members, around), parameters)
+    value_of = value_of or resolved(network, library=library).value
+    given = {name: thaw(value_of(*end)) for name, end in parameters.items()}
+    values = {
+        name: value
+        for name, value in given.items()
+        if value is not None and not (isinstance(value, dict) and EXPRESSION in value)
+    }
+    noisy = _noisy(network, library, members, where)
+    moved = {name: f"{fresh}{SEPARATOR}{name}" for name in of_nodes(members, network.nodes)}
+
+    body, lifted = _body(network, members, face, moved, values)
+    noises = {inner: _with_noise(node, where + inner, noisy) for inner, node in body.nodes.items()}
+    try:
+        after = _with_macro(network, fresh, face, body.with_nodes(noises), lifted, moved)
+    except NetworkError as error:
+        if "cycle" not in error.message:
+            raise
+        raise NetworkError(
+            "these nodes cannot be grouped: a path of wires leaves them and returns "
+            f"({error.message})"
+        ) from None
+    return fresh, restored(after, f"Group {named(members)}", moved)
+
+
+def ungroup(
+    network: Network, library: Library, name: str, where: str = ""
+) -> tuple[tuple[str, ...], Operation]:
+    """What puts the nodes of a macro in its place, under names that are free; and the names."""
+    node = network.node(name)
+    if node.macro is None:
+        raise NetworkError(f"{shown(name)} is not a macro, so it cannot be ungrouped")
+    if node.disabled:
+        raise NetworkError(f"{shown(name)} is disabled: enable it first, then ungroup it")
+    taken = set(network.nodes) - {name}
+    body, fresh = node.macro, {}
+    for inner in body.nodes:
+        fresh[inner] = fresh_name(inner, taken)
+        taken.add(fresh[inner])
+    noisy = _noisy(body, library, body.nodes, f"{where}{name}{SEPARATOR}")
+    moved = {
+        f"{name}{SEPARATOR}{old}": fresh[inner] + old.removeprefix(inner)
+        for inner in body.nodes
+        for old in of_nodes([inner], body.nodes)
+    }
+    after = _without_macro(network, node, fresh, moved, noisy, where)
+    return tuple(fresh.values()), restored(after, f"Ungroup {name}", moved)
+
+
+def _body(
+    network: Network,
+    members: Collection[str],
+    face: Interface,
+    moved: Mapping[str, str],
+    values: Mapping[str, Any],
+) -> tuple[Network, dict[str, Any]]:
+    """The inside of a new macro, and the expressions that its own parameters take over."""
+    nodes = {name: node for name, node in network.nodes.items() if name in members}
+    lifted = {}
+    for name, (own, parameter) in face.parameters.items():
+        if not _follows_others(network.nodes[own], parameter, members):
+            continue
+        lifted[name] = with_names(network.nodes[own], moved).params[parameter]
+        params = with_field(nodes[own].params, parameter, values.get(name, ABSENT))
+        nodes[own] = replace(nodes[own], params=params)
+    links = (link for link in network.links if {link.source, link.target} <= nodes.keys())
+    return Network(
+        nodes=nodes,
+        links=tuple(links),
+        layout={name: at for name, at in network.layout.items() if name in nodes},
+        extra={**face.fields(), **joined_fields({}, dots_among(network, nodes))},
+    ), lifted
+
+
+def _with_macro(
+    network: Network,
+    name: str,
+    face: Interface,
+    body: Network,
+    lifted: Mapping[str, Any],
+    moved: Mapping[str, str],
+) -> Network:
+    """The network with a macro in the place of nodes."""
+    inner = body.nodes
+    checked_depth(1 + depth(body), name)
+    nodes: dict[str, Node] = {}
+    for other, node in network.nodes.items():
+        if other not in inner:
+            nodes[other] = with_names(node, moved)
+        elif name not in nodes:
+            nodes[name] = Node(name, MACRO, params=lifted, macro=body)
+    layout = {other: at for other, at in network.layout.items() if other not in inner}
+    if body.layout:
+        layout[name] = _middle(body.layout)
+    entry = {end: (name, port) for port, ends in face.inputs.items() for end in ends}
+    exits = {end: (name, port) for port, end in face.outputs.items()}
+    shown_as = {end: (name, parameter) for parameter, end in face.parameters.items()}
+    links: dict[Link, None] = {}  # of several that become one, one
+    for link in network.links:
+        if not (link.source in inner and link.target in inner):
+            start, end = (link.source, link.output), (link.target, link.input)
+            links[Link(*exits.get(start, start), *entry.get(end, end))] = None
+    extra = renamed(without_dots(network.extra, _links_at(network, inner)), moved)
+    changed = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
+    around = face_of_macro(network)
+    if around != Interface():
+
+        def instead(of: Mapping[End, End]) -> Callable[[End], tuple[End]]:
+            return lambda end: (of.get(end, end),)
+
+        outer = around.mapped(*map(instead, (entry, exits, shown_as)))
+        inputs = {port: tuple(dict.fromkeys(ends)) for port, ends in outer.inputs.items()}
+        changed = with_face(changed, replace(outer, inputs=inputs))
+    loops = cycles(changed.followers)
+    if loops and not cycles(network.followers):
+        raise cycle_error(loops[0])
+    return changed
+
+
+def _without_macro(
+    network: Network,
+    macro: Node,
+    fresh: Mapping[str, str],
+    moved: Mapping[str, str],
+    noisy: frozenset[str],
+    where: str,
+) -> Network:
+    """The network with the nodes of a macro in its place."""
+    name, body = macro.id, opened(macro, linked=False)
+    face, around = face_of_macro(body), face_of_macro(network)
+
+    def inner(end: End) -> End:
+        return fresh[end[0]], end[1]
+
+    def instead(leader: str, parameter: str) -> End:
+        end = face.parameters.get(parameter) if leader == name else None
+        return (new_name(leader, moved), parameter) if end is None else inner(end)
+
+    nodes: dict[str, Node] = {}
+    for other, node in network.nodes.items():
+        changed = with_references(node, instead)
+        if other != name:
+            nodes[other] = changed
+            continue
+        for old, plain in _plain_nodes(changed, body, face, fresh).items():
+            noise = _with_noise(plain, f"{where}{name}{SEPARATOR}{old}", noisy)
+            nodes[fresh[old]] = _without_own(noise, where + fresh[old])
+    x, y = _shift(network, name, body)
+    layout = {other: at for other, at in network.layout.items() if other != name}
+    for old, at in body.layout.items():
+        if old in body.nodes:
+            layout[fresh[old]] = at[0] + x, at[1] + y
+    extra = renamed(without_dots(network.extra, _links_at(network, {name})), moved)
+    if backdrops_of(body):
+        extra[BACKDROPS] = [
+            *thaw(network.extra.get(BACKDROPS, [])),
+            *(
+                {**entry, "x": entry["x"] + x, "y": entry["y"] + y}
+                for entry in thaw(body.extra[BACKDROPS])
+                if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
+            ),
+        ]
+    dots = {link.renamed(fresh): shifted(at, (x, y)) for link, at in dots_of(body).items()}
+    extra |= joined_fields(extra, dots)
+    outputs, parameters = (
+        {port: (end,) for port, end in ends.items()} for ends in (face.outputs, face.parameters)
+    )
+
+    def behind(of: Mapping[str, Iterable[End]]) -> Callable[[End], Iterable[End]]:
+        return lambda end: map(inner, of.get(end[1], ())) if end[0] == name else (end,)
+
+    starts, ends = behind(outputs), behind(face.inputs)
+    links = [link.renamed(fresh) for link in body.links]
+    for link in network.links:
+        targets = tuple(ends((link.target, link.input)))
+        links += [Link(*s, *t) for s in starts((link.source, link.output)) for t in targets]
+    after = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
+    if around == Interface():
+        return after
+    return with_face(after, around.mapped(ends, starts, behind(parameters)))
+
+
+def _plain_nodes(
+    macro: Node, body: Network, face: Interface, fresh: Mapping[str, str]
+) -> dict[str, Node]:
+    """The nodes of a macro with their new ids and the values that it gives them, by the old ids."""
+    inner = {name: with_names(node, fresh) for name, node in body.nodes.items()}
+    for name, (own, parameter) in face.parameters.items():
+        if name in macro.linked and own in inner:
+            params = {**inner[own].params, parameter: macro.params[name]}
+            inner[own] = replace(inner[own], params=params)
+    return {
+        name: replace(node, id=fresh[name], auto=node.auto if macro.auto is None else macro.auto)
+        for name, node in inner.items()
+    }
+
+
+def _follows_others(node: Node, parameter: str, members: Collection[str]) -> bool:
+    """Whether a parameter has an expression that names what is no member, nor inside of one."""
+    inside = dict.fromkeys(members, "")
+    found = references_in(node.params[parameter]) if parameter in node.linked else ()
+    leaders = {one.node for one in found} - set(members)
+    return any(new_name(leader, inside) == leader for leader in leaders)
+
+
+def _noisy(network: Network, library: Library, names: Iterable[str], where: str) -> frozenset[str]:
+    chosen = {name: network.nodes[name] for name in names}
+    return frozenset(
+        where + name
+        for name, node in unfolded(Network(nodes=chosen)).nodes.items()
+        if node.macro is None
+        and (node.noise or node.module not in library or library[node.module].draws_noise)
+    )
+
+
+def _with_noise(node: Node, name: str, noisy: frozenset[str]) -> Node:
+    """The node, drawing its noise, and that of nodes inside, under the name it has until now."""
+    if node.macro is None:
+        return node if node.noise or name not in noisy else replace(node, noise=name)
+    return _each_inside(
+        node, lambda inner: _with_noise(inner, f"{name}{SEPARATOR}{inner.id}", noisy)
+    )
+
+
+def _without_own(node: Node, name: str) -> Node:
+    """The node without the name of its noise where it is called so anyway."""
+    if node.macro is None:
+        return replace(node, noise="") if node.noise == name else node
+    return _each_inside(node, lambda inner: _without_own(inner, f"{name}{SEPARATOR}{inner.id}"))
+
+
+def _each_inside(macro: Node, change: Callable[[Node], Node]) -> Node:
+    assert macro.macro is not None
+    nodes = {name: change(inner) for name, inner in macro.macro.nodes.items()}
+    if all(nodes[name] is inner for name, inner in macro.macro.nodes.items()):
+        return macro
+    return replace(macro, macro=replace(macro.macro, nodes=nodes))
+
+
+def _middle(layout: Mapping[str, Point]) -> Point:
+    xs, ys = zip(*layout.values(), strict=True)
+    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+
+
+def _shift(network: Network, macro: str, body: Network) -> Point:
+    """How far a macro has been moved since it stood in the middle of its nodes."""
+    if not body.layout or macro not in network.layout:
+        return 0.0, 0.0
+    middle, at = _middle(body.layout), network.layout[macro]
+    return at[0] - middle[0], at[1] - middle[1]
+
+
+def _links_at(network: Network, names: Collection[str]) -> set[Link]:
+    return {link for link in network.links if link.source in names or link.target in names}
+
+
+def _inputs_of(
+    network: Network, library: Library, members: tuple[str, ...], around: Interface
+) -> dict[str, tuple[End, ...]]:
+    """Inputs of the macro: one for each output outside that feeds it, then those without a wire."""
+    fed: dict[End, list[End]] = {}
+    for name, named_ends in around.inputs.items():
+        if inner := [end for end in named_ends if end[0] in members]:
+            fed["", name] = inner
+    place = {name: number for number, name in enumerate(network.nodes)}
+    for link in sorted(network.links, key=lambda link: (place.get(link.target, -1), link)):
+        if link.target in members and link.source not in members:
+            fed.setdefault((link.source, link.output), []).append((link.target, link.input))
+    inputs: dict[str, tuple[End, ...]] = {}
+    for ends in fed.values():
+        inputs[fresh_name(ends[0][1], inputs)] = tuple(ends)
+    linked = {(link.target, link.input) for link in network.links}
+    linked |= {end for ends in inputs.values() for end in ends}
+    for name in members:
+        declared = declared_node(network.nodes[name], library)
+        for port in declared.inputs if declared else ():
+            if port.required and (name, port.name) not in linked:
+                inputs[fresh_name(port.name, inputs)] = ((name, port.name),)
+    return inputs
+
+
+def _outputs_of(
+    network: Network, library: Library, members: tuple[str, ...], around: Interface
+) -> dict[str, End]:
+    """Outputs of the macro: those that feed nodes outside, then the first of nodes that end it."""
+    ends = {end: None for end in around.outputs.values() if end[0] in members}
+    place = {name: number for number, name in enumerate(network.nodes)}
+    for link in sorted(network.links, key=lambda link: (place.get(link.source, -1), link)):
+        if link.source in members and link.target not in members:
+            ends[link.source, link.output] = None
+    leading_on = {link.source for link in network.links}
+    for name in members:
+        declared = declared_node(network.nodes[name], library)
+        if name not in leading_on and declared is not None and declared.outputs:
+            ends[name, declared.outputs[0].name] = None
+    outputs: dict[str, End] = {}
+    for end in ends:
+        outputs[fresh_name(end[1], outputs)] = end
+    return outputs

@@ -10,9 +10,8 @@ from typing import Any, TypeVar
 
 from core.editing.layout import Point
 from core.editing.references import dropped, of_nodes, renamed, without_dots
-from core.errors import NetworkError
+from core.errors import NetworkError, freeze, shown, thaw
 from core.modules.declaration import Declaration, Library
-from core.names import freeze, shown, thaw
 from core.network.linked_values import naming, with_names
 from core.network.macro import (
     SEPARATOR,

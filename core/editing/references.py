@@ -3,8 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
-from core.errors import NetworkError
-from core.names import thaw
+from core.errors import NetworkError, thaw
 from core.network.macro import FIELDS, Interface, interface_of, unfolded
 from core.network.network import Link, Network, Node
 

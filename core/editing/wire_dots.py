@@ -11,7 +11,7 @@ from typing import Any
 from core.editing.layout import Point, is_in_reach
 from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
 from core.editing.references import WIRE_DOTS, dots_entry_link
-from core.names import thaw
+from core.errors import thaw
 from core.network.network import Link, Network
 
 Dots = Mapping[Link, tuple[Point, ...]]

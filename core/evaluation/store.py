@@ -17,8 +17,7 @@ from core.machine import store_bytes
 from core.scratch import is_on_disk
 
 if TYPE_CHECKING:
-    from core.evaluation.recipes import Recipe
-    from core.evaluation.region import Region
+    from core.evaluation.recipes import Recipe, Region
 
 
 def _parts(value: object) -> Collection[object]:

@@ -37,10 +37,17 @@ from typing import (
     get_type_hints,
 )
 
-from core.errors import unit_of
-from core.modules.panel_sections import Caution, Section, complete
-from core.modules.parameters import Formula, Kind, Param, Parameter, coerce_all
-from core.names import close, shown
+from core.errors import close, shown, unit_of
+from core.modules.parameters import (
+    Caution,
+    Formula,
+    Kind,
+    Param,
+    Parameter,
+    Section,
+    coerce_all,
+    complete,
+)
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe, Step

@@ -8,10 +8,9 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from core.errors import NetworkError, ParameterError
+from core.errors import NetworkError, ParameterError, close, shown, thaw
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
-from core.names import close, shown, thaw
 from core.network.expressions import (
     LONGEST,
     Expression,

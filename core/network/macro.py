@@ -7,11 +7,9 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
-from core.errors import NetworkError, ParameterError
+from core.errors import NetworkError, ParameterError, shown, thaw
 from core.modules.declaration import Declaration, Library, Port, declaration
-from core.modules.panel_sections import complete
-from core.modules.parameters import Parameter
-from core.names import shown, thaw
+from core.modules.parameters import Parameter, complete
 from core.network.expressions import rewritten
 from core.network.network import EXPRESSION, MACRO, Link, Network, Node, passed_through
 

@@ -9,10 +9,9 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from core.errors import NetworkError, ParameterError
+from core.errors import NetworkError, ParameterError, check_id, close, freeze, shown, thaw
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import LARGEST_INTEGER
-from core.names import check_id, close, freeze, shown, thaw
 
 NODE_FIELDS = ("module", "params", "auto", "disabled", "final", "noise", "macro")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")

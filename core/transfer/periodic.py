@@ -17,14 +17,12 @@ import scipy
 from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
-from core.evaluation.recipes import ends_lineage
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region, ends_lineage
 from core.evaluation.work import Work
 from core.scratch import StripArray
-from core.transfer.factors import Grid
+from core.transfer.factors import Grid, Product
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, column_blocks, row_blocks
 from core.transfer.planar_blocks import Planes
-from core.transfer.product import Product
 
 Array = NDArray[Any]
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
-from core.transfer.factors import Grid, Planar
-from core.transfer.product import Product
+from core.transfer.factors import Grid, Planar, Product
 
 # A function of the radial frequency, tabulated for linear interpolation.
 

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
-from core.transfer.factors import Edges, Grid
+from core.transfer.factors import Edges, Grid, Product
 from core.transfer.mirrored import MeanFree, MirroredTerms
 from core.transfer.periodic import PeriodicResponse
-from core.transfer.product import Product
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]

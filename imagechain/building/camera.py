@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from app.run.output import ancestors, find_output
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
 from app.run.way_of_running import way_of_running
-from core.chain.engine import Engine, Plan
+from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
-from core.chain.realize import asked_for
 from core.chain.wires import Image
 from core.errors import DataError, ImagechainError, NetworkError, ParameterError, UsageError
-from core.evaluation.policy import Policy
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.network.linked_values import with_values
 from core.network.validation import NetworkProblems
 from imagechain.building.chain_state import ChainState, planned_scene

@@ -16,11 +16,10 @@ from app.run.own_scene import OwnScene
 from app.run.readout_tables import columns
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
-from core.editing.links import refusal
 from core.editing.operations import ABSENT, Remove, Rename, Rewire, SetOutput, set_network_field
-from core.errors import ImagechainError, NetworkError, UsageError
-from core.evaluation.policy import Policy
-from core.names import shown
+from core.editing.wiring import refusal
+from core.errors import ImagechainError, NetworkError, UsageError, shown
+from core.evaluation.work import Policy
 from core.network.file import format_network, load_network
 from core.network.macro import declared_node
 from core.network.network import Link, Network

@@ -15,7 +15,6 @@ from app.run.own_scene import OwnScene, with_own_scene
 from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased
-from core.editing.links import declared
 from core.editing.operations import (
     ABSENT,
     Add,
@@ -25,13 +24,11 @@ from core.editing.operations import (
     fresh_name,
     set_parameter,
 )
-from core.editing.wiring import outputs_of, wires_behind, wires_from_open_end
-from core.errors import FileError, ImagechainError, NetworkError, ParameterError, UsageError
+from core.editing.wiring import declared, outputs_of, wires_behind, wires_from_open_end
+from core.errors import FileError, ImagechainError, NetworkError, ParameterError, UsageError, shown
 from core.evaluation.recipes import Step
 from core.modules.declaration import Declaration, Library, local_key, no_module
-from core.modules.panel_sections import Caution
-from core.modules.parameters import Parameter
-from core.names import shown
+from core.modules.parameters import Caution, Parameter
 from core.network.file import save_network
 from core.network.linked_values import resolved, with_values
 from core.network.macro import declared_node, unfolded

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.study.carrying_out import run_study
 from core.errors import UsageError
-from core.evaluation.policy import Policy, Precision
+from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.parts.plain_errors import plain_errors
 from imagechain.results.tables import StudyTable

@@ -15,7 +15,7 @@ from app.fit.picture_fit import FittedPictures, fit_pictures, read_pictures
 from app.run.readout_tables import json_text
 from core.atomic import write_text
 from core.errors import ParameterError, UsageError
-from core.evaluation.policy import Policy, Precision
+from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.building.measure_pictures import frames_of_arrays, limits_of_arrays

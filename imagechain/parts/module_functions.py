@@ -6,10 +6,9 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 from app.run.preset_files import shipped_presets
-from core.errors import NetworkError
+from core.errors import NetworkError, close, shown
 from core.modules.declaration import Declaration, declaration, local_key
 from core.modules.parameters import Parameter, plain
-from core.names import close, shown
 from core.network.file import read_network
 from core.network.macro import declared_node
 from imagechain.parts.module_part import Expression, Part, file_values

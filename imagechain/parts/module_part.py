@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from core.errors import ParameterError
+from core.errors import ParameterError, close, shown, thaw
 from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter, plain
-from core.names import close, shown, thaw
 from core.network.linked_values import expression as raw_expression
 from core.network.network import Network
 from nodes.input_output.source_file import HeldSamples

@@ -8,8 +8,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
-from core.errors import ImagechainError, UsageError
-from core.names import printable
+from core.errors import ImagechainError, UsageError, printable
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region
 from core.evaluation.work import Work
 from imagechain.parts.plain_errors import block, needed, plain_errors, png, stays_here, text
 

@@ -20,17 +20,15 @@ from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_arr
 from app.run.staging import Staging
 from app.run.way_of_running import blocks_of, way_of_running
 from app.run.write_rules import WriteRules, read_record
-from core.chain.engine import Engine, Plan
+from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
-from core.chain.realize import asked_for
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
-from core.evaluation.policy import Policy
-from core.evaluation.region import Region
+from core.errors import ImagechainError, NetworkError, ParameterError, UsageError, close, shown
+from core.evaluation.recipes import Region
+from core.evaluation.work import Policy
 from core.machine import store_bytes
-from core.modules.panel_sections import Caution
-from core.names import close, shown
+from core.modules.parameters import Caution
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results.chain_picture import Picture
 from imagechain.results.tables import (

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from app.run.evaluation import Evaluation
 from app.run.readout_tables import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.responses import Response, responses_along
-from core.errors import ParameterError
-from core.names import close, shown
+from core.errors import ParameterError, close, shown
 from imagechain.parts.plain_errors import (
     block,
     needed,

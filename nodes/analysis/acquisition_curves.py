@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.wires import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.acquisition.eye import (
@@ -17,12 +17,13 @@ from core.physics.acquisition.eye import (
 )
 from core.physics.acquisition.mrtd import perceived_share
 from core.physics.acquisition.target_acquisition import (
+    TtpThreshold,
     apparent_difference,
     johnson_probability,
     resolvable_cycles,
+    thermal_contrast,
     ttp_probability,
 )
-from core.physics.acquisition.ttp import TtpThreshold, thermal_contrast
 from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS
 from core.physics.numerics import range_for_probability

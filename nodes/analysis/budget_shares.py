@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.wires import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.noise.noise_equivalent import loss, shares_of_losses

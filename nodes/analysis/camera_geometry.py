@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 
 from core.chain.engine import PlannedNode
-from core.chain.results import CurveData, Series, TableData
-from core.chain.wires import Curve, Header, Image, Table
+from core.chain.wires import Curve, CurveData, Header, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work

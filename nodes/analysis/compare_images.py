@@ -7,8 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.chain.results import CurveData, Series, TableData
-from core.chain.wires import Curve, Image, Table
+from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work

@@ -8,7 +8,7 @@ from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.physics.acquisition.eye import frames_integrated
-from core.physics.acquisition.mdtd import Window
+from core.physics.acquisition.mrtd import Window
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid

@@ -7,9 +7,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.linear_change import LevelChange
-from core.chain.results import CurveData, Series, TableData
-from core.chain.wires import Context, Curve, Image, Table
+from core.chain.step_lineage import LevelChange
+from core.chain.wires import Context, Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work

@@ -6,17 +6,24 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 
 from core.chain.back_transformed import back_transform
-from core.chain.results import CurveData, Series, TableData
-from core.chain.wires import Context, Curve, Image, Magnitude, Phase, Table
+from core.chain.wires import (
+    Context,
+    Curve,
+    CurveData,
+    Image,
+    Magnitude,
+    Phase,
+    Series,
+    Table,
+    TableData,
+)
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
-from core.transfer.factors import Array, Edges, Factor, Grid
-from core.transfer.mixed_sampling import MOST_NODES, Filtered, Method, filter_mixed
-from core.transfer.product import Product
-from core.transfer.scan_lines import ScanChain
+from core.transfer.factors import Array, Edges, Factor, Grid, Product
+from core.transfer.scan_lines import MOST_NODES, Filtered, Method, ScanChain, filter_mixed
 from nodes.shared.context_defaults import given, one_source
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import difference

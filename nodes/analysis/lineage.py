@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from core.chain.back_transformed import Delivered
 from core.chain.frame_sequence import Remaking
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower, spectrum_of
 from core.chain.random_fields import Stream
-from core.chain.results import SampledTransfer
-from core.chain.step_lineage import Array, AtStep, Lineage, Noise, lineage_of
-from core.chain.wires import Image
+from core.chain.step_lineage import Array, AtStep, Lineage, Linear, Noise, lineage_of
+from core.chain.wires import Image, SampledTransfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work

@@ -4,14 +4,12 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.results import CurveData, CurveMark, Series, TableData
-from core.chain.wires import Curve, Image, Table
+from core.chain.wires import Curve, CurveData, CurveMark, Image, Series, Table, TableData
 from core.errors import ParameterError
-from core.evaluation.recipes import Step, ends_lineage
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section
-from core.physics.measurement.edges.slanted_edge import Target, Window
+from core.physics.measurement.slanted_edge import Target, Window
 from nodes.analysis.mtf_measuring import (
     Direction,
     Expected,

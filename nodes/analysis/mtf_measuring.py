@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import ends_lineage, holds_region
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region, ends_lineage, holds_region
 from core.evaluation.work import Work
-from core.physics.measurement.edges.row_average import row_average
-from core.physics.measurement.edges.slanted_edge import (
+from core.physics.measurement.row_average import row_average
+from core.physics.measurement.slanted_edge import (
     Target,
     Window,
     falls_to,

@@ -5,8 +5,15 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.results import CurveData, CurveMark, SampledTransfer, Series
-from core.chain.wires import Curve, Magnitude, Transfer
+from core.chain.wires import (
+    Curve,
+    CurveData,
+    CurveMark,
+    Magnitude,
+    SampledTransfer,
+    Series,
+    Transfer,
+)
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.frame_sequence import at_frame
-from core.chain.results import CurveData, Series, TableData, TableRow
-from core.chain.wires import Curve, Image, Table
+from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work

@@ -11,18 +11,15 @@ import scipy
 from numpy.typing import NDArray
 
 from core.chain.back_transformed import back_transform
-from core.chain.linear_change import Filtering
-from core.chain.results import CurveData, Series, TableData
-from core.chain.step_lineage import Array, picture_step
-from core.chain.wires import Curve, Image, Magnitude, Phase, Table
+from core.chain.step_lineage import Array, Filtering, picture_step
+from core.chain.wires import Curve, CurveData, Image, Magnitude, Phase, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.scratch import is_on_disk
-from core.transfer.factors import Edges, Factor, Grid
-from core.transfer.product import Product
+from core.transfer.factors import Edges, Factor, Grid, Product
 from nodes.shared.context_defaults import one_source
 from nodes.shared.module_ports import TableFigures
 

@@ -10,13 +10,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.linear_change import LevelChange
-from core.chain.results import CurveData, Series
+from core.chain.step_lineage import LevelChange
+from core.chain.wires import CurveData, Series
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.physics.acquisition.mdtd import Window, mdtd_K
-from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_two_dimensional
+from core.physics.acquisition.mrtd import (
+    Window,
+    mdtd_K,
+    mrtd_flir92_K,
+    mrtd_ratches_K,
+    mrtd_two_dimensional,
+)
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Grid

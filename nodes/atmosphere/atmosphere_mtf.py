@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from core.chain.band_stack import BandStack
-from core.chain.realize import transfer_plane
+from core.chain.engine import transfer_plane
 from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step, ends_lineage
@@ -22,7 +22,7 @@ from core.physics.atmosphere.scattering_and_turbulence import (
     path_optical_depth,
     turbidity_optical_depth,
 )
-from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
+from core.physics.optics.veiling_glare import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import at_each_band
 from nodes.shared.context_defaults import of_context

@@ -9,11 +9,9 @@ import numpy as np
 
 from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.engine import PlannedNode
-from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
-from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import Array, picture_step
-from core.chain.wires import Context, Image, Table
+from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
+from core.chain.wires import Context, Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from core.errors import DataError, ParameterError, how_to_install
-from core.physics.sampling.orbit import EARTH_RADIUS_KM as R
+from core.physics.sampling.ground_geometry import EARTH_RADIUS_KM as R
 
 Points = tuple[tuple[float, float], ...]
 _HEIGHTS = (0.002, 0.0325, 0.075, 0.15, 0.225, 0.5, *range(1, 13), 14, 16, 18, 20, 24.5)

@@ -9,15 +9,13 @@ from typing import Annotated, Literal
 import numpy as np
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
-from core.chain.results import TableData
 from core.chain.step_lineage import Array, picture_step
-from core.chain.wires import Image, Table
+from core.chain.wires import Image, Table, TableData
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
-from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
+from core.physics.atmosphere.air_path import Sunlight, relative_air_mass
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn, PictureTable, TableFigures

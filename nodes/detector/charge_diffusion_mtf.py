@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from core.chain.wires import Context, Magnitude
 from core.errors import ParameterError
 from core.modules.declaration import Formula, NodeContext, Param, Section, readout
-from core.physics.detector.charge_diffusion import (
+from core.physics.detector.detector_mtf import (
     Side,
     band_diffusion_mtf,
     silicon_absorption_per_um,

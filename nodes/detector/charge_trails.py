@@ -8,11 +8,9 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from core.chain.linear_change import LineOperator
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, LineOperator, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, in_parts
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
-from core.physics.detector.crosstalk import crosstalk_kernel, crosstalk_otf
+from core.physics.detector.detector_mtf import crosstalk_kernel, crosstalk_otf
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Law, Planar
 from nodes.shared.context_defaults import of_context

@@ -11,7 +11,7 @@ from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, readout, warning
-from core.physics.detector.charge_gain import low_gain_share
+from core.physics.detector.focal_plane_array import low_gain_share
 from nodes.shared.module_ports import figure
 from nodes.shared.steps import PictureRange, picture_range
 

@@ -5,14 +5,12 @@ from typing import Any, NamedTuple
 
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.engine import PlannedNode
-from core.chain.results import TableData
-from core.chain.wires import Context, Image, Table
+from core.chain.wires import Context, Image, Table, TableData
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, warning
 from core.modules.preview import Preview
-from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.detector.spectral_photons import QuantumEfficiency
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM, QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.optics.diffraction_otf import Aperture
 from core.transfer.factors import Factor

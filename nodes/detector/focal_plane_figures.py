@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.linear_change import LevelChange
-from core.chain.results import TableData
+from core.chain.step_lineage import LevelChange
+from core.chain.wires import TableData
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.modules.panel_sections import Caution
+from core.modules.parameters import Caution
 from core.modules.preview import Bar, Bars, Preview, Stack, brief, electrons, kelvin
 from core.physics.detector.focal_plane_array import (
     bent_response,

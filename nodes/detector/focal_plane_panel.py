@@ -8,10 +8,14 @@ from core.chain.wires import Context, Image
 from core.errors import ParameterError
 from core.modules.declaration import NodeContext, Param, Section
 from core.physics.detector import focal_plane_array
-from core.physics.detector.charge_gain import ChargeGain, excess_noise_factor
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.detector.photon_conversion import CountedPhotons, PhotonWeights
-from core.physics.detector.spectral_photons import QuantumEfficiency, efficiency_of_responsivity
+from core.physics.detector.focal_plane_array import ChargeGain, excess_noise_factor
+from core.physics.detector.photon_conversion import (
+    CountedPhotons,
+    PhotonWeights,
+    QuantumEfficiency,
+    efficiency_of_responsivity,
+)
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.spectrum_tables import read_wavelengths

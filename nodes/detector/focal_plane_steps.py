@@ -6,13 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.linear_change import LevelChange
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream
-from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import (
+    Array,
+    AtStep,
+    LevelChange,
+    Noise,
+    noises_in_blocks,
+    picture_step,
+)
+from core.chain.wires import TableData, TableRow
 from core.evaluation.recipes import (
     Recipe,
+    Region,
     Step,
     ends_lineage,
     in_blocks,
@@ -20,11 +27,15 @@ from core.evaluation.recipes import (
     pointwise,
     whole_numbers,
 )
-from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.physics.detector.charge_gain import multiplied_charge
-from core.physics.detector.focal_plane_array import DEAD, HOT, bad_pixel_places, bent_response
-from core.physics.noise.poisson import poisson_of_normal
+from core.physics.detector.focal_plane_array import (
+    DEAD,
+    HOT,
+    bad_pixel_places,
+    bent_response,
+    multiplied_charge,
+)
+from core.physics.noise.flicker_noise import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,
     bent_level,

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from core.chain.linear_change import LineOperator
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, LineOperator, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work

@@ -6,18 +6,16 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from core.chain.frame_sequence import at_frame
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import FrameNumber
-from core.chain.results import TableData
-from core.chain.step_lineage import Array, AtStep, Noise, picture_step
-from core.chain.wires import Context, Image, Table, Transfer
+from core.chain.step_lineage import Array, AtStep, Linear, Noise, picture_step
+from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, warning
-from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
-from core.physics.detector.filters import lowpass_mtf, lowpass_ptf
+from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radiance, share_kept
+from core.physics.detector.readout import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     filtered_flicker,

@@ -9,11 +9,9 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 
 from core.chain.frame_sequence import Remaking, at_frame
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
-from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import Array, AtStep, Lineage, Noise, lineage_of, picture_step
-from core.chain.wires import Image, Table
+from core.chain.step_lineage import Array, AtStep, Lineage, Linear, Noise, lineage_of, picture_step
+from core.chain.wires import Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work

@@ -5,13 +5,11 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from core.chain.linear_change import Axis, Linear, Vector
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, Axis, Linear, Vector, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, in_parts
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
 from core.transfer.factors import Grid

@@ -8,8 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, in_parts
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
 from core.physics.detector.readout import REACH, sinc_weights

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row
 from core.chain.engine import PlannedNode
-from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
@@ -22,8 +21,11 @@ from core.modules.declaration import Caution, Module, NodeContext, Section, read
 from core.modules.parameters import Formula, Param
 from core.modules.preview import Axis, Curve, Mark, Plot, Preview, brief
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
+from core.physics.detector.photon_conversion import (
+    PHOTON_ENERGY_J_UM,
+    SHORTEST_THERMAL_UM,
+    QuantumEfficiency,
+)
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.files.spectrum_tables import read_wavelengths

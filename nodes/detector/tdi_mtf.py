@@ -5,8 +5,8 @@ from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
-from core.physics.checks import positive
 from core.physics.detector.detector_mtf import image_motion, smear_mrad, tdi_askew_mtf, tdi_mtf
+from core.physics.numerics import positive
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Law, Planar
 from nodes.shared.context_defaults import given, of_context

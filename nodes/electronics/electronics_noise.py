@@ -13,7 +13,7 @@ from core.errors import ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, NodeContext, Param, declaration, warning
-from core.modules.panel_sections import Caution, Offer, Section
+from core.modules.parameters import Caution, Offer, Section
 from core.modules.preview import (
     Axis,
     Bar,
@@ -26,7 +26,7 @@ from core.modules.preview import (
     kelvin,
     not_connected,
 )
-from core.physics.detector import filters
+from core.physics.detector import readout as filters
 from core.physics.detector.detectivity import (
     STANDARD_HALF_ANGLE_DEG,
     cold_shield_half_angle_deg,

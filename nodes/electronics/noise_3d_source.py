@@ -11,8 +11,7 @@ from core.chain.random_fields import FrameNumber
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, ends_lineage, in_parts, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma

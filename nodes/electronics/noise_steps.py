@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 import scipy
 
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
-from core.chain.results import TableData, TableRow
-from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import Array, AtStep, Linear, Noise, noises_in_blocks, picture_step
+from core.chain.wires import TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.physics.detector.detectivity import band_d_star, cold_shield_half_angle_deg
-from core.physics.detector.quantization import apply_gain_bias, quantization_rms
+from core.physics.detector.readout import apply_gain_bias, quantization_rms
 from core.physics.noise.noise_equivalent import (
     amplifier_noise_radiance,
     g_number,

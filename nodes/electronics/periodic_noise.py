@@ -8,8 +8,7 @@ import numpy as np
 from core.chain.engine import PlannedNode
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import ends_lineage, in_parts, pointwise
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region, ends_lineage, in_parts, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param, Section
 from core.modules.preview import Axis, Curve, Plot, Preview, brief

@@ -4,15 +4,20 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from core.chain.photon_events import displaced_events, events_are_few, local_mean
-from core.chain.random_fields import Stream, poisson_field
+from core.chain.random_fields import (
+    Stream,
+    displaced_events,
+    events_are_few,
+    local_mean,
+    poisson_field,
+)
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
-from core.physics.noise.poisson import photon_means, published_means, radiance_of_photons
+from core.physics.noise.flicker_noise import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import NoiseOutputs

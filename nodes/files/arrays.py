@@ -34,7 +34,7 @@ from nodes.files.common.stored_bytes import checked_band, first_bytes, readable_
 from nodes.files.common.table_cells import csv_lines, line_refused
 
 if TYPE_CHECKING:
-    from core.chain.results import CurveData
+    from core.chain.wires import CurveData
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (

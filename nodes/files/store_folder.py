@@ -7,9 +7,8 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
+from core.atomic import FOLDER_PREFIX, LOCK, new_mark, sweep, take
 from core.errors import FileError
-from core.file_lock import take
-from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
 from nodes.files.common.picture_info import oversized_file
 from nodes.files.common.stored_bytes import readable_file
 

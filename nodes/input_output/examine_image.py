@@ -9,15 +9,24 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.chain.realize import asked_for, realize, spectrum
-from core.chain.results import CurveData, Series, TableData, TableRow
-from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
+from core.chain.engine import asked_for, realize, spectrum
+from core.chain.wires import (
+    Curve,
+    CurveData,
+    Image,
+    Magnitude,
+    Phase,
+    Series,
+    Table,
+    TableData,
+    TableRow,
+    Transfer,
+)
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Caution, Formula, Param, Section
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_unit import histogram, statistics

@@ -14,7 +14,7 @@ from core.chain.step_lineage import source_step
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM
+from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from nodes.files import envi
 from nodes.files.common.picture_info import PictureInfo, oversized

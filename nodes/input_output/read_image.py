@@ -10,8 +10,7 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.panel_sections import Caution, Section
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Caution, Formula, Param, Section
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import checked_band

@@ -14,14 +14,14 @@ from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.machine import ForEach, in_turn
-from core.modules.panel_sections import Caution
-from core.physics.radiometry.grey_body import (
+from core.modules.parameters import Caution
+from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
+from core.physics.radiometry.spectra import (
     COLDEST_SURFACE_K,
     HOTTEST_SURFACE_K,
     brightest_surface_radiance,
     coldest_for_radiance,
 )
-from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"

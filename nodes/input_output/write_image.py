@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 
 from core.atomic import atomic_file, write_text
 from core.chain.band_stack import BandStack
-from core.chain.realize import realize
+from core.chain.engine import realize
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, Param, Section
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type

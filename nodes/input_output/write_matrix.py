@@ -9,9 +9,8 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.realize import realize
-from core.chain.results import CurveData
-from core.chain.wires import Curve, Image, Transfer
+from core.chain.engine import realize
+from core.chain.wires import Curve, CurveData, Image, Transfer
 from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext

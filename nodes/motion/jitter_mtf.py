@@ -5,7 +5,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, Param, readout
-from core.physics.optics.gaussian import gaussian_mtf
+from core.physics.optics.veiling_glare import gaussian_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from core.chain.random_fields import FrameNumber, Stream, uniform_field
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
-from core.physics.checks import non_negative, positive
-from core.physics.sampling.vibration import (
+from core.physics.numerics import non_negative, positive
+from core.physics.sampling.platform_motion import (
     WAVES,
     MotionSpectrum,
     MotionWaves,

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, Param, readout
-from core.physics.sampling.vibration import vibration_mtf
+from core.physics.sampling.platform_motion import vibration_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 

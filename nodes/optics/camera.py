@@ -4,14 +4,18 @@ import math
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
-from core.chain.results import CameraSheet, TableData
-from core.chain.wires import Image, Table
+from core.chain.wires import CameraSheet, Image, Table, TableData
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
-from core.physics.sampling.orbit import EARTH_RADIUS_KM, LookDirection, OrbitView, orbit_view
+from core.physics.sampling.ground_geometry import (
+    EARTH_RADIUS_KM,
+    LookDirection,
+    OrbitView,
+    orbit_view,
+)
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart, apart_caution, first
 

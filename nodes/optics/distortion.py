@@ -9,18 +9,17 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.linear_change import Axis as AxisName
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, Linear, picture_step
+from core.chain.step_lineage import Axis as AxisName
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
-from core.physics.optics.distortion import Distortion as Lens
-from core.physics.optics.distortion import samples_at
+from core.physics.optics.field import Distortion as Lens
+from core.physics.optics.field import samples_at
 from core.transfer.factors import Grid
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
 from nodes.shared.steps import stepped

@@ -12,25 +12,23 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import scipy
 
-from core.chain.linear_change import Filtering
-from core.chain.results import CameraSheet
-from core.chain.step_lineage import Array, picture_step
-from core.chain.wires import Context, Image, Magnitude
+from core.chain.step_lineage import Array, Filtering, picture_step
+from core.chain.wires import CameraSheet, Context, Image, Magnitude
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
-from core.physics.optics.distortion import samples_at
-from core.physics.optics.field_psf import (
+from core.physics.optics.field import (
     Cell,
     blended,
     blending_error,
     cells_of,
     field_frequencies,
     light_within,
+    samples_at,
 )
-from core.physics.optics.gaussian import gaussian_mtf
+from core.physics.optics.veiling_glare import gaussian_mtf
 from core.transfer.factors import Factor, Grid, Separable, factor_at
 from nodes.optics.mtf_file import MtfFile
 from nodes.optics.psf_file import PsfFile

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
-from core.physics.optics.tabulated_mtf import (
+from core.physics.optics.measured_otf import (
     ROUNDED,
     Column,
     from_zero,

@@ -8,7 +8,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
-from core.physics.optics.psf_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
+from core.physics.optics.measured_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.results import SampledTransfer
-from core.chain.wires import Pupil
+from core.chain.wires import Pupil, SampledTransfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
@@ -19,8 +18,7 @@ from core.physics.optics.pupil_shapes import (
     sample_pupil,
     support_circle,
 )
-from core.physics.optics.sampled_otf import autocorrelation, complex_pupil
-from core.physics.optics.wavefront import wavefront_waves
+from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
 from core.transfer.factors import Array, Law, Planar, WavelengthLaw
 

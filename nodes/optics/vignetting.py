@@ -8,17 +8,15 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, Linear, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, in_parts
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, Step, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param
-from core.physics.optics.vignetting import relative_illumination
+from core.physics.optics.field import relative_illumination
 from core.transfer.factors import Grid
 from nodes.files.spectrum_tables import read_heights
 from nodes.shared.module_ports import ImageOutput

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError
-from core.modules.panel_sections import Caution
+from core.modules.parameters import Caution
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import ifov_mrad
 

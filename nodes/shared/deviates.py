@@ -14,8 +14,7 @@ from core.chain.random_fields import (
     normal_part,
     uniform_field,
 )
-from core.evaluation.recipes import Step, ends_lineage, in_parts
-from core.evaluation.region import Array, Region
+from core.evaluation.recipes import Array, Region, Step, ends_lineage, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, Param, Section
 from core.physics.noise.flicker_noise import (

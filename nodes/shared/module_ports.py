@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import Annotated, Any, Literal, NamedTuple
 
 from core.chain.engine import TransferAt
-from core.chain.results import TableData
-from core.chain.wires import Context, Image, Magnitude, Phase, Table, Transfer
+from core.chain.wires import Context, Image, Magnitude, Phase, Table, TableData, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Param, readout, warning

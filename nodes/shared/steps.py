@@ -6,14 +6,28 @@ from typing import Any
 import numpy as np
 
 from core.chain.band_stack import BandStack, SteppedBands
-from core.chain.linear_change import Filtering, Linear
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, AtStep, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import (
+    Array,
+    AtStep,
+    Filtering,
+    Linear,
+    Noise,
+    noises_in_blocks,
+    picture_step,
+)
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
-from core.evaluation.region import Region
+from core.evaluation.recipes import (
+    Recipe,
+    Region,
+    Step,
+    ends_lineage,
+    in_blocks,
+    in_parts,
+    pointwise,
+)
 from core.evaluation.work import Work
-from core.physics.detector.quantization import quantize, rounding_variances
+from core.physics.detector.readout import quantize, rounding_variances
 from core.transfer.factors import Grid
 from core.transfer.scan_lines import filter_lines
 

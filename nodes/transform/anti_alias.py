@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
 from core.modules.declaration import Formula, Module, NodeContext, Param, readout
-from core.physics.optics.gaussian import gaussian_mtf
-from core.physics.sampling.interpolation import block_mean_mtf
+from core.physics.optics.veiling_glare import gaussian_mtf
+from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.transfer.factors import Grid
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput

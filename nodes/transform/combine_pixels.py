@@ -5,7 +5,7 @@ from typing import Annotated
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.wires import Image
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, warning
-from core.physics.sampling.interpolation import block_mean_mtf
+from core.physics.sampling.detector_sampling import block_mean_mtf
 from nodes.shared.module_ports import ImageOutput
 from nodes.transform.sample_pixels import detector_averages, width_mrad
 

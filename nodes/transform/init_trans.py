@@ -9,8 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from core.chain.engine import PlannedNode
-from core.chain.results import CameraSheet
-from core.chain.wires import Context, Image, Magnitude, Phase, Platform
+from core.chain.wires import CameraSheet, Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning

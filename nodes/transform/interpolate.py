@@ -6,15 +6,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.linear_change import Axis, Linear, PlaceDependent
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, Axis, Linear, PlaceDependent, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, in_parts
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Param
-from core.physics.sampling.interpolation import (
+from core.physics.sampling.detector_sampling import (
     interpolation_mtf,
     interpolation_ptf,
     resampling_response,

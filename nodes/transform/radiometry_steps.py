@@ -5,14 +5,13 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from core.chain.linear_change import LevelChange
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, LevelChange, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Param, Section, warning
-from core.physics.radiometry import grey_body
+from core.physics.radiometry import spectra as grey_body
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution

@@ -10,7 +10,7 @@ from app.bench.speed import SNRS, TARGETS, Subject, timed
 from app.bench.tables import Table, judged
 from app.bench.timing import Settings, repeated
 from app.run.saving import save_frames
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from nodes.files.frame_writing import FRAME_FORMATS
 
 OPTICS, CAMERA = "back.image", "camera.image"

@@ -180,11 +180,10 @@ def _peak(file: str, size: int) -> dict[str, Any]:
 
     from app.bench.chains import FINAL, SCENE, kodak_network
     from app.command.network_run import KEPT_BYTES
-    from core.chain.engine import Engine
-    from core.chain.realize import asked_for
-    from core.evaluation.policy import Policy
+    from core.chain.engine import Engine, asked_for
     from core.evaluation.recipes import Recipe
     from core.evaluation.store import Store
+    from core.evaluation.work import Policy
     from core.network.network import Node
     from nodes.library import standard_library
 
@@ -213,7 +212,7 @@ def _draw(file: str, size: int) -> dict[str, Any]:
 
     from app.bench.chains import SCENE, kodak_network
     from core.chain.engine import Engine
-    from core.evaluation.policy import Policy
+    from core.evaluation.work import Policy
     from nodes.library import standard_library
 
     engine = Engine(standard_library())

@@ -7,16 +7,14 @@ import time
 import pytest
 
 from child_process import kill_program
-from core.atomic import write_text
-from core.file_lock import take
-from core.leftovers import ABANDONED_S, FOLDER_PREFIX, LOCK, new_mark, sweep
+from core.atomic import ABANDONED_S, FOLDER_PREFIX, LOCK, new_mark, sweep, take, write_text
 
 LEAVING = """
 import sys, time
 from pathlib import Path
 from core.atomic import atomic_file
-from core.file_lock import take
-from core.leftovers import FOLDER_PREFIX, LOCK, new_mark
+from core.atomic import take
+from core.atomic import FOLDER_PREFIX, LOCK, new_mark
 folder = Path(sys.argv[1])
 place = folder / (FOLDER_PREFIX + new_mark())
 place.mkdir()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from core.names import alike
+from core.errors import alike
 
 KNOWN = ("gaussian_mtf", "jitter_mtf", "diffraction_mtf", "poisson_noise")
 

@@ -26,7 +26,7 @@ sys.path[:0] = [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
 from app.measure.measuring import edges_of, pooled  # noqa: E402
 from camera_scenes import drawn_camera  # noqa: E402
 from core.errors import ImagechainError  # noqa: E402
-from core.physics.measurement.noise.picture_noise import noise_of_picture  # noqa: E402
+from core.physics.measurement.picture_noise import noise_of_picture  # noqa: E402
 from edge_truth import blur_network  # noqa: E402
 from oversampled_camera import take, true_mtf, true_sigma  # noqa: E402
 
@@ -226,8 +226,8 @@ def fitted(network, picture, free, clip_levels=None):
     from app.fit.picture_fit import edges_in
     from core.chain.engine import Engine
     from core.errors import DataError
-    from core.evaluation.policy import Policy
-    from core.network.parsing import parse_network
+    from core.evaluation.work import Policy
+    from core.network.file import parse_network
     from nodes.library import standard_library
 
     library = standard_library()

@@ -11,9 +11,9 @@ from scipy import constants
 from app.run.shipped import shipped_networks
 from command_line import run_here
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
-from core.physics.atmosphere.sun_and_sky import luminous_efficiency, standard_sun_irradiance
+from core.physics.atmosphere.air_path import luminous_efficiency, standard_sun_irradiance
 from nodes.library import standard_library
 
 MWIR = {"pitch": 15e-6, "fill": 0.95**2, "f_number": 4, "transmission": 0.765, "efficiency": 0.7}

@@ -13,7 +13,7 @@ import pytest
 from app.run.shipped import shipped_networks
 from child_process import ROOT
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from nodes.library import standard_library
 from planck_truth import band_radiance

@@ -7,7 +7,7 @@ import pytest
 
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from nodes.library import standard_library
 

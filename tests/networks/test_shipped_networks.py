@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import format_network, load_network
 from core.network.validation import problems
 from nodes.library import standard_library

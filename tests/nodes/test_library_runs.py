@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from battery_settings import EXAMPLES, NEUTRAL
-from core.chain.engine import Engine
-from core.chain.realize import transfer_plane
+from core.chain.engine import Engine, transfer_plane
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.network.network import Network, Node, passed_through
 from library_battery import (

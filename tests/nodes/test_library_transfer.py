@@ -10,12 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from battery_settings import EXAMPLES, NOT_PASSIVE, PUPILS, SETTINGS
-from core.chain.engine import Engine, Plan
-from core.chain.realize import transfer_plane
+from core.chain.engine import Engine, Plan, transfer_plane
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.modules.parameters import plain
-from core.transfer.product import Product
+from core.transfer.factors import Product
 from library_battery import (
     APPLIED,
     DECLARED,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from app.run.evaluation import TimedWork, evaluate, planned
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import linked_network
 from nodes.library import standard_library
 

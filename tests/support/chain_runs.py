@@ -7,7 +7,7 @@ import numpy as np
 
 from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from drawn_chains import LIBRARY, Chain
 
 MEAN_ERROR = {"double": 1e-12, "single": 1e-6}

@@ -4,7 +4,7 @@ import numpy as np
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, PUPIL, SENSOR, STAGES
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import in_order, linked_network
 from nodes.library import standard_library
 

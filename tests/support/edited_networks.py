@@ -9,7 +9,6 @@ from core.editing import backdrops, wire_dots
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import rebased
 from core.editing.layout import arranged, made_way
-from core.editing.links import refusal
 from core.editing.operations import (
     ABSENT,
     Add,
@@ -26,7 +25,7 @@ from core.editing.operations import (
     set_node_field,
     set_parameter,
 )
-from core.editing.wiring import continued, dissolved, fitting, inserted, new_node, wired_to
+from core.editing.wiring import continued, dissolved, fitting, inserted, new_node, refusal, wired_to
 from core.modules.declaration import Library, declaration
 from core.network.expressions import quoted
 from core.network.file import format_network

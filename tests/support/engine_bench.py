@@ -5,9 +5,8 @@ from typing import Any
 
 from arithmetic_modules import LIBRARY
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.network.network import Network
 from linked_network import linked_network
 

@@ -7,10 +7,9 @@ import numpy as np
 
 from battery_settings import SENSOR, SMALL_PUPIL
 from core.chain.engine import Engine, Plan
-from core.chain.results import CurveData, TableData
-from core.chain.wires import Context
+from core.chain.wires import Context, CurveData, TableData
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.modules.declaration import declaration
 from core.network.network import Network
 from linked_network import linked_network

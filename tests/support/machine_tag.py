@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy._core import _multiarray_umath
 
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.transfer.periodic import backend
 
 # Each makes a library take other code than the processor would.

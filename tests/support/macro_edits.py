@@ -1,7 +1,6 @@
 """Random operations on macros, beside all others a person with an editor would do."""
 
-from core.editing.grouping import group, ungroup
-from core.editing.macros import at_level, expose, hide, rename_exposed
+from core.editing.macros import at_level, expose, group, hide, rename_exposed, ungroup
 from core.editing.operations import ABSENT, Operation, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import declaration

@@ -3,7 +3,7 @@
 import math
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import in_order, linked_network
 from nodes.library import standard_library
 

@@ -4,7 +4,7 @@ import pytest
 
 from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from linked_network import in_order, linked_network
 

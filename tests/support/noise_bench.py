@@ -6,7 +6,7 @@ Bounds are five standard errors; each is written out where it is used.
 import numpy as np
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import linked_network
 from nodes.library import standard_library
 

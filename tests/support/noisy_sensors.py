@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import in_order, linked_network
 from nodes.library import standard_library
 

@@ -4,7 +4,7 @@ import json
 
 from app.editor.evaluation.queries import Passing
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import parse_network
 from nodes.library import standard_library
 

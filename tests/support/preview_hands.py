@@ -9,7 +9,7 @@ from app.editor.panels.preview_view import PreviewQuery, PreviewView
 from app.editor.theme import DARK
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.network import Link, Network, Node
 from nodes.library import standard_library
 

@@ -15,7 +15,7 @@ _SLOW = {
     "core/physics/optics/test_pupil_geometric_otf.py",
     "core/physics/optics/test_pupil_sampled_otf.py",
     "core/physics/detector/test_quantization.py",
-    "core/physics/measurement/edges/test_slanted_edge.py",
+    "core/physics/measurement/test_slanted_edge.py",
     "core/physics/sampling/test_transfer_blur.py",
     "core/network/test_network_mutations.py",
     "core/chain/test_photon_events.py",

@@ -4,8 +4,8 @@ import numpy as np
 
 from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region
+from core.evaluation.work import Policy
 from core.transfer.periodic import backend
 from nodes.library import standard_library
 

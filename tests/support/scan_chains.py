@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from delivered_chains import LIBRARY
 from linked_network import in_order, linked_network
 from scan_truth import ACROSS, ALONG, INIT, PUPILS, STAGES

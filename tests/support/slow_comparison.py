@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.network import Link, Network, Node
 from drawn_networks import CAMERA, Drawn, frames
 from module_defaults import DEFAULTS

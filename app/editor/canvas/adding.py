@@ -19,7 +19,6 @@ from app.editor.library_view import dragged_module, found_by
 from app.run.preset_files import KEY
 from core.editing.backdrops import following
 from core.editing.layout import GAP_X, Point, free_places, made_way
-from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together
 from core.editing.wiring import (
     Candidate,
@@ -29,6 +28,7 @@ from core.editing.wiring import (
     fitting,
     inserted,
     new_node,
+    refusal,
     wired_to,
 )
 from core.errors import ImagechainError

@@ -22,9 +22,9 @@ from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, w
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on
-from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together
 from core.editing.wire_dots import add_dot, move_dot, moved_with_dots, remove_dot
+from core.editing.wiring import refusal
 from core.network.network import Link, Network
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton

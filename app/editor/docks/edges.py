@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from app.fit.edge_fit import EdgesAt
     from app.fit.patch import Patch
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
-    from core.physics.measurement.edges.edge_mtf import MtfCurve
+    from core.physics.measurement.edge_mtf import MtfCurve
 
 _DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _FIGURE_HEADS = ("Figure", "Value", "Unit")

@@ -46,8 +46,8 @@ from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
 from app.fit.fit_result import FittedParameter, hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError, UsageError
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
+from core.evaluation.work import Policy
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network
 

@@ -11,9 +11,8 @@ from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, QTimer, Signa
 from app.editor.session import Session
 from app.run.job import Job, Kind, Result, Step, job_text, read_message
 from app.run.shipped import command, environment
-from core.errors import NetworkError
-from core.leftovers import sweep
-from core.names import in_line
+from core.atomic import sweep
+from core.errors import NetworkError, in_line
 
 State = Literal["waiting", "running", "stopping", "done", "failed", "cancelled"]
 _SURE = 0.1  # the share that must be done before the speed is known

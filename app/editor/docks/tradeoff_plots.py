@@ -33,10 +33,9 @@ from app.editor.widgets import centred_hint, filled, labelled, show_or_hide
 from app.run.output import ANALYSIS
 from app.tradeoff.values import MOST, OPTION, Variation, is_number, spaced, variation
 from core.editing.operations import set_parameter
-from core.errors import ParameterError, UsageError
+from core.errors import ParameterError, UsageError, thaw
 from core.modules.parameters import Parameter, plain
 from core.modules.preview import Axis
-from core.names import thaw
 from core.network.network import MACRO
 
 Vector = NDArray[np.float64]

@@ -8,7 +8,7 @@ from core.chain.engine import Plan, PlannedNode
 from core.chain.skipped import Skip, is_neutral
 from core.errors import Cancelled, ImagechainError, UnconnectedError
 from core.modules.declaration import Library, declaration
-from core.modules.panel_sections import Caution
+from core.modules.parameters import Caution
 from core.network.macro import SEPARATOR
 from core.network.network import Network
 

@@ -16,7 +16,7 @@ from typing import Any
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.wires import Image, Magnitude, Phase
 from core.network.network import Link, Network, Node
-from core.physics.detector.filters import dwell_time_s
+from core.physics.detector.readout import dwell_time_s
 
 Change = frozenset[tuple[str, str] | str | Link] | None
 """Parameters by node, nodes, links and "seed"; the same edit again is equal to it."""

@@ -27,8 +27,8 @@ from app.editor.evaluation.queries import (
 from app.editor.evaluation.runner import PAUSE_S, Runner
 from app.editor.session import Session
 from core.chain.engine import Plan
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
+from core.evaluation.work import Policy
 from core.network.network import Network
 
 PATIENCE_S = 0.33

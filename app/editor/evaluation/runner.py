@@ -37,14 +37,12 @@ from app.editor.evaluation.queries import (
 from core.chain.engine import Engine, Plan
 from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import Recipe
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import EvaluationLog, Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.machine import Workers
 from core.modules.declaration import Library
-from core.modules.panel_sections import Caution, PendingCheck
+from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
 
 

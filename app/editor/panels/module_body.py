@@ -54,10 +54,9 @@ from app.editor.widgets import (
 )
 from core.chain.engine import Plan
 from core.editing.operations import ABSENT
+from core.errors import shown, thaw
 from core.modules.declaration import Declaration, Port
-from core.modules.panel_sections import Section
-from core.modules.parameters import Parameter
-from core.names import shown, thaw
+from core.modules.parameters import Parameter, Section
 from core.network.linked_values import LinkError, expression_text
 from core.network.network import Network, Node
 

@@ -19,8 +19,8 @@ from app.editor.widgets import Menu
 from core.editing.backdrops import Backdrop, add, around, laid_out
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import History
-from core.editing.grouping import group, ungroup
 from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
+from core.editing.macros import group, ungroup
 from core.editing.operations import (
     Move,
     Operation,

@@ -42,8 +42,7 @@ from app.run.option_values import REPORTS
 from app.run.saving import MOST_FRAMES
 from app.run.staging import check_folder
 from app.tradeoff.values import taken_value
-from core.errors import ImagechainError, UsageError
-from core.names import shown
+from core.errors import ImagechainError, UsageError, shown
 from core.network.network import MACRO
 from nodes.files.common.file_format import HTML, dialog_filter, suffixes
 

@@ -34,10 +34,9 @@ from core.editing.operations import Operation, Together, restored, set_parameter
 from core.editing.wiring import new_node
 from core.errors import ImagechainError, ParameterError
 from core.modules.declaration import Library, declaration, where_absent
-from core.network.file import read_text
+from core.network.file import parse_network, read_text
 from core.network.macro import expanded, unfolded
 from core.network.network import Network
-from core.network.parsing import parse_network
 from core.network.validation import NetworkProblems, problems
 
 NETWORK_SUFFIX = ".json"

@@ -29,8 +29,7 @@ from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
 from app.run.process import version
 from app.run.shipped import command
-from core.errors import ImagechainError
-from core.names import in_line
+from core.errors import ImagechainError, in_line
 from nodes.files.common.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN
 

@@ -11,9 +11,8 @@ from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, numb
 from app.run.evaluation import Evaluation
 from app.run.responses import Response, Responses, StageResponse
 from app.run.transfer_chain import Chain
-from core.chain.realize import realize
-from core.chain.results import CurveData, Series
-from core.chain.wires import Curve
+from core.chain.engine import realize
+from core.chain.wires import Curve, CurveData, Series
 
 MOST = 12
 _BESIDE = 2

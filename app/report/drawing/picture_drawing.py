@@ -19,11 +19,9 @@ from numpy.typing import NDArray
 from app.run.evaluation import Evaluation
 from app.run.readout_tables import number_text, without_rounding
 from app.run.saving import robust_limits
-from core.chain.realize import realize
-from core.chain.results import SampledTransfer
-from core.chain.wires import Image, Pupil, Transfer
-from core.errors import ImagechainError, NetworkError
-from core.names import close, printable
+from core.chain.engine import realize
+from core.chain.wires import Image, Pupil, SampledTransfer, Transfer
+from core.errors import ImagechainError, NetworkError, close, printable
 from core.network.network import Network
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature

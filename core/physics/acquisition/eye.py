@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.checks import (
+from core.physics.numerics import (
     all_above_zero,
     all_finite,
     all_from_zero,

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.checks import all_above_zero, all_from_zero, broadcast, positive
-from core.physics.numerics import gauss_legendre
+from core.physics.numerics import all_above_zero, all_from_zero, broadcast, gauss_legendre, positive
 
 INCH_M = 0.0254
 _SHARP = 0.9  # relative edge response from which version 4 has its other pair of coefficients

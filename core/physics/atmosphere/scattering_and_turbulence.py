@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.checks import non_negative, positive, within
-from core.physics.numerics import gauss_legendre
+from core.physics.numerics import gauss_legendre, non_negative, positive, within
 
 # Plateaus of the three curves of Tantalo 1996, fig. 4.8a.
 _TURBIDITY_PLATEAUS = (("none", 1.0), ("low", 0.99), ("moderate", 0.975), ("high", 0.955))

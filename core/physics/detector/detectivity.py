@@ -13,16 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.checks import positive, within
-from core.physics.radiometry.constants import (
+from core.physics.numerics import positive, within
+from core.physics.radiometry.planck import (
     BOLTZMANN_J_K,
     ELEMENTARY_CHARGE_C,
     PLANCK_J_S,
     SECOND_RADIATION_CONSTANT_M_K,
     SECOND_RADIATION_CONSTANT_UM_K,
     SPEED_OF_LIGHT_M_S,
-)
-from core.physics.radiometry.planck import (
     WIDEST_X,
     band_nodes,
     band_radiance,

@@ -7,12 +7,17 @@ from math import hypot, inf, log10, pi, sqrt
 from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
+import scipy
 from numpy.random import Generator
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.checks import non_negative, positive, within
-from core.physics.radiometry.constants import BOLTZMANN_J_K, ELEMENTARY_CHARGE_C
+from core.physics.numerics import non_negative, positive, within
+from core.physics.radiometry.planck import (
+    BOLTZMANN_J_K,
+    ELEMENTARY_CHARGE_C,
+    band_radiance_derivative,
+)
 
 Irradiance = Literal["disc", "sine"]
 """How the light of a lens goes with its F-number: see `solid_angle`."""
@@ -410,3 +415,163 @@ def two_point_gain(*, low: Array, high: Array) -> Array:
 def two_point_offset(*, low: Array, gain: Array) -> Array:
     """Offset to be added behind the gain: the cooler reference comes out as its mean."""
     return np.asarray(np.mean(low, dtype=np.float64) - gain * np.asarray(low, np.float64))
+
+
+# Microbolometers: noise by a data sheet's NETD, and the lag of their heat capacity.
+#
+# Sources: Kruse 2001, Uncooled Thermal Imaging Arrays, Systems and Applications, chapters 3 and 4;
+# Rogalski 2011, Infrared Detectors, 2nd ed., chapters 4 and 22.
+
+SETTLED = 1e-6
+"""Share of a step that is left where earlier frames are no longer counted."""
+
+
+def netd_noise_radiance(
+    *,
+    netd_K: float,
+    reference_K: float,
+    reference_sr: float,
+    lens_sr: float,
+    cut_on_um: float,
+    cut_off_um: float,
+) -> float:
+    """Noise of a data sheet's NETD as a radiance of the scene, W/m²/sr: NETD·dL/dT(T₀)·τ₀Ω₀/(τΩ).
+
+    `reference_K` is the background of the data sheet, `reference_sr` the light of its optics and
+    `lens_sr` that of the camera's: transmission times solid angle. A bolometer's own noise does not
+    depend on the scene, so that over dL/dT of another background it is the NETD there.
+    """
+    netd = non_negative("netd", netd_K, unit="K")
+    light = positive("reference_sr", reference_sr, unit="sr") / positive(
+        "lens_sr", lens_sr, unit="sr"
+    )
+    slope = float(
+        band_radiance_derivative(
+            cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=reference_K
+        )
+    )
+    return netd * slope * light
+
+
+def share_kept(*, time_constant_s: float, frame_rate_Hz: float) -> float:
+    """Share of a temperature difference that is left after a frame: exp(−1/(rate·τ))."""
+    rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
+    constant = non_negative("time_constant_s", time_constant_s, unit="s")
+    return math.exp(-1.0 / (rate * constant)) if rate * constant > 0.0 else 0.0
+
+
+def lag_weights(*, kept: float, most: int) -> tuple[float, ...]:
+    """Weights of this frame and those before it in what a first-order lag shows.
+
+    (1 − kept)·kept^k with the share `kept` of a frame, down to `SETTLED` and over `most` frames;
+    the last one takes all that is older, so that they add to 1.
+    """
+    if not 0.0 <= kept < 1.0:
+        raise ParameterError("fraction of a change that remains", kept, "from 0 to below 1")
+    count = 1
+    while kept**count > SETTLED and count < most:
+        count += 1
+    weights = [(1.0 - kept) * kept**age for age in range(count)]
+    weights[-1] = kept ** (count - 1)
+    return tuple(weights)
+
+
+# Gain of charge before it is read: excess noise of photoconductors, avalanches, EM registers.
+
+ChargeGain = Literal["none", "photoconductive", "em_register", "avalanche"]
+
+LARGE_SHAPE = 16.0
+"""Shape of a gamma deviate from which on the cube root is taken as normal: mean within 1e-6,
+variance within 4e-5, quantiles to 3 σ within 1 % of σ. Below it, the quantile is exact."""
+_FARTHEST = 8.0  # of a deviate; beyond, Φ(z) rounds to 1
+
+
+def excess_noise_factor(
+    *, charge_gain: ChargeGain, factor: float, register_stages: int, ionization_ratio: float
+) -> float:
+    """Variance of the multiplied charge over G² times that of the charge before: F.
+
+    Parameters
+    ----------
+    charge_gain : ChargeGain
+        What multiplies. None gives 1; a photoconductor 2, as recombination adds as much variance as
+        generation.
+    factor : float
+        Mean gain G, above 0; at least 1 for register and avalanche.
+    register_stages : int
+        Stages N of an EM register, G at most 2^N: (2(G − 1)·G^(−1/N) + 1)/G, F² of its literature.
+    ionization_ratio : float
+        k of an avalanche, 0 to 1: k·G + (1 − k)(2 − 1/G).
+
+    Source: Levine 1993, Quantum-well infrared photodetectors, J. Appl. Phys. 74, R1 (noise current
+    4qGI); Robbins and Hadwen 2003, The noise performance of electron multiplying charge-coupled
+    devices, IEEE Trans. Electron Devices 50, 1227; McIntyre 1966, Multiplication noise in uniform
+    avalanche diodes, IEEE Trans. Electron Devices 13, 164.
+    """
+    gain = positive("charge_gain_factor", factor)
+    if charge_gain in ("none", "photoconductive"):
+        return 1.0 if charge_gain == "none" else 2.0
+    if gain < 1.0:
+        raise ParameterError("charge_gain_factor", factor, f"at least 1 for {charge_gain}")
+    if charge_gain == "avalanche":
+        ratio = within("ionization_ratio", ionization_ratio, 0.0, 1.0)
+        return ratio * gain + (1.0 - ratio) * (2.0 - 1.0 / gain)
+    per_stage: float = gain ** (1.0 / positive("register_stages", register_stages))
+    if per_stage > 2.0:
+        allowed = f"at most 2 per register stage (register_stages = {register_stages})"
+        raise ParameterError("charge_gain_factor", factor, allowed)
+    return (2.0 * (gain - 1.0) / per_stage + 1.0) / gain
+
+
+def multiplied_charge(
+    *, electrons: Array, deviates: Array, excess_noise_factor: float, out: Array | None = None
+) -> Array:
+    """Charge behind a noisy gain, over the mean gain: gamma deviates.
+
+    Standard normal deviates are of the shape and type of the electrons, float32 or float64; `out`
+    is contiguous, and neither of the two. With F above 1, n electrons give a deviate of mean n and
+    variance (F − 1)·n; charge that is not above 0 stays.
+
+    Source: Basden, Haniff and Mackay 2003, Photon counting strategies with low-light-level CCDs,
+    Mon. Not. R. Astron. Soc. 345, 985: at F = 2 each electron gives an exponential number. For
+    other F the form is an approximation. Wilson and Hilferty 1931 (cube root).
+    """
+    width, number = excess_noise_factor - 1.0, electrons.dtype.type
+    large = np.maximum(electrons, number(LARGE_SHAPE * width))
+    ninth = np.divide(number(width / 9.0), large)
+    made = np.sqrt(ninth, out=out)
+    made *= deviates
+    made += number(1.0)
+    made -= ninth
+    cube = made * made
+    made *= cube
+    made *= large
+    few = np.flatnonzero(electrons.reshape(-1) < number(LARGE_SHAPE * width))
+    if few.size:
+        before = electrons.reshape(-1)[few].astype(np.float64)
+        z = np.clip(deviates.reshape(-1)[few].astype(np.float64), -_FARTHEST, _FARTHEST)
+        shape = np.where(before > 0.0, before, 1.0) / width
+        exact = width * scipy.special.gammaincinv(shape, scipy.special.ndtr(z))
+        made.reshape(-1)[few] = np.where(before > 0.0, exact, before)
+    return np.asarray(made)
+
+
+def low_gain_share(*, high: ArrayLike, switch_level: float, blend: float) -> Array:
+    """Share, from 0 to 1, that the read-out of low gain has in a pixel that is read at two gains.
+
+    Parameters
+    ----------
+    high : array_like
+        Read-out of high gain.
+    switch_level : float
+        Value of `high` beyond which the low gain is used alone, above 0, in the same unit.
+    blend : float
+        Width of a linear change below it, as a share of it, from 0 to 1; 0 switches at once.
+
+    Source: as in dual-gain sCMOS cameras; Fowler et al. 2010, Proc. SPIE 7536, 753607.
+    """
+    level = positive("switch_level", switch_level)
+    values, width = np.asarray(high, np.float64), level * within("blend", blend, 0.0, 1.0)
+    if width == 0.0:
+        return np.asarray(values > level, np.float64)
+    return np.clip((values - level) / width + 1.0, 0.0, 1.0)

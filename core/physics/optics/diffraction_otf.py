@@ -21,9 +21,8 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.checks import positive
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.numerics import chebyshev_sum, gauss_legendre
+from core.physics.numerics import chebyshev_sum, gauss_legendre, positive
 from core.physics.optics.overlap_area import annular_otf
 from core.physics.optics.polychromatic import (
     SpectralWeighting,

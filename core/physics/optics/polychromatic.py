@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.checks import positive
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.numerics import gauss_legendre
-from core.physics.radiometry.constants import SECOND_RADIATION_CONSTANT_M_K
+from core.physics.numerics import gauss_legendre, positive
+from core.physics.radiometry.planck import SECOND_RADIATION_CONSTANT_M_K
 
 Vector = NDArray[np.float64]
 SpectralWeighting = Literal["photons", "energy", "uniform"]

@@ -2,26 +2,326 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError
-from core.physics.checks import positive
+from core.physics.numerics import positive
 from core.physics.optics.diffraction_otf import annular_defocus_otf
-from core.physics.optics.overlap_area import annular_otf, half_disc_overlap_area
-from core.physics.optics.pupil_shapes import PupilShape, by_tiles, vane_direction
-from core.physics.optics.sampled_otf import sampled_otf
+from core.physics.optics.overlap_area import (
+    Band,
+    Cut,
+    Lens,
+    annular_otf,
+    half_chord,
+    half_disc_overlap_area,
+    half_segment,
+    lens,
+    lens_in_band,
+)
+from core.physics.optics.pupil_shapes import PupilShape, by_tiles, part_of, vane_direction
 from core.physics.optics.strip_overlap import (
     Strip,
     StripPupil,
     strip_overlap_area,
     strip_pupil_area,
 )
-from core.physics.optics.strip_sum import strip_sum_area, strips_add_up
+from core.physics.optics.wavefront import sampled_otf
+
+# Overlap area of an annulus with strips that hide where they cross, as a sum over strips.
+#
+# With A the annulus and V the strips, which may meet nowhere in A,
+#
+#     A(1 − ΣV)·A'(1 − ΣV') = AA' − Σ AA'V − Σ AA'V' + ΣΣ AA'VV'
+#
+# where a dash is the moved one. The single sums are lenses within bands. In the double sum a strip
+# and itself make a narrower band, two others a parallelogram that is nearly always whole or hidden.
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Index = Bools | tuple[slice, slice]
+
+
+def strips_add_up(*, pupil: StripPupil) -> bool:
+    """Whether `strip_sum_area` holds for this pupil: its strips meet behind the obscuration only.
+
+    Strips must be of one width, bars all or vanes all, and lie evenly about the centre.
+    """
+    half, hole = pupil.strips[0].high, pupil.inner_radius
+    bars = pupil.symmetric
+    if any(s.high != half or s.low != -half or s.half == bars for s in pupil.strips):
+        return False
+    crossings = _crossings(pupil)
+    if any(crossing.farthest > hole for crossing in crossings):
+        return False
+    if bars:
+        return True
+    if half >= hole:
+        return False  # the blunt ends show
+    inner, outer = (math.sqrt((r - half) * (r + half)) for r in (hole, pupil.radius))
+    return 3.0 * inner >= hole and pupil.radius - inner <= outer + inner
+
+
+def strip_sum_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats:
+    """Overlap area of a pupil for which `strips_add_up` with itself moved.
+
+    Lags in its length unit have two axes, are nowhere both zero and broadcast: what depends on one
+    of them alone is computed once. The absolute error is about 1e-15 of a disc's.
+    """
+    half, bars = pupil.strips[0].high, pupil.symmetric
+    square = lag_x * lag_x + lag_y * lag_y
+    rings = Rings.of(pupil, square)
+    area = rings.area()
+    twice = 2.0 if bars else 1.0  # the other vane's half is the same vane's for the opposite lag
+    seen = [_components(strip, lag_x, lag_y) for strip in pupil.strips]
+    for across, along in seen:
+        n, t = np.abs(across), np.abs(along)
+        area -= twice * rings.in_band(Band.at_rest(n, t, square, half))
+        near = _where(n < 2.0 * half, area.shape)
+        if near is not None:
+            n, t, apart = (_taken(coordinate, near) for coordinate in (n, t, square))
+            common = Band.common(n, t, apart, half)
+            some = rings.chosen(near)
+            area[near] += some.in_common(common) if bars else _beyond_hole(some, common, pupil)
+    for crossing in _crossings(pupil):
+        first, second = (seen[index][0] for index in crossing.pair)
+        part, cut = crossing.overlap((second, first), same_side=not bars)
+        if cut.any():
+            part[cut] = _cut_area(pupil, crossing, cut, lag_x, lag_y)
+        area += twice * part
+    return np.maximum(area, 0.0)
+
+
+def _cut_area(
+    pupil: StripPupil, crossing: Crossing, points: Bools, lag_x: Floats, lag_y: Floats
+) -> Floats:
+    """Area of the parallelogram of two strips in both annuli."""
+    x, y = (np.broadcast_to(lag, points.shape)[points] for lag in (lag_x, lag_y))
+    alone, other = (
+        StripPupil(pupil.radius, pupil.inner_radius, _outside(pupil.strips[index], pupil.radius))
+        for index in crossing.pair
+    )
+    return strip_overlap_area(pupil=alone, lag_x=x, lag_y=y, other=other)
+
+
+def _outside(strip: Strip, radius: float) -> tuple[Strip, Strip]:
+    """What a strip leaves of a disc, as two strips."""
+    far = 2.0 * radius
+    return (
+        Strip(strip.cos, strip.sin, strip.high, far, False),
+        Strip(strip.cos, strip.sin, -far, strip.low, False),
+    )
+
+
+def _components(strip: Strip, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Across and along; a strip along an axis keeps arrays of one row or column as they are."""
+    if strip.sin == 0.0:
+        return strip.cos * y, strip.cos * x
+    if strip.cos == 0.0:
+        return -strip.sin * x, strip.sin * y
+    return strip.across(x, y), strip.along(x, y)
+
+
+@dataclass(frozen=True)
+class Rings:
+    """Annulus and moved annulus: the lens of outer discs, less two mixed ones, plus the inner."""
+
+    outer: Lens
+    mixed: Lens | None
+    inner: Lens | None
+
+    @classmethod
+    def of(cls, pupil: StripPupil, square: Floats) -> Rings:
+        """Lenses that some of the lags have."""
+        radius, hole = pupil.radius, pupil.inner_radius
+        nearest = math.sqrt(square.min())
+        mixed = hole > 0.0 and nearest < radius + hole
+        both = hole > 0.0 and nearest < 2.0 * hole
+        return cls(
+            lens(fixed=radius, moved=radius, square=square),
+            lens(fixed=radius, moved=hole, square=square) if mixed else None,
+            lens(fixed=hole, moved=hole, square=square) if both else None,
+        )
+
+    def chosen(self, points: Index) -> Rings:
+        """At some of the lags."""
+        mixed = None if self.mixed is None else self.mixed.chosen(points)
+        inner = None if self.inner is None else self.inner.chosen(points)
+        return Rings(self.outer.chosen(points), mixed, inner)
+
+    def area(self) -> Floats:
+        """Overlap of the annuli."""
+        area = self.outer.area()
+        if self.mixed is not None:
+            area -= 2.0 * self.mixed.area()
+        if self.inner is not None:
+            area += self.inner.area()
+        return area
+
+    def in_band(self, band: Band) -> Floats:
+        """Overlap in a band that rests."""
+        cut = Cut.of(band, self.outer.moved)
+        area = lens_in_band(self.outer, band, cut)
+        if self.mixed is not None:
+            small = Cut.of(band, self.mixed.moved)
+            area -= lens_in_band(self.mixed, band, small)
+            area -= lens_in_band(self.mixed.turned(), band, cut)
+            if self.inner is not None:
+                area += lens_in_band(self.inner, band, small)
+        return area
+
+    def in_common(self, band: Band) -> Floats:
+        """Overlap in a band and its moved self, where the two mixed lenses are alike."""
+        area = lens_in_band(self.outer, band, Cut.of(band, self.outer.moved))
+        if self.mixed is not None:
+            small = Cut.of(band, self.mixed.moved)
+            area -= 2.0 * lens_in_band(self.mixed, band, small)
+            if self.inner is not None:
+                area += lens_in_band(self.inner, band, small)
+        return area
+
+
+def _beyond_hole(rings: Rings, band: Band, pupil: StripPupil) -> Floats:
+    """Overlap in a vane and its moved self: half the bars' without what lies between the holes."""
+    half, hole = band.high, pupil.inner_radius
+    reach = float(half_chord(hole, half))
+    between = band.slope - 2.0 * (half_segment(hole, half) - half_segment(hole, band.low))
+    if rings.inner is not None:
+        between = between + lens_in_band(rings.inner, band, Cut.of(band, hole))
+    area = rings.in_common(band) - np.where(band.along > 2.0 * reach, between, 0.0)
+    return np.where(band.along < pupil.radius - reach, 0.5 * area, 0.0)
+
+
+def _where(wanted: Bools, shape: tuple[int, ...]) -> Index | None:
+    """Rows and columns that hold the wanted points, or these alone where they depend on both."""
+    if not wanted.any():
+        return None
+    if wanted.shape == shape:
+        return wanted
+    rows, columns = (np.flatnonzero(wanted.any(axis=axis)) for axis in (1, 0))
+    one_row, one_column = (size == 1 for size in wanted.shape)
+    return (
+        slice(None) if one_row else slice(rows[0], rows[-1] + 1),
+        slice(None) if one_column else slice(columns[0], columns[-1] + 1),
+    )
+
+
+def _taken(values: Floats, index: Index) -> Floats:
+    if isinstance(index, tuple):
+        return part_of(values, index)
+    return np.broadcast_to(values, index.shape)[index]
+
+
+def _crossings(pupil: StripPupil) -> list[Crossing]:
+    """Every two strips."""
+    return [
+        Crossing.of(pupil.strips, pair, pupil.radius, pupil.inner_radius)
+        for pair in combinations(range(len(pupil.strips)), 2)
+    ]
+
+
+# The parallelogram in which two equal strips cross, and how much of it an annulus lets through.
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Two strips, by their places among all, that cross at an angle.
+
+    `half` is half their width, `sin` and `cos` are those of the angle, not negative, and `radius`
+    and `hole` are the annulus'.
+    """
+
+    pair: tuple[int, int]
+    half: float
+    sin: float
+    cos: float
+    radius: float
+    hole: float
+
+    @classmethod
+    def of(
+        cls, strips: tuple[Strip, ...], pair: tuple[int, int], radius: float, hole: float
+    ) -> Crossing:
+        """Of two of a pupil's strips."""
+        a, b = (strips[index] for index in pair)
+        sin, cos = abs(a.cos * b.sin - a.sin * b.cos), abs(a.cos * b.cos + a.sin * b.sin)
+        return cls(pair, a.high, sin, cos, radius, hole)
+
+    @property
+    def area(self) -> float:
+        """Area of the parallelogram."""
+        return 4.0 * self.half**2 / self.sin
+
+    @property
+    def extent(self) -> float:
+        """How far it reaches along a strip from its centre."""
+        return self.half * (1.0 + self.cos) / self.sin
+
+    @property
+    def farthest(self) -> float:
+        """How far its corners are from its centre."""
+        return math.hypot(self.extent, self.half)
+
+    def overlap(self, across: tuple[Floats, Floats], *, same_side: bool) -> tuple[Floats, Bools]:
+        """Area in both annuli of a strip's crossing with the moved other, and where none is known.
+
+        The parallelogram's centre lies the lag's component across the second strip over the sine
+        along the first one and, from the moved centre, likewise for the second. Circles of both
+        annuli may cut the parallelogram: there the area is not known. `same_side` is for vanes:
+        both signs must agree, else the one's half meets not the other's.
+        """
+        first, second = (np.abs(values) / self.sin for values in across)
+        extent = self.extent
+        hidden = math.sqrt(max((self.hole - self.half) * (self.hole + self.half), 0.0)) - extent
+        gone = self.radius + extent
+        met = (first > hidden) & (first < gone) & ((second > hidden) & (second < gone))
+        if same_side:
+            met &= across[0] * across[1] > 0.0
+        area = np.zeros(met.shape)
+        if not met.any():
+            return area, np.zeros_like(met)
+        clear = self.hole + extent
+        whole = math.sqrt((self.radius - self.half) * (self.radius + self.half)) - extent
+        cut_first, cut_second = ((at < clear) | (at > whole) for at in (first, second))
+        area[met] = self.area
+        once = met & (cut_first ^ cut_second)
+        if once.any():
+            place = np.where(cut_first, first, second)[once]
+            area[once] = self._in_annulus(place)
+        return area, met & (cut_first & cut_second)
+
+    def _in_annulus(self, place: Floats) -> Floats:
+        half, right = self.half, self.half / self.sin
+        lean = right * self.cos
+        x = (place - right - lean, place + right - lean, place + right + lean, place - right + lean)
+        corners = list(zip(x, (-half, -half, half, half), strict=True))
+        return _in_disc(corners, self.radius) - _in_disc(corners, self.hole)
+
+
+def _in_disc(corners: list[tuple[Floats, float]], radius: float) -> Floats:
+    """Area of a polygon, corners counter-clockwise, within a disc about the origin."""
+    twice = np.zeros_like(corners[0][0])
+    for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
+        run, rise = x1 - x0, y1 - y0
+        length = np.hypot(run, rise)
+        cos, sin = run / length, rise / length
+        distance = x0 * sin - y0 * cos
+        start, end = x0 * cos + y0 * sin, x1 * cos + y1 * sin
+        reach = np.sqrt(np.maximum((radius - distance) * (radius + distance), 0.0))
+        inside = np.clip(start, -reach, reach), np.clip(end, -reach, reach)
+        away = np.abs(distance)
+        angle = np.arctan2(end, away) - np.arctan2(inside[1], away)
+        angle += np.arctan2(inside[0], away) - np.arctan2(start, away)
+        twice += distance * (inside[1] - inside[0]) + radius**2 * np.copysign(angle, distance)
+    return 0.5 * twice
+
 
 Array = NDArray[Any]
 
@@ -172,8 +472,6 @@ def _over_band(otfs: Iterable[Array], weights: tuple[float, ...]) -> Array:
 
 
 # Exact OTF of a geometric exit pupil without wavefront error.
-
-Floats = NDArray[np.float64]
 
 
 def geometric_otf(shape: PupilShape, *, lag_x: ArrayLike, lag_y: ArrayLike) -> Floats:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.machine import ForEach, in_turn
-from core.physics.sampling.interpolation import cubic_weights
+from core.physics.sampling.detector_sampling import cubic_weights
 from core.scratch import Empty
 
 Array = NDArray[Any]

@@ -19,7 +19,7 @@ from app.bench.truth import (
     poisson_cumulative,
     pupil_otf,
 )
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 
 
 def test_stage_by_stage_is_the_same_optics():

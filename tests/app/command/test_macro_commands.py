@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from app.run.shipped import find_network
-from core.editing.grouping import group
-from core.editing.macros import expose
+from core.editing.macros import expose, group
 from core.network.file import load_network, save_network
 from nodes.library import standard_library
 

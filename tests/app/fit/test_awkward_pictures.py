@@ -6,7 +6,7 @@ import pytest
 
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import edges_in
-from core.network.parsing import parse_network
+from core.network.file import parse_network
 from edge_truth import blur_network, gaussian_edge
 from nodes.library import standard_library
 

@@ -10,8 +10,8 @@ from app.fit.chain_transfer import ChainAt
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import edges_in
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
-from core.network.parsing import parse_network
+from core.evaluation.work import Policy
+from core.network.file import parse_network
 from edge_truth import blur_network, gaussian_edge
 from nodes.library import standard_library
 

@@ -8,9 +8,9 @@ import pytest
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from core.chain.engine import Engine
 from core.errors import DataError
-from core.evaluation.policy import Policy
-from core.network.parsing import parse_network
-from core.physics.measurement.noise.variance_levels import LevelVariance
+from core.evaluation.work import Policy
+from core.network.file import parse_network
+from core.physics.measurement.sample_noise import LevelVariance
 from edge_truth import blur_network
 from nodes.library import standard_library
 

@@ -12,7 +12,7 @@ from app.measure.measurement_text import remarks, with_error
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
 from camera_scenes import box, turned
-from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edge_search import find_edges
 from oversampled_camera import Camera, half_plane, take
 from oversampled_scene import Scene, Shape
 

@@ -7,7 +7,7 @@ from app.handbook.module_examples import PAGES
 from app.measure.measurement_text import refused_lines
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
-from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edge_search import find_edges
 from edge_truth import gaussian_edge
 
 SIZE = (96, 96)

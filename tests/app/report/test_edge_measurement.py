@@ -9,7 +9,7 @@ import pytest
 from app.report.edge_measurement import judged_facts
 from app.run.evaluation import TimedWork, evaluate, planned
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from linked_network import linked_network
 from nodes.library import standard_library

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from core.names import printable
+from core.errors import printable
 
 FORMULA = r"$\frac{$"  # begins a formula that never ends
 ORDERS = "\x1b]0;title\x07\x1b[31mred\x9b2J\u202eback\u2028\x7f"

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from app.run.evaluation import TimedWork, evaluate, needed_later, planned
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
+from core.evaluation.work import Policy
 from linked_network import linked_network
 from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
 from nodes.library import standard_library

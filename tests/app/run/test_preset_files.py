@@ -11,10 +11,10 @@ import imagechain as ic
 from app.run.preset_files import own_presets, placed, preset_of, save_preset, shipped_presets
 from app.run.shipped import find_network
 from core.chain.engine import Engine
-from core.editing.grouping import group
+from core.editing.macros import group
 from core.editing.operations import Rename
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network, read_network
 from core.network.macro import expanded
 from core.network.network import Link, Network, Node

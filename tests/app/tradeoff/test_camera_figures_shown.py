@@ -4,7 +4,7 @@ import pytest
 
 from app.tradeoff.tradeoff_results import computed, default_figures, figures_of
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import linked_network
 from nodes.library import standard_library
 

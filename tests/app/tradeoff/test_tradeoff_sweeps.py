@@ -10,7 +10,7 @@ from app.tradeoff.tradeoff_results import figures_of, points_at
 from app.tradeoff.values import variation
 from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from nodes.library import standard_library
 from tradeoff_network import DOCUMENT, NYQUIST_X, mtf

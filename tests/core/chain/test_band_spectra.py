@@ -5,7 +5,7 @@ import pytest
 
 from core.chain.back_transformed import combine_pixels
 from core.chain.band_stack import AttenuatedBands
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from cube_files import centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library

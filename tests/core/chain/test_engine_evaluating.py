@@ -6,9 +6,8 @@ import threading
 import pytest
 
 from core.errors import Cancelled
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, network
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
+from core.evaluation.work import Policy
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 
 

@@ -7,10 +7,10 @@ from core.chain.back_transformed import back_transform, combine_pixels
 from core.chain.engine import Engine
 from core.chain.noise_power import NoisePower
 from core.chain.wires import Image, Magnitude, Phase
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
+from core.evaluation.work import Policy
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
-from core.physics.optics.gaussian import gaussian_mtf
+from core.physics.optics.veiling_glare import gaussian_mtf
 from core.transfer.factors import Grid, Law, Planar
 from nodes.library import standard_library
 from nodes.shared.factors import radial, separable

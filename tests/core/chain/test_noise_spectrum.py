@@ -6,8 +6,8 @@ import scipy.fft
 
 from core.chain.engine import Engine
 from core.chain.noise_power import NoisePower, spectrum_of
-from core.evaluation.policy import Policy
-from core.physics.optics.gaussian import gaussian_mtf
+from core.evaluation.work import Policy
+from core.physics.optics.veiling_glare import gaussian_mtf
 from core.transfer.factors import Grid
 from nodes.library import standard_library
 from nodes.shared.factors import separable

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from core.chain.photon_events import (
+from core.chain.random_fields import (
     LARGEST_SIGMA_PX,
     LEAST_SIGMA_PX,
     MOST,
+    Stream,
     displaced_events,
     events_are_few,
 )
-from core.chain.random_fields import Stream
 from core.machine import Workers
 
 

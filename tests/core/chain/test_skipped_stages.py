@@ -10,7 +10,7 @@ from arithmetic_modules import LIBRARY
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.chain.skipped import skips
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from engine_bench import CHAIN, CHAIN_LINKS, Bench, network
 
 

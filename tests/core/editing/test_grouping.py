@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
-from core.editing.grouping import group, ungroup
-from core.editing.macros import at_level, expose, hide, rename_exposed
+from core.editing.macros import at_level, expose, group, hide, rename_exposed, ungroup
 from core.editing.operations import Rename, keeping_values, set_node_field, set_parameter
 from core.editing.wiring import dissolved
 from core.errors import NetworkError

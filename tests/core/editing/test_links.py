@@ -2,7 +2,7 @@
 
 import pytest
 
-from core.editing.links import refusal
+from core.editing.wiring import refusal
 from core.network.network import Link, Network, Node
 
 

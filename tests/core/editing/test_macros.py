@@ -8,12 +8,13 @@ import pytest
 from core.chain.engine import Engine
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
-from core.editing.grouping import group, ungroup
 from core.editing.macros import (
     at_level,
     expose,
+    group,
     hide,
     rename_exposed,
+    ungroup,
 )
 from core.editing.operations import (
     ABSENT,
@@ -25,7 +26,7 @@ from core.editing.operations import (
     set_parameter,
 )
 from core.errors import NetworkError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import format_network, parse_network
 from core.network.macro import expanded, unfolded
 from core.network.network import Link

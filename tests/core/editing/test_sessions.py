@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from core.editing.document import Document
-from core.editing.links import check_new_wires
+from core.editing.wiring import check_new_wires
 from core.network.file import format_network, parse_network
 from core.network.network import Network
 from edited_networks import drawn_network

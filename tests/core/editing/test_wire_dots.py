@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from core.editing.clipboard import copied, pasted
-from core.editing.grouping import group, ungroup
+from core.editing.macros import group, ungroup
 from core.editing.operations import Move, Remove, Rename, Rewire
 from core.editing.wire_dots import (
     add_dot,

@@ -15,7 +15,7 @@ from core.editing.wiring import (
     wired_to,
 )
 from core.errors import NetworkError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.linked_values import resolved
 from core.network.network import Link, Network, Node
 from core.network.validation import problems

@@ -8,11 +8,9 @@ import pytest
 
 from core.chain.frame_sequence import at_frame
 from core.errors import Cancelled, DataError
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import Step, pointwise
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region, Step, pointwise
 from core.evaluation.store import Store
-from core.evaluation.work import Claims, Work
+from core.evaluation.work import Claims, Policy, Work
 
 DEEP = 5000
 REGION = Region(0, 1, 1, 2)

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import Step
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region, Step
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 
 CALLS: list[tuple[str, int]] = []
 

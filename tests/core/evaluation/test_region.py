@@ -6,11 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.evaluation.policy import Policy
-from core.evaluation.recipes import Step, in_parts, pointwise
-from core.evaluation.region import Region, runs
+from core.evaluation.recipes import Region, Step, in_parts, pointwise, runs
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from engine_bench import CHAIN, CHAIN_LINKS, Bench, network
 
 PICTURE = np.arange(5 * 7, dtype=float).reshape(5, 7)

@@ -8,11 +8,10 @@ import pytest
 from core.chain.engine import Engine
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Policy
 from core.modules.declaration import Module, warning
-from core.modules.panel_sections import Caution, PendingCheck
-from core.modules.parameters import Param
+from core.modules.parameters import Caution, Param, PendingCheck
 from linked_network import linked_network
 
 

@@ -9,17 +9,19 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from core.errors import check_id
 from core.modules.declaration import declaration
-from core.names import check_id
 from core.network.expressions import (
     LONGEST,
     ExpressionError,
+    fitting,
+    kind_of,
     parse_expression,
     quoted,
     rewritten,
+    symbols,
     value_of,
 )
-from core.network.units import fitting, kind_of, symbols
 from nodes.library import standard_library
 
 

@@ -7,10 +7,9 @@ import pytest
 from child_process import ROOT
 from core.chain.engine import Engine
 from core.errors import ParameterError
-from core.network.file import format_network, load_network, parse_network
+from core.network.file import VERSION, format_network, load_network, parse_network
 from core.network.linked_values import expression, with_values
 from core.network.network import Network, Node
-from core.network.parsing import VERSION
 from core.network.validation import problems
 from nodes.library import standard_library
 

@@ -4,8 +4,8 @@ import pytest
 
 from core.errors import NetworkError, ParameterError
 from core.modules.declaration import declaration
+from core.network.file import parse_network
 from core.network.network import Link, Network, Node, cycles, passed_through, topological
-from core.network.parsing import parse_network
 
 
 @pytest.fixture

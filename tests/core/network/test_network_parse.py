@@ -7,8 +7,8 @@ import pytest
 from child_process import PATIENCE_S
 from core.errors import NetworkError
 from core.modules.declaration import Module
+from core.network.file import migrate, parse_network
 from core.network.network import Link
-from core.network.parsing import migrate, parse_network
 
 
 def _fault(text, library):

@@ -3,8 +3,8 @@ import sys
 
 import pytest
 
+from core.network.file import parse_network
 from core.network.network import Link, Network, Node
-from core.network.parsing import parse_network
 from core.network.validation import problems
 
 

@@ -10,12 +10,12 @@ import pytest
 from core.physics.atmosphere import scattering_and_turbulence as atmosphere
 from core.physics.detector import detector_mtf as charge_transfer
 from core.physics.detector import detector_mtf as detector
-from core.physics.detector import filters as electronics
+from core.physics.detector import readout as electronics
 from core.physics.numerics import brent_root
-from core.physics.optics import gaussian
+from core.physics.optics import veiling_glare as gaussian
 from core.physics.sampling import detector_sampling as sampling
 from core.physics.sampling import platform_motion as motion
-from core.physics.sampling import vibration
+from core.physics.sampling import platform_motion as vibration
 from reference_cases import reference_cases
 
 _QUANTITIES = {

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from core.chain.back_transformed import back_transform, combine_pixels
-from core.chain.photon_events import local_mean
+from core.chain.random_fields import local_mean
 from core.chain.wires import Image, Magnitude, Phase
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.store import Store
-from core.evaluation.work import BlockRun, Work
+from core.evaluation.work import BlockRun, Policy, Work
 from core.scratch import ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
 

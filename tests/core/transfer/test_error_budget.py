@@ -7,12 +7,10 @@ from hypothesis import strategies as st
 
 from core.chain.back_transformed import Delivered, back_transform
 from core.chain.wires import Image, Magnitude, Phase
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store
-from core.evaluation.work import Work
-from core.transfer.factors import Grid, Law, Planar, Separable
-from core.transfer.product import spend, stage_bound
+from core.evaluation.work import Policy, Work
+from core.transfer.factors import Grid, Law, Planar, Separable, spend, stage_bound
 from thorough import examples
 
 

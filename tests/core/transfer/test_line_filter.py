@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.transfer.factors import Grid, Law, Separable
 from core.transfer.scan_lines import filter_lines
 from slow_reference.filtering import filtered_lines

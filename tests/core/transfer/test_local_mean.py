@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from core.chain.photon_events import local_mean
-from core.evaluation.policy import Policy
+from core.chain.random_fields import local_mean
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 
 TOLERANCE = {"double": 1e-12, "single": 2e-6}
 

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 from core.chain.band_stack import band_mean_otf
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.physics.optics.diffraction_otf import Aperture, diffraction_otf
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
-from core.transfer.factors import Grid, Law, Planar
-from core.transfer.mixed_sampling import filter_mixed
-from core.transfer.product import Product
-from core.transfer.scan_lines import ScanChain
+from core.transfer.factors import Grid, Law, Planar, Product
+from core.transfer.scan_lines import ScanChain, filter_mixed
 
 SHAPE = (9, 14)
 ANGLES = view_angles_rad(columns=14, interval_mrad=13.6, look_angle_rad=0.5)

@@ -5,13 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.transfer import periodic
-from core.transfer.factors import Grid, Law, Planar, Separable
+from core.transfer.factors import Grid, Law, Planar, Product, Separable
 from core.transfer.periodic import periodic_filter, periodic_spectrum
-from core.transfer.product import Product
 
 INTERVAL_X, INTERVAL_Y = 1.0, 1.3
 

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from core.physics.optics.pupil_otf import circular_pupil_otf, geometric_pupil_otf
 from core.physics.optics.pupil_shapes import PupilShape
-from core.transfer.factors import Grid, Law, Planar
+from core.transfer.factors import Grid, Law, Planar, Product
 from core.transfer.planar_blocks import (
     SINGLE_TOLERANCE,
     Planes,
@@ -18,7 +17,6 @@ from core.transfer.planar_blocks import (
     axes_of,
     cross_approximation,
 )
-from core.transfer.product import Product
 
 SHAPES = {
     "clear": PupilShape("clear", 75),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.errors import ImagechainError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from cube_files import centres, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library

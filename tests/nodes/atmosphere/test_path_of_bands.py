@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.fft
 
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from cube_files import C1_UM, C2_UM, band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.analysis.lineage import transfer_of

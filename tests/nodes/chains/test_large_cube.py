@@ -21,7 +21,7 @@ PHOTON_J_UM = 6.62607015e-34 * 299792458.0 * 1e6
 RUN = f"""
 from pathlib import Path
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from nodes.library import standard_library
 library = standard_library()

@@ -13,7 +13,7 @@ import pytest
 from app.bench.chains import sensor_network
 from app.bench.peers import load, why_missing
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.physics.radiometry.planck import band_radiance
 from nodes.library import standard_library
 

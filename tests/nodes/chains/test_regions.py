@@ -10,10 +10,9 @@ from chain_runs import picture_of
 from core.chain.engine import Engine
 from core.chain.random_fields import BLOCK
 from core.chain.skipped import skips
-from core.evaluation.policy import Policy
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from delivered_chains import chain_network, scene
 from drawn_chains import SIZES, chains, ordinary
 from noise_bench import BAND, NOISY, network

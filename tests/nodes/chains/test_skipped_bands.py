@@ -5,7 +5,7 @@ import pytest
 from core.chain.engine import Engine
 from core.chain.filtered_sum import ChosenWavelengths
 from core.chain.skipped import skips
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from cube_network import BANDS, write_cube_network
 from nodes.library import standard_library

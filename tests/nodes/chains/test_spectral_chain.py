@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.chain.frame_sequence import at_frame
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from cube_files import band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library

@@ -2,7 +2,7 @@
 
 import pytest
 
-from core.physics.detector.charge_diffusion import diffusion_mtf
+from core.physics.detector.detector_mtf import diffusion_mtf
 from node_bench import NodeBench
 from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.detector.crosstalk import crosstalk_kernel, crosstalk_otf
+from core.physics.detector.detector_mtf import crosstalk_kernel, crosstalk_otf
 from node_bench import NodeBench
 from nodes.library import standard_library
 

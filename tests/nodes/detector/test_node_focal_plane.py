@@ -8,7 +8,7 @@ from scipy import stats
 
 from core.chain.frame_sequence import at_frame
 from core.errors import ParameterError
-from core.evaluation.region import Region
+from core.evaluation.recipes import Region
 from core.physics.radiometry.planck import band_radiance
 from focal_plane_bench import CAMERA_SHEET, MWIR, focal_plane_bench
 from reference_cases import CAMERA, reference_cases

@@ -5,7 +5,7 @@ import pytest
 
 from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
-from core.transfer.product import Product
+from core.transfer.factors import Product
 from cube_files import centres, write_cube
 from linked_network import in_order, linked_network
 from node_bench import NodeBench

@@ -5,8 +5,8 @@ import pytest
 
 from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
-from core.physics.detector.charge_gain import low_gain_share
-from core.physics.optics.microlens import microlens_response
+from core.physics.detector.focal_plane_array import low_gain_share
+from core.physics.optics.field import microlens_response
 from linked_network import linked_network
 from node_bench import NodeBench
 from nodes.library import standard_library

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from node_bench import NodeBench
 from nodes.electronics.noise_file import NoiseFile
 from nodes.electronics.periodic_noise import PeriodicNoise

@@ -100,7 +100,7 @@ def test_what_is_slower_than_the_frames_is_measured_as_fixed(tmp_path):
 
 
 def test_a_typed_seed_and_a_region_give_the_same_samples(tmp_path):
-    from core.evaluation.region import Region
+    from core.evaluation.recipes import Region
 
     bench = bench_of(tmp_path, {**SIGMAS, **PINK, "seed_mode": "typed", "seed": 3}, frames=2)
     whole = bench.value("noise.image")

@@ -8,10 +8,9 @@ import pytest
 
 from app.run.saving import save_value
 from core.chain.engine import Engine
-from core.chain.results import CurveData, Series
-from core.chain.wires import Curve
-from core.evaluation.policy import Policy
+from core.chain.wires import Curve, CurveData, Series
 from core.evaluation.recipes import Step
+from core.evaluation.work import Policy
 from core.modules.declaration import Module, NodeContext
 from linked_network import linked_network
 from nodes.input_output.write_matrix import WriteMatrix

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from core.evaluation.policy import Policy
 from core.evaluation.store import Store
-from core.evaluation.work import Work
+from core.evaluation.work import Policy, Work
 from cube_files import write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library

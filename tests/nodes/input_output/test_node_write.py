@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.chain.results import CurveData, Series
-from core.chain.wires import Image
+from core.chain.wires import CurveData, Image, Series
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
 from core.modules.declaration import Module

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library

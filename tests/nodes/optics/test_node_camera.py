@@ -11,7 +11,7 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
-from core.physics.sampling.orbit import orbit_view
+from core.physics.sampling.ground_geometry import orbit_view
 from node_bench import NodeBench
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.library import standard_library

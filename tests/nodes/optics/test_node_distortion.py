@@ -9,7 +9,7 @@ import pytest
 
 from core.chain.step_lineage import lineage_of
 from core.errors import ParameterError
-from core.physics.optics.distortion import Distortion, samples_at
+from core.physics.optics.field import Distortion, samples_at
 from cube_files import centres, write_cube
 from field_bench import LIBRARY, angles, assert_same_in_blocks, field_bench
 from node_bench import NodeBench

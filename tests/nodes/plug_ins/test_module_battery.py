@@ -9,8 +9,7 @@ from typing import Annotated
 import numpy as np
 import pytest
 
-from core.chain.linear_change import Linear
-from core.chain.step_lineage import picture_step
+from core.chain.step_lineage import Linear, picture_step
 from core.chain.wires import Context, Image, Magnitude
 from core.evaluation.recipes import Step, pointwise
 from core.modules.declaration import Module, NodeContext, readout

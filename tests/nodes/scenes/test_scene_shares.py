@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
 from core.evaluation.store import size_in_bytes
+from core.evaluation.work import Policy
 from core.machine import Workers
 from core.network.network import Network, Node
 from nodes.library import standard_library

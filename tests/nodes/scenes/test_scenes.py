@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes.draw import KINDS, draw_radiances, scene_radiances

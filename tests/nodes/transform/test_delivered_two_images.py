@@ -7,7 +7,7 @@ import pytest
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, SENSOR, STAGES, expected_h
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from delivered_chains import LIBRARY, chain_network, fov_deg, scene
 from linked_network import linked_network
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.physics.sampling.interpolation import block_mean_mtf
+from core.physics.sampling.detector_sampling import block_mean_mtf
 from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library

@@ -10,10 +10,10 @@ import pytest
 
 from analytic_stages import CHAINS, INTERVAL_X, INTERVAL_Y
 from core.chain.engine import Engine
-from core.chain.linear_change import PixelSamples
 from core.chain.noise_power import NoisePower
-from core.evaluation.policy import Policy
-from core.evaluation.region import Region
+from core.chain.step_lineage import PixelSamples
+from core.evaluation.recipes import Region
+from core.evaluation.work import Policy
 from delivered_chains import FOLD_ERROR, PRECISIONS, delivered, fov_deg, scene
 from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf, transfer_of

@@ -57,9 +57,8 @@ from app.editor.widgets import (
     takes_wheel,
 )
 from core.editing.operations import ABSENT
-from core.errors import ParameterError
+from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter, plain
-from core.names import thaw
 
 _CLICK_MS = 250  # after which a button is up again
 

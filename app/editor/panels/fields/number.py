@@ -22,10 +22,9 @@ from app.editor.panels.fields.field_menu import offer
 from app.editor.theme import CHANGED
 from app.editor.widgets import filled, plain_label, takes_wheel
 from core.editing.operations import set_parameter
-from core.errors import ParameterError
+from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter
 from core.modules.preview import round_step
-from core.names import thaw
 from core.network.linked_values import expression
 
 WHEEL_REST_MS = 400

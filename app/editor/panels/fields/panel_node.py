@@ -9,8 +9,7 @@ from PySide6.QtGui import QGuiApplication
 from app.editor.session import Session
 from core.editing.clipboard import copied_values, pasted_values
 from core.editing.operations import ABSENT, Operation, Together, named, set_parameter
-from core.errors import ImagechainError
-from core.names import thaw
+from core.errors import ImagechainError, thaw
 from core.network.expressions import quoted
 from core.network.macro import unfolded
 

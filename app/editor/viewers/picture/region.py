@@ -18,9 +18,8 @@ from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
 from core.chain.wires import Image
 from core.editing.operations import ABSENT, Together, set_parameter
-from core.errors import ImagechainError, ParameterError
+from core.errors import ImagechainError, ParameterError, thaw
 from core.modules.declaration import Declaration
-from core.names import thaw
 from core.network.macro import unfolded
 
 PARAMETERS = ("region_x", "region_y", "region_width", "region_height")

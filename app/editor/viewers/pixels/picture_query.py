@@ -38,8 +38,7 @@ from app.editor.viewers.pixels.picture_facts import (
     spectrum_facts,
 )
 from core.chain.band_stack import BandStack
-from core.chain.engine import Plan
-from core.chain.realize import realize, spectrum
+from core.chain.engine import Plan, realize, spectrum
 from core.chain.wires import Image, Pupil, SpectrumWire, Transfer
 from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched

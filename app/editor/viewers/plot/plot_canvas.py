@@ -31,7 +31,7 @@ from app.editor.viewers.plot.plotted_lines import (
     value_at,
     y_range,
 )
-from core.chain.results import CurveMark
+from core.chain.wires import CurveMark
 
 _Range = tuple[float, float]
 _Ranges = tuple[_Range | None, tuple[_Range, ...]]

@@ -17,7 +17,7 @@ from app.editor.panels.fields.field_menu import offer
 from app.editor.viewers.plot.plotted_lines import TransferCurves
 from app.editor.widgets import Menu, labelled
 from core.atomic import write_bytes, write_text
-from core.chain.results import CurveData, TableData
+from core.chain.wires import CurveData, TableData
 from core.errors import ImagechainError, UsageError
 from nodes.files.common.file_format import CSV, SVG, dialog_filter, suffixes
 from nodes.files.common.table_cells import csv_lines

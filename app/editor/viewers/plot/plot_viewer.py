@@ -64,7 +64,7 @@ from app.editor.widgets import (
     tool_button,
 )
 from app.run.readout_tables import number_text
-from core.chain.results import CurveData, TableData, TableRow
+from core.chain.wires import CurveData, TableData, TableRow
 from core.errors import UsageError
 from core.network.network import Network
 

@@ -16,8 +16,7 @@ from app.run.output import HOW_TO_MARK, sound_part
 from app.run.responses import StageResponse, responses_along
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Plan
-from core.chain.results import CurveData, CurveMark, TableData
-from core.chain.wires import Curve, Table
+from core.chain.wires import Curve, CurveData, CurveMark, Table, TableData
 from core.errors import NetworkError
 from core.network.macro import SEPARATOR
 from core.transfer.factors import Grid, Planar

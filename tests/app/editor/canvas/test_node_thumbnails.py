@@ -5,7 +5,7 @@ import pytest
 
 from app.editor.canvas.node_thumbnails import SmallCurve, SmallPicture
 from core.editing.operations import Move, Remove, set_parameter
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 
 
 @pytest.fixture

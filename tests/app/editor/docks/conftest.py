@@ -5,7 +5,7 @@ import json
 import pytest
 
 from core.editing.document import Document
-from core.network.parsing import parse_network
+from core.network.file import parse_network
 from tradeoff_network import DOCUMENT
 
 

@@ -10,7 +10,7 @@ from app.editor.evaluation import runner
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.editing.operations import set_parameter
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from tradeoff_network import mtf
 
 MTF = "total.mtf_nyquist_x"

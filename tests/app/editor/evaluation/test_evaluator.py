@@ -15,7 +15,7 @@ from child_process import PATIENCE_S
 from core.chain.engine import Engine, PlannedNode
 from core.editing.document import Document
 from core.editing.operations import set_parameter
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.network import Network
 from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag

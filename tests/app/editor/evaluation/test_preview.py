@@ -12,7 +12,7 @@ from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.operations import set_parameter
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from core.network.network import Link, Network, Node
 from editor_queries import Samples, SlowCopy

@@ -12,7 +12,7 @@ from app.editor.window.files import Opened, shipped_copy
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from editor_queries import Asking, Gate
 from small_networks import SHIPPED, small_network
 from thorough import some_of

@@ -9,9 +9,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QSlider
 
 from app.editor.theme import DARK
-from core.errors import ParameterError
+from core.errors import ParameterError, thaw
 from core.modules.declaration import declaration
-from core.names import thaw
 from panel_hands import (
     LIBRARY,
     change,

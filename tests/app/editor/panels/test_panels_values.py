@@ -15,7 +15,7 @@ from app.run.write_rules import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.operations import Rewire, set_parameter
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link
 from editor_queries import Asking, Gate

@@ -9,9 +9,9 @@ import pytest
 
 from app.editor.recovery_files import Autosave, recoverable
 from child_process import PATIENCE_S, ROOT, finished, kill_program
+from core.atomic import own_token
 from core.editing.document import Document
 from core.editing.operations import Remove
-from core.leftovers import own_token
 from core.network.network import Network, Node
 
 # Leaves work behind, as a process that ends without a word.
@@ -43,7 +43,7 @@ from pathlib import Path
 from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
-from core.leftovers import own_token
+from core.atomic import own_token
 from core.network.network import Network, Node
 document = Document(Network("busy"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
@@ -61,7 +61,7 @@ from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
 from core.errors import FileError
-from core.leftovers import own_token
+from core.atomic import own_token
 from core.network.network import Network, Node
 document = Document(Network("a"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))

@@ -8,9 +8,8 @@ import os
 import pytest
 
 from app.editor.recovery_files import recoverable
+from core.atomic import own_token, take
 from core.errors import NetworkError
-from core.file_lock import take
-from core.leftovers import own_token
 from core.network.network import Network
 
 

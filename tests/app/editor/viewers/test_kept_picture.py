@@ -6,7 +6,7 @@ from app.editor.evaluation.queries import Passing
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import sample_text
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from picture_bench import PictureBench
 from planck_truth import band_radiance
 

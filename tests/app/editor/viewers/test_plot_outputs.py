@@ -5,7 +5,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 
-from core.chain.results import CurveData, TableData
+from core.chain.wires import CurveData, TableData
 from window_hands import CTRL, KEY, give_focus
 
 NETWORK = "noise_budget"

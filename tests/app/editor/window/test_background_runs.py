@@ -15,8 +15,8 @@ from app.editor.window.background_runs import AddRun
 from command_line import run_here
 from core.editing.document import Document
 from core.editing.operations import set_parameter
+from core.network.file import parse_network
 from core.network.network import Network
-from core.network.parsing import parse_network
 from window_hands import CTRL, KEY, SHIFT, give_focus
 
 _BUTTON, LEFT = QMessageBox.StandardButton, Qt.MouseButton.LeftButton

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.acquisition.mdtd import mdtd_K
+from core.physics.acquisition.mrtd import mdtd_K
 from core.physics.noise.noise_components import NoiseVariances
 
 SIGMA = 0.1  # of a Gaussian blur, mrad

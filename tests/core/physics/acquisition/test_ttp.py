@@ -7,7 +7,7 @@ import pytest
 from mpmath import mp, mpf
 
 from core.errors import ParameterError
-from core.physics.acquisition.ttp import TtpThreshold, interpolated
+from core.physics.acquisition.target_acquisition import TtpThreshold, interpolated
 
 mp.dps = 30
 UNIT = {"target_area_m2": 1.0, "range_m": 1000.0}  # 1 mrad: V is the sum itself

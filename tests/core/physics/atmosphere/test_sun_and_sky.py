@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.atmosphere.sun_and_sky import (
+from core.physics.atmosphere.air_path import (
     SUN_SR,
     Sunlight,
     luminous_efficiency,

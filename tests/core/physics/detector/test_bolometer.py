@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
+from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radiance, share_kept
 
 SHEET = {
     "netd_K": 0.05, "reference_K": 300.0, "reference_sr": math.pi / 5, "lens_sr": math.pi / 5,

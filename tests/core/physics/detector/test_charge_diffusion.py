@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad, solve_bvp
 
 from core.errors import ParameterError
-from core.physics.detector.charge_diffusion import (
+from core.physics.detector.detector_mtf import (
     band_diffusion_mtf,
     diffusion_mtf,
     silicon_absorption_per_um,

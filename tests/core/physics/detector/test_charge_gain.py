@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from core.errors import ParameterError
-from core.physics.detector.charge_gain import excess_noise_factor, multiplied_charge
+from core.physics.detector.focal_plane_array import excess_noise_factor, multiplied_charge
 
 
 def factor_of(charge_gain, factor, *, register_stages=536, ionization_ratio=0.0):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
-from core.physics.detector.filters import (
+from core.physics.detector.readout import (
     corner_in_cyc_per_mrad,
     dwell_time_s,
     lowpass_mtf,

@@ -23,8 +23,11 @@ from core.physics.detector.focal_plane_array import (
     two_point_gain,
     two_point_offset,
 )
-from core.physics.detector.photon_conversion import PhotonWeights, conversion_between
-from core.physics.detector.spectral_photons import QuantumEfficiency
+from core.physics.detector.photon_conversion import (
+    PhotonWeights,
+    QuantumEfficiency,
+    conversion_between,
+)
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 from reference_cases import CAMERA, reference_cases
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy import special
 
 from core.errors import ParameterError
-from core.physics.detector.quantization import quantization_rms, quantize, rounding_variances
+from core.physics.detector.readout import quantization_rms, quantize, rounding_variances
 
 _BITS = [1, 4, 6, 8, 12, 16, 24, 32, 64]
 

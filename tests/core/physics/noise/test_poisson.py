@@ -5,8 +5,8 @@ import pytest
 from scipy import special, stats
 
 from core.errors import DataError
-from core.physics.detector.quantization import apply_gain_bias
-from core.physics.noise.poisson import (
+from core.physics.detector.readout import apply_gain_bias
+from core.physics.noise.flicker_noise import (
     SMALL_MEAN,
     photon_means,
     poisson_of_normal,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import j0, j1
 
-from core.physics.optics.psf_otf import (
+from core.physics.optics.measured_otf import (
     PointSpread,
     coarseness,
     edge_share,

@@ -9,8 +9,12 @@ from core.errors import DataError, ParameterError
 from core.physics.optics.diffraction_otf import annular_defocus_otf
 from core.physics.optics.pupil_otf import geometric_otf
 from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
-from core.physics.optics.sampled_otf import autocorrelation, complex_pupil, sampled_otf
-from core.physics.optics.wavefront import wavefront_waves
+from core.physics.optics.wavefront import (
+    autocorrelation,
+    complex_pupil,
+    sampled_otf,
+    wavefront_waves,
+)
 from core.physics.sampling.detector_sampling import error_estimate
 
 SIZE = 512

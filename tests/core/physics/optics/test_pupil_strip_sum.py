@@ -5,10 +5,9 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from core.physics.optics.pupil_otf import geometric_otf
+from core.physics.optics.pupil_otf import geometric_otf, strip_sum_area, strips_add_up
 from core.physics.optics.pupil_shapes import PupilShape
 from core.physics.optics.strip_overlap import Strip, StripPupil, strip_overlap_area
-from core.physics.optics.strip_sum import strip_sum_area, strips_add_up
 from slow_reference.pupil_area import overlap
 
 ROUNDING = 4e-15  # of areas; the unit disc's is 3.1

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from core.errors import DataError
-from core.physics.optics.tabulated_mtf import (
+from core.physics.optics.measured_otf import (
     from_zero,
     radial_tabulated_mtf,
     tabulated_mtf,

@@ -6,7 +6,7 @@ import scipy.constants as sc
 from mpmath import exp, expm1, factorial, mp, mpf
 
 from core.errors import DataError
-from core.physics.radiometry import constants
+from core.physics.radiometry import planck as constants
 from core.physics.radiometry.planck import (
     band_photon_radiance,
     band_radiance,

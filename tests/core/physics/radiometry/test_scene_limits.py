@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from core.physics.radiometry.grey_body import brightest_surface_radiance, coldest_for_radiance
+from core.physics.radiometry.spectra import brightest_surface_radiance, coldest_for_radiance
 from planck_truth import band_radiance
 
 SOLAR_CONSTANT_W_M2 = 1361.0  # nominal; Kopp and Lean 2011 measured 1360.8

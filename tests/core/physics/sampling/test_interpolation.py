@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.sampling.interpolation import (
+from core.physics.sampling.detector_sampling import (
     block_mean_mtf,
     folded,
     interpolation_mtf,

@@ -3,7 +3,7 @@
 import mpmath as mp
 import pytest
 
-from core.physics.sampling.orbit import orbit_view
+from core.physics.sampling.ground_geometry import orbit_view
 
 GM, R = mp.mpf("398600.4418"), mp.mpf("6378.137")  # km³/s², km
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.physics.numerics import sinc
-from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
+from core.physics.optics.veiling_glare import fwhm_to_sigma_mrad, gaussian_mtf
 from core.physics.sampling.detector_sampling import (
     interval_mrad,
     nyquist_cyc_per_mrad,
@@ -16,8 +16,9 @@ from core.physics.sampling.platform_motion import (
     blur_mrad,
     line_motion_mtf,
     scan_blur_mrad,
+    vibration_mtf,
+    vibration_otf,
 )
-from core.physics.sampling.vibration import vibration_mtf, vibration_otf
 
 
 def test_sinc_keeps_relative_accuracy_next_to_its_zeros() -> None:

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.physics.sampling.vibration import (
+from core.physics.sampling.platform_motion import (
     WAVES,
     MotionSpectrum,
     between_exposures_mrad,

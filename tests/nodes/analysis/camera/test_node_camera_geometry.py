@@ -9,7 +9,7 @@ import pytest
 
 from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import linked_network
 from node_bench import NodeBench
 from nodes.library import standard_library

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from delivered_chains import LIBRARY, scene
 from scan_chains import CHAINS, DEFAULT_CHAINS, EXACT, network, planned, values
 from scan_truth import ACROSS, ALONG, ANALYTIC, column_by_column

@@ -8,12 +8,11 @@ import pytest
 from app.report.edge_measurement import edge_row
 from core.chain.engine import Engine
 from core.chain.frame_sequence import at_frame
-from core.chain.linear_change import Linear
 from core.chain.random_fields import Stream, normal_field
-from core.chain.step_lineage import picture_step, source_step
+from core.chain.step_lineage import Linear, picture_step, source_step
 from core.chain.wires import Image
-from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
+from core.evaluation.work import Policy
 from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
 from nodes.library import standard_library
 

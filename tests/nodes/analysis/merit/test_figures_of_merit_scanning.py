@@ -9,7 +9,7 @@ import pytest
 
 from core.chain.engine import Engine
 from core.errors import DataError
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from linked_network import in_order, linked_network
 from nodes.library import standard_library
 from planck_truth import band_radiance

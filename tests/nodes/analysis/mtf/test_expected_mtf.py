@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from edge_pictures import edge_mtf, edge_picture
 from linked_network import in_order, linked_network

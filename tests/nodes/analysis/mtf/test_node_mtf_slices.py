@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.chain.results import SampledTransfer
-from core.chain.wires import Magnitude, Transfer
-from core.evaluation.policy import Policy
+from core.chain.wires import Magnitude, SampledTransfer, Transfer
 from core.evaluation.recipes import Step
+from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.transfer.factors import Grid, Law, Planar, Separable
 from linked_network import in_order, linked_network

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.network import Link, Node
 from noisy_sensors import noisy_sensor
 

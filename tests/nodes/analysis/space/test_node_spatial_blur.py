@@ -9,7 +9,7 @@ import pytest
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, STAGES
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.network import Link, Network, Node
 from delivered_chains import LIBRARY, chain_network, scene
 from spatial_truth import blurred, left_behind

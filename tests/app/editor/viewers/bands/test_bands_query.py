@@ -9,7 +9,7 @@ from app.editor.viewers.pixels.picture_facts import BandChoice, Choices, evenly_
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.chain.engine import Engine
-from core.evaluation.policy import Policy
+from core.evaluation.work import Policy
 from core.network.file import load_network
 from cube_files import band_by_band
 from cube_network import BANDS, SIZE, write_cube_network

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.chain.results import CurveData, CurveMark, Series
+from core.chain.wires import CurveData, CurveMark, Series
 from core.editing.operations import set_parameter
 
 FREQUENCY = np.linspace(0.0, 2.0, 201)

@@ -4,7 +4,7 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from app.editor.viewers.plot.plotted_lines import curve_drawing, with_kept
-from core.chain.results import CurveData, Series
+from core.chain.wires import CurveData, Series
 
 X = np.linspace(0.0, 1.0, 11)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPointF
 
-from core.chain.results import CurveData, Series
+from core.chain.wires import CurveData, Series
 
 NAMES = ("Optics", "Detector", "Jitter")
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.plotted_lines import PortDataQuery
-from core.chain.results import CurveData, Series
+from core.chain.wires import CurveData, Series
 
 PORT = "a.curve"
 FREQUENCY = np.linspace(0.0, 2.0, 201)

@@ -1,1 +1,0 @@
-"""Spreads and transfer functions from slanted edges and lines of a picture."""

@@ -1,1 +1,0 @@
-"""Signal levels and their noise: flat fields, rows, photon transfer."""

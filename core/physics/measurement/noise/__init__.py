@@ -1,1 +1,0 @@
-"""Noise of a camera from a picture of its scene: flat areas, levels, rows and columns."""

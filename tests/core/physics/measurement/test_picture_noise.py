@@ -1,0 +1,205 @@
+"""Noise of single pictures whose random parts are known."""
+
+import io
+import math
+
+import numpy as np
+import pytest
+
+from core.errors import DataError
+from core.physics.measurement.flat_blocks import variance_line
+from core.physics.measurement.picture_noise import noise_of_picture
+from noisy_scenes import Sensor, blurred, polygons
+
+LEVELS = (4000, 200, 12_000, 1000, 25_000, 7000, 18_000, 600)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return blurred(polygons(240, 320, LEVELS, seed=3), sigma=0.5)
+
+
+def test_sigma_gain_and_read_noise_of_polygons(scene):
+    sensor = Sensor(gain=4.0, read_e=40.0)
+    noise = noise_of_picture(picture=sensor.picture(scene, seed=1))
+    truth = sensor.sigma(scene.mean())
+    assert noise.sigma == pytest.approx(truth, rel=0.03)
+    assert abs(noise.sigma - truth) < 3 * noise.sigma_error
+    assert noise.gain_e_per_dn == pytest.approx(4.0, rel=0.05)
+    assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
+    assert abs(noise.read_noise_dn - 10.0) < 3 * noise.read_noise_error
+    assert noise.step == 1.0
+    expected = [sensor.sigma(4.0 * part.level) ** 2 for part in noise.levels]
+    pulls = [
+        (part.variance - truth) / part.variance_error
+        for part, truth in zip(noise.levels, expected, strict=True)
+    ]
+    assert len(pulls) > 4
+    assert np.abs(pulls).max() < 4
+
+
+def test_rows_and_columns(scene):
+    sensor = Sensor(rows=6.0, columns=3.0, bits=None)
+    noise = noise_of_picture(picture=sensor.picture(scene, seed=2))
+    assert noise.sigma == pytest.approx(sensor.sigma(scene.mean()), rel=0.03)
+    for part, truth in ((noise.rows, 36.0), (noise.columns, 9.0)):
+        assert part.significant
+        assert abs(part.variance - truth) < 3 * part.variance_error
+    without = noise_of_picture(picture=Sensor().picture(scene, seed=2))
+    assert not without.rows.significant
+    assert not without.columns.significant
+
+
+@pytest.mark.parametrize("wave", [(0.35, -0.27), (0.43, 0.36), (0.2131, 0.1)])
+def test_a_wave_all_over_the_picture(scene, wave):
+    """A strong one leaves no noise to measure; a weak one does not change it."""
+    strong = Sensor(read_e=40.0, lines=((20.0, *wave),))
+    noise = noise_of_picture(picture=strong.picture(scene, seed=12))
+    assert noise.sigma is None
+    assert "frequencies" in noise.sigma_reason
+    weak = Sensor(read_e=40.0, lines=((2.0, *wave),))
+    noise = noise_of_picture(picture=weak.picture(scene, seed=12))
+    assert noise.sigma == pytest.approx(weak.sigma(scene.mean()), rel=0.01)
+
+
+def test_flat_areas_far_from_the_mean_level():
+    random = np.random.default_rng(16)
+    checks = np.sign(np.sin(np.arange(200)) * np.sin(np.arange(160))[:, None])
+    picture = np.where(np.arange(200) < 80, 100.0, 4000.0 + 900.0 * checks)
+    picture += 3 * random.standard_normal(picture.shape)
+    noise = noise_of_picture(picture=picture)
+    assert noise.sigma is None
+    assert "the noise at the picture's mean level" in noise.sigma_reason
+
+
+def test_one_level_has_no_gain():
+    picture = 500 + 3 * np.random.default_rng(4).standard_normal((200, 240))
+    noise = noise_of_picture(picture=picture)
+    assert noise.sigma == pytest.approx(3.0, rel=0.03)
+    assert noise.gain_e_per_dn is None
+    assert "does not rise clearly with the level" in noise.gain_reason
+
+
+def test_noise_hidden_by_rounding():
+    picture = np.rint(100 + 0.2 * np.random.default_rng(5).standard_normal((200, 240)))
+    noise = noise_of_picture(picture=picture)
+    assert noise.sigma is None
+    assert "smaller than the converter's step of 1" in noise.sigma_reason
+
+
+def test_no_noise_and_no_flat_area():
+    shading = np.add.outer(np.sqrt(np.arange(160.0)), 0.37 * np.arange(200.0))
+    assert "no noise" in noise_of_picture(picture=shading).sigma_reason
+    waves = np.cumsum(np.cumsum(np.random.default_rng(6).standard_normal((160, 200)), 0), 1)
+    rough = noise_of_picture(picture=waves)
+    assert rough.sigma is None
+    assert "blocks of 8 × 8 samples are flat" in rough.sigma_reason
+
+
+def test_clipped_and_avoided_samples_do_not_count(scene):
+    sensor = Sensor(read_e=40.0)
+    picture = sensor.picture(scene, seed=7).clip(0, 5000)
+    picture[:40, :40] += 300 * np.random.default_rng(8).standard_normal((40, 40))
+    avoid = np.zeros(picture.shape, bool)
+    avoid[:40, :40] = True
+    picture[3, 4] = math.nan
+    noise = noise_of_picture(picture=picture, avoid=avoid)
+    assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
+    assert max(part.level for part in noise.levels) < 4700
+    picture[3, 4] = 0.0
+    nothing = noise_of_picture(picture=picture, avoid=np.ones(picture.shape, bool))
+    assert nothing.sigma_reason == "no samples are left to measure"
+
+
+def box(picture, axis):
+    """Mean of a sample and the one before along an axis: noise that was blurred later."""
+    return 0.6 * picture + 0.4 * np.roll(picture, 1, axis)
+
+
+def test_noise_blurred_after_it_arose(scene):
+    picture = Sensor(bits=None).picture(scene, seed=9)
+    along_rows = noise_of_picture(picture=box(picture, 1))
+    assert along_rows.sigma is None
+    both = noise_of_picture(picture=box(box(picture, 0), 1))
+    assert both.sigma is None
+    doubled = picture.copy()
+    doubled[1::2] = doubled[::2]
+    assert noise_of_picture(picture=doubled).sigma is None
+    for noise in (along_rows, both, noise_of_picture(picture=doubled)):
+        assert "blurred" in noise.sigma_reason or "texture" in noise.sigma_reason
+
+
+def test_noise_sharpened_after_it_arose(scene):
+    picture = Sensor(bits=None).picture(scene, seed=9)
+    around = sum(np.roll(picture, step, axis) for step in (-1, 1) for axis in (0, 1))
+    noise = noise_of_picture(picture=1.8 * picture - 0.2 * around)
+    assert noise.sigma is None
+    assert "rises towards high frequencies" in noise.sigma_reason
+
+
+@pytest.mark.parametrize("cut", [(0, 0), (3, 5), (0, 6)])
+def test_compressed_by_jpeg(scene, cut):
+    image = pytest.importorskip("PIL.Image")
+    picture = Sensor(gain=120.0, read_e=300.0).picture(scene, seed=14).clip(0, 255)
+    for quality, known in ((90, False), (60, False), (None, True)):
+        numbers = picture
+        if quality is not None:
+            file = io.BytesIO()
+            image.fromarray(picture.astype(np.uint8)).save(file, "jpeg", quality=quality)
+            numbers = np.asarray(image.open(file), float)
+        noise = noise_of_picture(picture=numbers[cut[0] :, cut[1] :])
+        assert (noise.sigma is not None) is known
+        assert known or "compressed in blocks" in noise.sigma_reason
+
+
+def test_texture_is_no_noise():
+    random = np.random.default_rng(10)
+    rows, columns = 240, 320
+    y, x = np.fft.fftfreq(rows)[:, None], np.fft.rfftfreq(columns)
+    radius = np.hypot(x, y)
+    radius[0, 0] = np.inf
+    # 1/f² power behind optics and pixel that leave next to nothing at Nyquist's corner.
+    fall = np.exp(-8 * radius**2) / radius
+    texture = np.fft.irfft2(fall * np.fft.rfft2(random.standard_normal((rows, columns))))
+    texture /= texture.std()
+    noise = random.standard_normal((rows, columns))
+    for amplitude in (1.0, 5.0):
+        measured = noise_of_picture(picture=200 + amplitude * texture + 3 * noise)
+        assert measured.sigma == pytest.approx(3.0, rel=0.03)
+        assert abs(measured.sigma - 3.0) < 3 * measured.sigma_error
+    assert noise_of_picture(picture=200 + 20 * texture + 3 * noise).sigma is None
+
+
+def test_noise_that_differs_from_place_to_place():
+    random = np.random.default_rng(11)
+    place = np.where(np.arange(320) < 160, 2.0, 5.0)
+    noise = noise_of_picture(picture=300 + place * random.standard_normal((240, 320)))
+    assert noise.sigma == pytest.approx(math.sqrt((4 + 25) / 2), rel=0.03)
+    assert "varies across the picture" in noise.remarks[0]
+    assert noise.gain_e_per_dn is None
+
+
+def test_refusals():
+    with pytest.raises(DataError, match="at least 8 × 8 samples, not 7 × 90"):
+        noise_of_picture(picture=np.zeros((7, 90)))
+    picture = np.zeros((50, 50))
+    picture[3, 4] = math.nan
+    with pytest.raises(DataError, match="not finite"):
+        noise_of_picture(picture=picture)
+    for factor in (1e200, 1e-200):
+        with pytest.raises(DataError, match=r"between 1e-12 and 1e\+15"):
+            noise_of_picture(picture=factor * (2.0 + np.eye(50)))
+
+
+def test_noise_far_below_the_level():
+    picture = 1e8 + np.random.default_rng(15).standard_normal((160, 200))
+    assert noise_of_picture(picture=picture).sigma == pytest.approx(1.0, rel=0.03)
+    assert "no noise" in noise_of_picture(picture=np.zeros((160, 200))).sigma_reason
+
+
+def test_a_slope_is_no_steeper_than_light_makes_it():
+    level, variance = np.repeat([100.0, 200.0], [400, 2]), np.repeat([4.0, 40.0], [400, 2])
+    variance *= np.random.default_rng(17).chisquare(16, 402) / 16
+    line = variance_line(level=level, variance=variance)
+    assert line.slope > 0.2
+    assert line.bounded(0.0).slope == pytest.approx(4.0 / 100.0, rel=0.1)
