@@ -13,7 +13,7 @@ from core.atomic import write_text
 from core.editing.clipboard import as_new, pasted
 from core.editing.document import rebased
 from core.editing.layout import Point
-from core.editing.operations import ABSENT, Operation, Together, check_plain, set_parameter
+from core.editing.operations import ABSENT, Operation, check_plain, set_parameter, together
 from core.errors import FileError, ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import Parameter
@@ -241,7 +241,7 @@ def given(
             continue
         if value is not ABSENT or key in node.params:
             steps.append(set_parameter(where, key, value))
-    return Together(steps, f"Set {where} to {name}")
+    return together(steps, f"Set {where} to {name}")
 
 
 def _file(module: str, folder: Path) -> Path:

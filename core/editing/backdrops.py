@@ -18,7 +18,7 @@ from core.editing.layout import (
     size_of,
     way_back,
 )
-from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
+from core.editing.operations import ABSENT, Operation, move_nodes, set_network_field, together
 from core.errors import NetworkError, thaw
 from core.network.network import Network, cycles
 
@@ -184,7 +184,7 @@ def laid_out(
     back = way_back(network, places)
     places = {name: shifted(at, back) for name, at in places.items()}
     frames = {index: _shifted_box(box, back) for index, box in frames.items()}
-    steps: list[Operation] = [Move(places)]
+    steps: list[Operation] = [move_nodes(places)]
     for index in reversed(order):
         points = {name: places[name] for name in members[index]}
         left, top, right, bottom = frames.get(index) or _round(boxes_of(points, sizes).values())
@@ -192,7 +192,7 @@ def laid_out(
         if ground != grounds[index]:
             steps.append(change(network, index, ground))
             network = steps[-1].apply(network)
-    return Together(steps, "Lay out")
+    return together(steps, "Lay out")
 
 
 def _places(

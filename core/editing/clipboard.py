@@ -9,13 +9,12 @@ from typing import Any
 from core.editing.layout import Point, Sizes, arranged, free_places
 from core.editing.operations import (
     ABSENT,
-    Add,
     Operation,
-    Placed,
-    Together,
+    add_nodes,
     fresh_name,
     named,
     set_parameter,
+    together,
 )
 from core.editing.references import WIRE_DOTS
 from core.editing.wire_dots import dots_along, dots_among, joined_fields
@@ -155,15 +154,14 @@ def _adding(
     except NetworkError as error:
         raise NetworkError(f"{verb.lower()}: {error.message}") from None
     placed = tuple(
-        Placed(replace(as_new(node), id=fresh[name]), points.get(name))
-        for name, node in renamed.items()
+        (replace(as_new(node), id=fresh[name]), points.get(name)) for name, node in renamed.items()
     )
     links = [link.renamed(fresh) for link in part.links]
     links += [replace(link, target=fresh[link.target]) for link in feeding]
     names = tuple(fresh.values())
     label = f"{verb} {named([shown(name) for name in part.nodes])}"
     dots = {link.renamed(fresh): at for link, at in dots_along(part, points).items()}
-    return names, Add(placed, tuple(links), label, joined_fields(network.extra, dots))
+    return names, add_nodes(placed, tuple(links), label, joined_fields(network.extra, dots))
 
 
 def copied_values(node: Node, declared: Declaration | None) -> str:
@@ -204,7 +202,7 @@ def pasted_values(
                 left_out.append(error.message)
     if not steps:
         raise NetworkError(f"no value fits {named(names)}: {'; '.join(left_out[:3])}")
-    return Together(steps, f"Paste values on {named(names)}"), tuple(dict.fromkeys(left_out))
+    return together(steps, f"Paste values on {named(names)}"), tuple(dict.fromkeys(left_out))
 
 
 def _fitting(parameter: Parameter, raw: Any) -> Any:

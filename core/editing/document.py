@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from core.editing.layout import is_in_reach
-from core.editing.operations import ABSENT, Operation, SetField, Together, set_parameter
+from core.editing.operations import ABSENT, Operation, set_parameter, together
 from core.editing.wiring import check_new_wires
 from core.errors import ChangedFileError, NetworkError, in_line, thaw
 from core.modules.declaration import Library, declaration
@@ -95,7 +95,7 @@ class History:
         del self._states[self._at + 1 :]
         if self.saved is not None and self.saved > self._at:
             self.saved = None
-        field = operation.path if isinstance(operation, SetField) else ()
+        field = operation.path
         state = State(network, operation.text, field)
         if gesture is not None and gesture == self._gesture:
             first = self._states.pop()
@@ -317,7 +317,7 @@ def rebased(
                 moved = _from(old / value, new)
                 if moved != value:
                     steps.append(set_parameter(node.id, parameter.name, moved))
-    return Together(steps, "Adjust file names") if steps else None
+    return together(steps, "Adjust file names") if steps else None
 
 
 def _from(file: Path, folder: Path) -> str:

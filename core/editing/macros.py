@@ -10,18 +10,17 @@ from core.editing.backdrops import backdrops_of
 from core.editing.layout import Point
 from core.editing.operations import (
     ABSENT,
-    Edit,
-    Inside,
     Operation,
-    SetOutput,
-    Together,
     body_of,
     exposed_as,
     fresh_name,
+    inside,
+    mark_output,
     named,
     restored,
     set_network_field,
     set_parameter,
+    together,
     with_field,
 )
 from core.editing.references import of_nodes, renamed, without_dots
@@ -60,11 +59,11 @@ def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
     """An operation of the network inside the macros of a path, as one of the whole network."""
     if not path:
         return operation
-    if isinstance(operation, SetOutput):  # there is one output in all the network
+    if operation.marks is not None:  # there is one output in all the network
         head = "".join(f"{macro}{SEPARATOR}" for macro in path)
-        return replace(operation, nodes=tuple(head + name for name in operation.nodes))
+        return mark_output(tuple(head + name for name in operation.marks))
     for macro in reversed(path):
-        operation = Inside(macro, operation)
+        operation = inside(macro, operation)
     return operation
 
 
@@ -122,14 +121,14 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
     if given is not ABSENT:
         setting = set_parameter(SEPARATOR.join((*path, inner)), parameter, thaw(given))
         steps = (setting, *steps)
-    return Together(steps, f"Hide {macro}.{name}")
+    return together(steps, f"Hide {macro}.{name}")
 
 
 def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:
     """Give a parameter that a macro shows another name, wherever it is mentioned."""
     *outer, name = path_of(network, macro)
     rename = partial(_with_exposed_renamed, macro=name, old=old, new=new)
-    return at_level(tuple(outer), Edit(rename, f"Rename {name}.{old} to {new}"))
+    return at_level(tuple(outer), Operation(rename, f"Rename {name}.{old} to {new}"))
 
 
 def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -> Network:

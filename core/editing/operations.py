@@ -2,10 +2,11 @@
 
 import itertools
 import json
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from core.editing.layout import Point
@@ -35,72 +36,51 @@ class Absent(Enum):
 ABSENT = Absent.ABSENT
 
 
-class Operation(ABC):
-    """A change of a network; `label` is its text in the undo menu where it is not the usual one."""
-
-    label: str = ""
-
-    @property
-    def text(self) -> str:
-        """What it does, for the undo menu."""
-        return self.label or self._usual_text()
-
-    def _usual_text(self) -> str:
-        return ""
-
-    @abstractmethod
-    def apply(self, network: Network) -> Network:
-        """The network after the change."""
-
-    def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
-        """What nodes are called afterwards that had another name before; `network` is as before."""
-        return {}
+def _no_names(_: Network) -> dict[str, str]:
+    return {}
 
 
 @dataclass(frozen=True)
-class Together(Operation):
-    operations: Sequence[Operation]
-    label: str = ""
+class Operation:
+    """A change of a network, a function, and its text for the undo menu.
 
-    def _usual_text(self) -> str:
-        if not self.operations:
-            return ""
-        more = len(self.operations) - 1
-        return self.operations[0].text + (f" and {more} more" if more else "")
+    `moved` gives, of the network before, the new names of nodes by the old ones. `path` is that of
+    the one field that is set, `marks` what is marked as the output.
+    """
 
-    def apply(self, network: Network) -> Network:
-        for operation in self.operations:
+    apply: Callable[[Network], Network]
+    text: str = ""
+    moved: Callable[[Network], Mapping[str, str]] = _no_names
+    path: tuple[str, ...] = ()
+    marks: tuple[str, ...] | None = None
+
+
+def together(operations: Sequence[Operation], label: str = "") -> Operation:
+    """Several operations as one."""
+    more = len(operations) - 1
+    if operations and not label:
+        label = operations[0].text + (f" and {more} more" if more else "")
+
+    def apply(network: Network) -> Network:
+        for operation in operations:
             network = operation.apply(network)
         return network
 
-    def moved(self, network: Network) -> dict[str, str]:
+    def moved(network: Network) -> dict[str, str]:
         names: dict[str, str] = {}
-        for operation in self.operations:
-            step = operation.moved(network)
+        for operation in operations:
+            step = dict(operation.moved(network))
             names = {old: step.pop(new, new) for old, new in names.items()}
             names |= {old: new for old, new in step.items() if old not in names}
             network = operation.apply(network)
         return names
 
-
-@dataclass(frozen=True)
-class Edit(Operation):
-    """What a function makes of a network, and the nodes' new names by the old ones."""
-
-    change: Callable[[Network], Network]
-    label: str
-    names: Mapping[str, str] = field(default_factory=dict)
-
-    def apply(self, network: Network) -> Network:
-        return self.change(network)
-
-    def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
-        return dict(self.names)
+    return Operation(apply, label, moved)
 
 
-def restored(network: Network, label: str, names: Mapping[str, str] | None = None) -> Edit:
+def restored(network: Network, label: str, names: Mapping[str, str] | None = None) -> Operation:
     """Put a whole network in the place of the present one, whatever that has become."""
-    return Edit(lambda _: network, label, names or {})
+    return Operation(lambda _: network, label, lambda _: names or {})
 
 
 def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
@@ -135,62 +115,55 @@ _NOT_OF_NETWORK = {"nodes", "links", "layout", "format", "version"}
 _Fielded = TypeVar("_Fielded", Node, Network)
 
 
-@dataclass(frozen=True)
-class SetField(Operation):
+def set_field(path: tuple[str, ...], value: Any, label: str = "") -> Operation:
     """Set the field at a path of the network's file; ABSENT takes it away.
 
     ``("seed",)``, ``("nodes", node, "disabled")`` or ``("nodes", node, "params", parameter)``.
     """
+    text = label or _text_of_setting(path, value)
+    return Operation(partial(_with_field_set, path, value, text), text, path=path)
 
-    path: tuple[str, ...]
-    value: Any
-    label: str = ""
 
-    def _usual_text(self) -> str:
-        match self.path:
-            case ("nodes", node, "params", name):
-                verb = "Reset" if self.value is ABSENT else "Set"
-                linked = isinstance(self.value, Mapping) and EXPRESSION in self.value
-                return f"{'Link' if linked else verb} {node}.{name}"
-            case ("nodes", node, "disabled"):
-                return f"{'Disable' if self.value else 'Enable'} {node}"
-            case ("nodes", node, "auto"):
-                return f"{'Hold' if self.value is False else 'Auto-generate'} {node}"
-            case ("nodes", node, name):
-                return f"Set {name} of {node}"
-            case (name,) if name in _OF_NETWORK:
-                return f"Set the network's {name}"
-        return f"Set {self.path[-1]}"
+def _text_of_setting(path: tuple[str, ...], value: Any) -> str:
+    match path:
+        case ("nodes", node, "params", name):
+            verb = "Reset" if value is ABSENT else "Set"
+            linked = isinstance(value, Mapping) and EXPRESSION in value
+            return f"{'Link' if linked else verb} {node}.{name}"
+        case ("nodes", node, "disabled"):
+            return f"{'Disable' if value else 'Enable'} {node}"
+        case ("nodes", node, "auto"):
+            return f"{'Hold' if value is False else 'Auto-generate'} {node}"
+        case ("nodes", node, name):
+            return f"Set {name} of {node}"
+        case (name,) if name in _OF_NETWORK:
+            return f"Set the network's {name}"
+    return f"Set {path[-1]}"
 
-    def apply(self, network: Network) -> Network:
-        value = self.value
-        match self.path:
-            case ("nodes", node, *rest) if (step := network.step_inside(node)) is not None:
-                return self._set_inside(network, node, step, rest)
-            case ("nodes", node, "params", name):
-                _check_value(value, f"{node}.{name}")
-                old = network.node(node)
-                return network.with_node(replace(old, params=with_field(old.params, name, value)))
-            case ("nodes", node, name) if name not in _NOT_OF_NODE:
-                _check_value(value, f"{node}.{name}")
-                return network.with_node(_with(network.node(node), name, value, _OF_NODE))
-            case (name,) if name not in _NOT_OF_NETWORK:
-                _check_value(value, name)
-                if name in ("name", "description") and not isinstance(value, str):
-                    raise NetworkError(f"the network's {name} must be a string, not {value!r:.80}")
-                return _with(network, name, value, _OF_NETWORK)
-        raise NetworkError(f"{'.'.join(self.path)} cannot be set by itself")
 
-    def _set_inside(
-        self, network: Network, node: str, step: tuple[str, str], rest: list[str]
-    ) -> Network:
-        inner = replace(self, path=("nodes", step[1], *rest), label=self.text)
-        network = Inside(step[0], inner).apply(network)
-        while rest[0] == "params" and (name := exposed_as(network, node, rest[-1])):
-            # A macro that shows it sets it no longer: what was set last holds.
-            node, rest = SEPARATOR.join(path_of(network, node)[:-1]), ["params", name]
-            network = SetField(("nodes", node, *rest), ABSENT).apply(network)
-        return network
+def _with_field_set(path: tuple[str, ...], value: Any, text: str, network: Network) -> Network:
+    match path:
+        case ("nodes", node, *rest) if (step := network.step_inside(node)) is not None:
+            inner = set_field(("nodes", step[1], *rest), value, text)
+            network = inside(step[0], inner).apply(network)
+            while rest[0] == "params" and (name := exposed_as(network, node, rest[-1])):
+                # A macro that shows it sets it no longer: what was set last holds.
+                node, rest = SEPARATOR.join(path_of(network, node)[:-1]), ["params", name]
+                network = set_parameter(node, name, ABSENT).apply(network)
+            return network
+        case ("nodes", node, "params", name):
+            _check_value(value, f"{node}.{name}")
+            old = network.node(node)
+            return network.with_node(replace(old, params=with_field(old.params, name, value)))
+        case ("nodes", node, name) if name not in _NOT_OF_NODE:
+            _check_value(value, f"{node}.{name}")
+            return network.with_node(_with(network.node(node), name, value, _OF_NODE))
+        case (name,) if name not in _NOT_OF_NETWORK:
+            _check_value(value, name)
+            if name in ("name", "description") and not isinstance(value, str):
+                raise NetworkError(f"the network's {name} must be a string, not {value!r:.80}")
+            return _with(network, name, value, _OF_NETWORK)
+    raise NetworkError(f"{'.'.join(path)} cannot be set by itself")
 
 
 def _with(target: _Fielded, name: str, value: Any, own: tuple[str, ...]) -> _Fielded:
@@ -205,52 +178,45 @@ def _check_value(value: Any, what: str) -> None:
         check_plain(freeze(value), what)
 
 
-def set_parameter(node: str, name: str, value: Any, label: str = "") -> SetField:
+def set_parameter(node: str, name: str, value: Any, label: str = "") -> Operation:
     """Give a parameter a value as a network file has it; ABSENT leaves it at its default."""
-    return SetField(("nodes", node, "params", name), value, label)
+    return set_field(("nodes", node, "params", name), value, label)
 
 
-def set_node_field(node: str, name: str, value: Any) -> SetField:
+def set_node_field(node: str, name: str, value: Any) -> Operation:
     """Set ``auto``, ``disabled`` or another field of a node, such as ``pinned``."""
-    return SetField(("nodes", node, name), value)
+    return set_field(("nodes", node, name), value)
 
 
-def set_network_field(name: str, value: Any, label: str = "") -> SetField:
+def set_network_field(name: str, value: Any, label: str = "") -> Operation:
     """Set the network's name, description, seed or another field, such as ``backdrops``."""
-    return SetField((name,), value, label)
+    return set_field((name,), value, label)
 
 
-@dataclass(frozen=True)
-class Inside(Operation):
+def inside(macro: str, operation: Operation) -> Operation:
     """Carry an operation out inside of a macro.
 
     Ports and parameters that the macro shows follow the nodes they stand for; where these are gone,
     the wires to the macro's port and its value of the parameter go too.
     """
 
-    macro: str
-    operation: Operation
-
-    def _usual_text(self) -> str:
-        return self.operation.text
-
-    def apply(self, network: Network) -> Network:
-        node = network.node(self.macro)
+    def apply(network: Network) -> Network:
+        node = network.node(macro)
         if node.macro is None:
-            raise NetworkError(
-                f"{shown(self.macro)} is not a macro, so there are no nodes inside it"
-            )
-        after = self.operation.apply(node.macro)
+            raise NetworkError(f"{shown(macro)} is not a macro, so there are no nodes inside it")
+        after = operation.apply(node.macro)
         if after is node.macro:
             return network
-        checked_depth(1 + depth(after), self.macro)
-        return _with_body(network, node, after, self.operation.moved(node.macro))
+        checked_depth(1 + depth(after), macro)
+        return _with_body(network, node, after, operation.moved(node.macro))
 
-    def moved(self, network: Network) -> dict[str, str]:
-        inside = network.node(self.macro).macro
-        names = self.operation.moved(inside) if inside is not None else {}
-        head = f"{self.macro}{SEPARATOR}"
+    def moved(network: Network) -> dict[str, str]:
+        body = network.node(macro).macro
+        names = operation.moved(body) if body is not None else {}
+        head = f"{macro}{SEPARATOR}"
         return {head + old: head + new for old, new in names.items()}
+
+    return Operation(apply, operation.text, moved)
 
 
 def _with_body(network: Network, node: Node, body: Network, moved: Mapping[str, str]) -> Network:
@@ -303,80 +269,60 @@ def body_of(network: Network, macros: Sequence[str]) -> Network:
     return network
 
 
-@dataclass(frozen=True)
-class Rewire(Operation):
+def rewire(
+    *, add: Sequence[Link] = (), remove: Collection[Link] = (), label: str = ""
+) -> Operation:
     """Take links away and put links in; one into an input that has one takes its place."""
+    first = next(iter((*add, *remove)), None)
+    text = label or f"{'Connect' if add else 'Disconnect'} {first or ''}".strip()
 
-    add: tuple[Link, ...] = ()
-    remove: tuple[Link, ...] = ()
-    label: str = ""
-
-    def _usual_text(self) -> str:
-        first = next(iter((*self.add, *self.remove)), None)
-        return f"{'Connect' if self.add else 'Disconnect'} {first or ''}".strip()
-
-    def apply(self, network: Network) -> Network:
-        for link in self.add:
+    def apply(network: Network) -> Network:
+        for link in add:
             network.node(link.source)
             network.node(link.target)
-        missing = [link for link in self.remove if link not in network.links]
+        missing = [link for link in remove if link not in network.links]
         if missing:
             raise NetworkError(f"there is no link {missing[0]}")
-        new, taken = set(self.add), {(link.target, link.input) for link in self.add}
+        new, taken = set(add), {(link.target, link.input) for link in add}
         gone = {link for link in network.links if (link.target, link.input) in taken}
-        gone = (gone | set(self.remove)) - new
+        gone = (gone | set(remove)) - new
         unchanged = [link for link in network.links if link not in gone and link not in new]
         extra = without_dots(network.extra, gone)
-        return replace(network, links=(*unchanged, *self.add), extra=extra)
+        return replace(network, links=(*unchanged, *add), extra=extra)
+
+    return Operation(apply, text)
 
 
-@dataclass(frozen=True)
-class Placed:
-    """A node with its point of the canvas."""
+def add_nodes(
+    placed: Sequence[tuple[Node, Point | None]],
+    links: Sequence[Link] = (),
+    label: str = "",
+    extra: Mapping[str, Any] = MappingProxyType({}),
+) -> Operation:
+    """Put nodes in at points, and links; a link into an input that has one takes its place."""
 
-    node: Node
-    at: Point | None = None
-
-
-@dataclass(frozen=True)
-class Add(Operation):
-    """Put nodes in, and links; a link into an input that has one takes its place."""
-
-    placed: tuple[Placed, ...]
-    links: tuple[Link, ...] = ()
-    label: str = ""
-    extra: Mapping[str, Any] = field(default_factory=dict)
-
-    def _usual_text(self) -> str:
-        return f"Add {named([placed.node.id for placed in self.placed])}"
-
-    def apply(self, network: Network) -> Network:
+    def apply(network: Network) -> Network:
         nodes, layout = dict(network.nodes), dict(network.layout)
-        for placed in self.placed:
-            if placed.node.id in nodes:
-                raise NetworkError(f"there is already a node {shown(placed.node.id)}")
-            nodes[placed.node.id] = placed.node
-            if placed.at is not None:
-                layout[placed.node.id] = placed.at
-        extra = {**network.extra, **self.extra}
-        grown = replace(network, nodes=nodes, layout=layout, extra=extra)
-        return Rewire(add=self.links).apply(grown)
+        for node, at in placed:
+            if node.id in nodes:
+                raise NetworkError(f"there is already a node {shown(node.id)}")
+            nodes[node.id] = node
+            if at is not None:
+                layout[node.id] = at
+        fields = {**network.extra, **extra}
+        grown = replace(network, nodes=nodes, layout=layout, extra=fields)
+        return rewire(add=links).apply(grown)
+
+    return Operation(apply, label or f"Add {named([node.id for node, _ in placed])}")
 
 
-@dataclass(frozen=True)
-class Remove(Operation):
+def remove_nodes(names: Sequence[str], label: str = "") -> Operation:
     """Take nodes out, with their links and every mention of them."""
 
-    names: tuple[str, ...]
-    label: str = ""
-
-    def _usual_text(self) -> str:
-        return f"Delete {named(self.names)}"
-
-    def apply(self, network: Network) -> Network:
-        for name in self.names:
+    def apply(network: Network) -> Network:
+        for name in names:
             network.node(name)
-        gone = set(self.names)
+        gone = set(names)
         return replace(
             network,
             nodes={name: node for name, node in network.nodes.items() if name not in gone},
@@ -385,67 +331,55 @@ class Remove(Operation):
             extra=dropped(network.extra, of_nodes(gone, network.nodes)),
         )
 
+    return Operation(apply, label or f"Delete {named(names)}")
 
-@dataclass(frozen=True)
-class Move(Operation):
+
+def move_nodes(positions: Mapping[str, Point], label: str = "") -> Operation:
     """Put nodes at points of the canvas."""
 
-    positions: Mapping[str, Point]
-    label: str = ""
-
-    def _usual_text(self) -> str:
-        return f"Move {named(list(self.positions))}"
-
-    def apply(self, network: Network) -> Network:
-        layout: dict[str, Point] = dict(network.layout)
-        for name, at in self.positions.items():
+    def apply(network: Network) -> Network:
+        for name in positions:
             network.node(name)
-            layout[name] = at
-        return replace(network, layout=layout)
+        return replace(network, layout={**network.layout, **positions})
+
+    return Operation(apply, label or f"Move {named(list(positions))}")
 
 
-@dataclass(frozen=True)
-class Rename(Operation):
+def rename_node(old: str, new: str) -> Operation:
     """Give a node another id, wherever it is mentioned."""
 
-    old: str
-    new: str
+    def within(network: Network) -> Operation | None:
+        step = network.step_inside(old)
+        return inside(step[0], rename_node(step[1], new)) if step else None
 
-    def _usual_text(self) -> str:
-        return f"Rename {self.old} to {self.new}"
+    def moved(network: Network) -> Mapping[str, str]:
+        """The node's name, and those of nodes inside of it."""
+        if inner := within(network):
+            return inner.moved(network)
+        names = of_nodes([old], network.nodes)
+        return {name: new + name.removeprefix(old) for name in names}
 
-    def apply(self, network: Network) -> Network:
-        if step := network.step_inside(self.old):
-            return Inside(step[0], Rename(step[1], self.new)).apply(network)
-        network.node(self.old)
-        if self.new != self.old and self.new in network.nodes:
-            raise NetworkError(f"there is already a node {shown(self.new)}")
-
-        def name_of(name: str) -> str:
-            return self.new if name == self.old else name
-
+    def apply(network: Network) -> Network:
+        if inner := within(network):
+            return inner.apply(network)
+        network.node(old)
+        if new != old and new in network.nodes:
+            raise NetworkError(f"there is already a node {shown(new)}")
+        names = {old: new}
         try:
-            nodes = {name: with_names(n, {self.old: self.new}) for name, n in network.nodes.items()}
+            nodes = {name: with_names(node, names) for name, node in network.nodes.items()}
         except NetworkError as error:
-            raise NetworkError(f"{shown(self.old)} cannot be renamed: {error.message}") from None
-        renamed_node = replace(nodes[self.old], id=self.new)
+            raise NetworkError(f"{shown(old)} cannot be renamed: {error.message}") from None
+        nodes[old] = replace(nodes[old], id=new)
         return replace(
             network,
-            nodes={
-                name_of(name): renamed_node if name == self.old else node
-                for name, node in nodes.items()
-            },
-            links=tuple(link.renamed({self.old: self.new}) for link in network.links),
-            layout={name_of(name): at for name, at in network.layout.items()},
-            extra=renamed(network.extra, self.moved(network)),
+            nodes={names.get(name, name): node for name, node in nodes.items()},
+            links=tuple(link.renamed(names) for link in network.links),
+            layout={names.get(name, name): at for name, at in network.layout.items()},
+            extra=renamed(network.extra, moved(network)),
         )
 
-    def moved(self, network: Network) -> dict[str, str]:
-        """The node's name, and those of nodes inside of it."""
-        if step := network.step_inside(self.old):
-            return Inside(step[0], Rename(step[1], self.new)).moved(network)
-        names = of_nodes([self.old], network.nodes)
-        return {name: self.new + name.removeprefix(self.old) for name in names}
+    return Operation(apply, f"Rename {old} to {new}", moved)
 
 
 def keeping_values(
@@ -466,7 +400,7 @@ def keeping_values(
         if not isinstance(value, dict):  # else it had no value, and still has none
             steps.append(set_parameter(node, parameter, value))
             kept.append(f"{shown(node)}.{parameter} = {value}")
-    return Together((*steps, taking), taking.text), tuple(kept)
+    return together((*steps, taking), taking.text), tuple(kept)
 
 
 def fresh_name(wanted: str, taken: Container[str]) -> str:
@@ -479,31 +413,28 @@ def fresh_name(wanted: str, taken: Container[str]) -> str:
     return next(name for name in numbered if name not in taken)
 
 
-@dataclass(frozen=True)
-class SetOutput(Operation):
+def mark_output(nodes: tuple[str, ...]) -> Operation:
     """Mark these nodes as the network's output, one at most; its older field ``final`` goes."""
 
-    nodes: tuple[str, ...]
-
-    def _usual_text(self) -> str:
-        return f"Mark {self.nodes[0]} as the output" if self.nodes else "Unmark the output"
-
-    def apply(self, network: Network) -> Network:
-        for name in self.nodes:
+    def apply(network: Network) -> Network:
+        for name in nodes:
             if not network.has(name):
                 network.node(name)
-        return with_marks(network, self.nodes, with_field(network.extra, "final", ABSENT))
+        return with_marks(network, nodes, with_field(network.extra, "final", ABSENT))
+
+    text = f"Mark {nodes[0]} as the output" if nodes else "Unmark the output"
+    return Operation(apply, text, marks=nodes)
 
 
 def output_toggled(network: Network, library: Library, name: str) -> Operation:
     """What marks a node as the output, or takes its mark away."""
     node = network.node(name)
     if name in network.output_nodes or (node.macro is not None and node.macro.marked):
-        return SetOutput(())
+        return mark_output(())
     declared = declared_node(node, library)
     if declared is not None and not has_picture(declared):
         raise NetworkError(f"{shown(name)} cannot be the output: it has no picture")
-    return SetOutput((picture_node(node, library),))
+    return mark_output((picture_node(node, library),))
 
 
 def picture_node(node: Node, library: Library) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from core.editing.layout import Point, is_in_reach
-from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
+from core.editing.operations import ABSENT, Operation, move_nodes, set_network_field, together
 from core.editing.references import WIRE_DOTS, dots_entry_link
 from core.errors import thaw
 from core.network.network import Link, Network
@@ -80,12 +80,12 @@ def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tupl
     }
 
 
-def moved_with_dots(network: Network, moving: Move) -> Operation:
+def moved_with_dots(network: Network, places: Mapping[str, Point], label: str = "") -> Operation:
     """The move of nodes, with the dots of the wires among them."""
-    dots = dots_along(network, moving.positions)
+    moving, dots = move_nodes(places, label), dots_along(network, places)
     if not dots:
         return moving
-    return Together((moving, with_dots(network, dots, moving.text)), moving.text)
+    return together((moving, with_dots(network, dots, moving.text)), moving.text)
 
 
 def shifted(points: Iterable[Point], by: Point) -> tuple[Point, ...]:

@@ -7,14 +7,13 @@ from typing import Literal
 
 from core.editing.layout import Point
 from core.editing.operations import (
-    Add,
     Operation,
-    Placed,
-    Remove,
-    Rewire,
-    Together,
+    add_nodes,
     fresh_name,
     named,
+    remove_nodes,
+    rewire,
+    together,
 )
 from core.errors import NetworkError, close, shown
 from core.modules.declaration import (
@@ -230,7 +229,7 @@ def _led(
     taken = {link.input for link in (*network.links_into(node), *new) if link.target == node}
     followers = {wire.target for wire, _, _ in through}
     new += side_links(network, library, node, taken, followers)
-    return Rewire(
+    return rewire(
         add=tuple(new), remove=tuple(wire for wire, _, _ in through), label=f"Insert {shown(node)}"
     )
 
@@ -315,7 +314,7 @@ def new_node(
     if module not in library:
         raise NetworkError(no_module(module, library))
     name = fresh_name(local_key(module), network.nodes)
-    return name, Add((Placed(Node(name, module), at),))
+    return name, add_nodes(((Node(name, module), at),))
 
 
 def wired_to(
@@ -332,13 +331,13 @@ def wired_to(
         old = next((wire for wire in network.links_into(node) if wire.input == port), None)
         between = inserted(grown, library, old, name) if old else None
         if between is not None and link in between.apply(grown).links:
-            return name, Together((adding, between), adding.text)
-    return name, Together((adding, _wired_along(grown, library, link, name)), adding.text)
+            return name, together((adding, between), adding.text)
+    return name, together((adding, _wired_along(grown, library, link, name)), adding.text)
 
 
-def _wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
+def _wired_along(network: Network, library: Library, link: Link, node: str) -> Operation:
     """A link of a node that has no wires, and those of its other inputs that are certain."""
-    wiring = Rewire(add=(link, *_others(network, library, link, node)))
+    wiring = rewire(add=(link, *_others(network, library, link, node)))
     check_new_wires(network, wiring.apply(network), library)
     return wiring
 
@@ -384,7 +383,7 @@ def continued(
     """A new node wired behind another one, and its name; None where no wire fits."""
     name, adding = new_node(network, library, module, at)
     wiring = wires_behind(adding.apply(network), library, node, name)
-    return None if wiring is None else (name, Together((adding, wiring), adding.text))
+    return None if wiring is None else (name, together((adding, wiring), adding.text))
 
 
 def wires_behind(
@@ -426,8 +425,8 @@ def _before_all(
     (out,) = (link for link in grown.links_into(first.target) if link.input == first.input)
     moved = [(Link(new, out.output, old.target, old.input), old) for old in others]
     fitting = [pair for pair in moved if misfit(grown, library, pair[0]) is None]
-    rest = Rewire(add=tuple(link for link, _ in fitting), remove=tuple(old for _, old in fitting))
-    both = Together((between, rest), f"Insert {shown(new)}")
+    rest = rewire(add=tuple(link for link, _ in fitting), remove=tuple(old for _, old in fitting))
+    both = together((between, rest), f"Insert {shown(new)}")
     return both if _sound(network, library, both) else between
 
 
@@ -495,8 +494,8 @@ def dissolved(
             if past and past.source != past.target and misfit(network, library, past) is None:
                 new.append(past)
     text = f"{verb} {named([shown(name) for name in names])}"
-    taking = Remove(tuple(names), text)
-    return Together((taking, Rewire(add=tuple(new))), text) if new else taking
+    taking = remove_nodes(tuple(names), text)
+    return together((taking, rewire(add=tuple(new))), text) if new else taking
 
 
 def _origin(network: Network, library: Library, gone: set[str], end: Output) -> Output | None:

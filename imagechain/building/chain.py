@@ -16,7 +16,14 @@ from app.run.own_scene import OwnScene
 from app.run.readout_tables import columns
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
-from core.editing.operations import ABSENT, Remove, Rename, Rewire, SetOutput, set_network_field
+from core.editing.operations import (
+    ABSENT,
+    mark_output,
+    remove_nodes,
+    rename_node,
+    rewire,
+    set_network_field,
+)
 from core.editing.wiring import refusal
 from core.errors import ImagechainError, NetworkError, UsageError, shown
 from core.evaluation.work import Policy
@@ -237,25 +244,25 @@ class Chain:
         wrong = refusal(self.network, self._engine.library, link)
         if wrong is not None:
             raise NetworkError(wrong)
-        self._state = self._state.done(Rewire(add=(link,)))
+        self._state = self._state.done(rewire(add=(link,)))
         return self
 
     @plain_errors
     def unlink(self, start: str, end: str) -> Chain:
         """Remove a wire."""
-        self._state = self._state.done(Rewire(remove=(Link.between(start, end),)))
+        self._state = self._state.done(rewire(remove=(Link.between(start, end),)))
         return self
 
     @plain_errors
     def remove(self, name: str) -> Chain:
         """Remove a node and its wires."""
-        self._state = self._state.done(Remove((name,)))
+        self._state = self._state.done(remove_nodes((name,)))
         return self
 
     @plain_errors
     def rename(self, old: str, new: str) -> Chain:
         """Rename a node, also in wires and expressions; returns the chain itself."""
-        self._state = self._state.done(Rename(old, new))
+        self._state = self._state.done(rename_node(old, new))
         return self
 
     @property
@@ -325,7 +332,7 @@ class Chain:
     @plain_errors
     def mark_final(self, node: str) -> Chain:
         """Make the picture of a node the chain's final picture."""
-        self._state = self._state.done(SetOutput((node,)))
+        self._state = self._state.done(mark_output((node,)))
         return self
 
     # Running

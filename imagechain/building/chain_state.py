@@ -17,11 +17,10 @@ from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased
 from core.editing.operations import (
     ABSENT,
-    Add,
     Operation,
-    Placed,
-    Rewire,
+    add_nodes,
     fresh_name,
+    rewire,
     set_parameter,
 )
 from core.editing.wiring import declared, outputs_of, wires_behind, wires_from_open_end
@@ -146,7 +145,7 @@ class ChainState:
         node = Node(id_, part.module, params, macro=part.inside)
         network = self._grown(node, declared, after) if wired else None
         if network is None:
-            network = Add((Placed(node),)).apply(self.network)
+            network = add_nodes(((node, None),)).apply(self.network)
         samples = dict(self.samples)
         if part.samples is not None:
             samples[id_] = part.samples
@@ -161,7 +160,7 @@ class ChainState:
         """The network with a node added and wired; None where it begins something of its own."""
         if not self.network.nodes or (after is None and not taken.inputs):
             return None
-        grown, library = Add((Placed(node),)).apply(self.network), standard_library()
+        grown, library = add_nodes(((node, None),)).apply(self.network), standard_library()
         if after is not None:
             wiring = wires_behind(grown, library, after, node.id, branches=False)
         else:
@@ -307,7 +306,7 @@ def _completed(network: Network, library: Library, name: str) -> Network:
         if ends:
             nearest = max(ends, key=lambda end: place[end[0]])
             links.append(Link(*nearest, name, port.name))
-    return Rewire(add=tuple(links)).apply(network)
+    return rewire(add=tuple(links)).apply(network)
 
 
 # What is wrong with a chain, without computing it.

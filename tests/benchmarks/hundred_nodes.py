@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.window.files import Opened
 from core.editing.document import Document
-from core.editing.operations import Move
+from core.editing.operations import move_nodes
 from core.network.network import Link, Network, Node
 from trial_window import live, settle, trial_window
 
@@ -50,7 +50,9 @@ def main() -> None:
         steps = []
         for number in range(MOVES):
             start = time.perf_counter()
-            window.session.do(Move({"jitter_40": (500.0 + 7 * number, 700.0)}), gesture="drag")
+            window.session.do(
+                move_nodes({"jitter_40": (500.0 + 7 * number, 700.0)}), gesture="drag"
+            )
             QApplication.processEvents()
             steps.append(1e3 * (time.perf_counter() - start))
             live(0.005)

@@ -11,19 +11,18 @@ from core.editing.document import rebased
 from core.editing.layout import arranged, made_way
 from core.editing.operations import (
     ABSENT,
-    Add,
-    Move,
     Operation,
-    Placed,
-    Remove,
-    Rename,
-    Rewire,
-    SetOutput,
-    Together,
+    add_nodes,
     keeping_values,
+    mark_output,
+    move_nodes,
+    remove_nodes,
+    rename_node,
+    rewire,
     set_network_field,
     set_node_field,
     set_parameter,
+    together,
 )
 from core.editing.wiring import continued, dissolved, fitting, inserted, new_node, refusal, wired_to
 from core.modules.declaration import Library, declaration
@@ -100,7 +99,7 @@ def drawn_network(random: Random, library: Library, most: int = 12) -> Network:
     for _ in range(2 * len(nodes)):
         link = editor.fitting_link()
         if link is not None:
-            editor.network = Rewire(add=(link,)).apply(editor.network)
+            editor.network = rewire(add=(link,)).apply(editor.network)
     extra = _extra(random, list(nodes))
     return Network(
         "drawn",
@@ -142,11 +141,11 @@ def _add_unknown(e: Editor) -> Operation | None:
     taking = e.name()
     links = (Link(node.id, "a", taking, "a"),) if taking else ()
     unknown = taking is not None and e.network.nodes[taking].module == GONE
-    return Add((Placed(node),), links if unknown else ())
+    return add_nodes(((node, None),), links if unknown else ())
 
 
 def _remove(e: Editor) -> Operation | None:
-    return Remove(tuple(e.some())) if e.network.nodes else None
+    return remove_nodes(tuple(e.some())) if e.network.nodes else None
 
 
 def _healed(e: Editor) -> Operation | None:
@@ -166,33 +165,33 @@ def _made_way(e: Editor) -> Operation | None:
     name = e.random.choice(names)
     at = e.network.layout[name]
     places = made_way(e.network, {}, name, at, e.network.followers[name])
-    return Move(dict(places)) if places else None
+    return move_nodes(dict(places)) if places else None
 
 
 def _move(e: Editor) -> Operation | None:
-    return Move({name: e.point() for name in e.some()})
+    return move_nodes({name: e.point() for name in e.some()})
 
 
 def _rename(e: Editor) -> Operation | None:
     old = e.name()
     new = e.random.choice([f"named {e.random.randint(0, 99)}", "nobody", "jitter_mtf", "x", "ö ö"])
-    return None if old is None or new in e.network.nodes else Rename(old, new)
+    return None if old is None or new in e.network.nodes else rename_node(old, new)
 
 
 def _connect(e: Editor) -> Operation | None:
     link = e.fitting_link()
-    return Rewire(add=(link,)) if link else None
+    return rewire(add=(link,)) if link else None
 
 
 def _disconnect(e: Editor) -> Operation | None:
     links = e.network.links
-    return Rewire(remove=(e.random.choice(links),)) if links else None
+    return rewire(remove=(e.random.choice(links),)) if links else None
 
 
 def _redraw(e: Editor) -> Operation | None:
     link = e.fitting_link()
     links = [each for each in e.network.links if each != link]
-    return Rewire(add=(link,), remove=(e.random.choice(links),)) if link and links else None
+    return rewire(add=(link,), remove=(e.random.choice(links),)) if link and links else None
 
 
 def _wired(e: Editor) -> Operation | None:
@@ -219,7 +218,7 @@ def _inserted(e: Editor) -> Operation | None:
         for name in free:
             found = inserted(e.network, e.library, link, name)
             if found is not None:
-                return Together((Move({name: e.point()}), found), found.text)
+                return together((move_nodes({name: e.point()}), found), found.text)
     return None
 
 
@@ -266,7 +265,7 @@ def _switch(e: Editor) -> Operation | None:
 
 def _output(e: Editor) -> Operation | None:
     name = e.name()
-    return SetOutput((name,) if name and e.random.random() < 0.7 else ())
+    return mark_output((name,) if name and e.random.random() < 0.7 else ())
 
 
 def _node_extra(e: Editor) -> Operation | None:
@@ -333,14 +332,16 @@ def _duplicate(e: Editor) -> Operation | None:
 
 def _arrange(e: Editor) -> Operation | None:
     only = e.random.choice([None, e.some()])
-    return Move(arranged(e.network, dict.fromkeys(e.network.nodes, (150.0, 90.0)), only), "Lay out")
+    return move_nodes(
+        arranged(e.network, dict.fromkeys(e.network.nodes, (150.0, 90.0)), only), "Lay out"
+    )
 
 
 def _picture(e: Editor) -> Operation | None:
     """A picture that is dropped on the canvas."""
     name, adding = new_node(e.network, e.library, "read_image", e.point())
     path = e.random.choice(["scene.exr", "../pictures/scene.exr", "/elsewhere/scene.exr"])
-    return Together((adding, set_parameter(name, "path", path)), "Read scene.exr")
+    return together((adding, set_parameter(name, "path", path)), "Read scene.exr")
 
 
 def _rebase(e: Editor) -> Operation | None:
@@ -357,7 +358,7 @@ def _several(e: Editor) -> Operation | None:
             steps.append(step)
             e.network = step.apply(e.network)
     e.network = before
-    return Together(steps, "Several") if steps else None
+    return together(steps, "Several") if steps else None
 
 
 MAKERS: tuple[Maker, ...] = (

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QStyle, QStyleOptionSlider
 
 from app.editor.panels.panel_area import PanelArea
-from core.editing.operations import Add, Placed, set_parameter
+from core.editing.operations import add_nodes, set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.modules.parameters import plain
@@ -41,7 +41,7 @@ def panel_area(qtbot, session, evaluator=None, width=360):
 
 def drop(session, key, name="node"):
     """Put a module into the network and select it: opening a panel edits nothing."""
-    session.do(Add((Placed(Node(name, key), (0.0, 0.0)),)))
+    session.do(add_nodes(((Node(name, key), (0.0, 0.0)),)))
     dropped = session.network
     session.select([name])
     QApplication.processEvents()

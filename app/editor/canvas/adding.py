@@ -19,7 +19,7 @@ from app.editor.library_view import dragged_module, found_by
 from app.run.preset_files import KEY
 from core.editing.backdrops import following
 from core.editing.layout import GAP_X, Point, free_places, made_way
-from core.editing.operations import Move, Operation, Rewire, Together
+from core.editing.operations import Operation, move_nodes, rewire, together
 from core.editing.wiring import (
     Candidate,
     End,
@@ -118,11 +118,11 @@ class Adding:
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [
-            Choice(str(link), partial(session.do, Rewire(add=(link,))), remark)
+            Choice(str(link), partial(session.do, rewire(add=(link,))), remark)
             for link, remark in possible.items()
         ]
         choices += [
-            Choice(f"Disconnect {link}", partial(session.do, Rewire(remove=(link,))))
+            Choice(f"Disconnect {link}", partial(session.do, rewire(remove=(link,))))
             for link in session.network.links
             if {link.source, link.target} & set(session.selection)
         ]
@@ -162,7 +162,7 @@ class Adding:
     def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
         """Wire a new node to an end, so that its port is where the wire was drawn to."""
         surface, session = self._surface, self._surface.session
-        removing = Rewire(remove=(loose,) if loose is not None else ())
+        removing = rewire(remove=(loose,) if loose is not None else ())
         node = Node(local_key(candidate.module), candidate.module)
         face = face_of(node, declaration(session.library[candidate.module]), ())
         side: Side = "input" if end[2] == "output" else "output"
@@ -175,12 +175,12 @@ class Adding:
         except ImagechainError as error:
             session.message.emit("error", str(error))
             return
-        if session.do(Together((removing, operation), operation.text)):
+        if session.do(together((removing, operation), operation.text)):
             session.select([name])
 
     def _disconnect_loose(self) -> None:
         if self._loose is not None:
-            self._surface.session.do(Rewire(remove=(self._loose,)))
+            self._surface.session.do(rewire(remove=(self._loose,)))
 
     def _chosen(self, value: Any) -> None:
         value()
@@ -279,8 +279,8 @@ def with_way_made(
     if not pushed:
         return operation
     grounds = following(network, pushed, sizes)  # else what is pushed leaves its backdrop
-    parts = (operation, Move(pushed), *(() if grounds is None else (grounds,)))
-    return Together(parts, operation.text)
+    parts = (operation, move_nodes(pushed), *(() if grounds is None else (grounds,)))
+    return together(parts, operation.text)
 
 
 def _placed(
@@ -294,7 +294,7 @@ def _placed(
     frame = surface.content.nodes[selected].frame()
     left = frame.left() - GAP_X - size[0] if feeding else frame.right() + GAP_X
     at = free_place(surface, module, (left, frame.top()))
-    return Together((operation, Move({name: at})), operation.text)
+    return together((operation, move_nodes({name: at})), operation.text)
 
 
 class Dropping:
@@ -367,7 +367,7 @@ def added_at(
         at = free_place(surface, module, whole(point))
         return None, *new_node(network, library, module, at)
     wire, leading = insertion
-    inserting = Together((adding, leading), adding.text)
+    inserting = together((adding, leading), adding.text)
     return wire, name, with_way_made(surface, inserting, name, size_of(surface, module))
 
 

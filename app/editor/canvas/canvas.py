@@ -24,7 +24,7 @@ from app.editor.session import Level, Session
 from app.editor.theme import FAINT, raised_palette, theme_of
 from app.editor.widgets import Menu, filled, labelled
 from core.editing.backdrops import backdrops_of, change, nodes_on, remove
-from core.editing.operations import ABSENT, Move, Rewire, Together, named, set_node_field
+from core.editing.operations import ABSENT, named, rewire, set_node_field, together
 from core.editing.wire_dots import moved_with_dots
 
 _TYPE = QEvent.Type
@@ -282,7 +282,7 @@ class Menus:
         if session.selection:
             value = name or ABSENT
             steps = [set_node_field(node, COLOUR, value) for node in session.selection]
-            session.do(Together(steps, f"Colour {named(session.selection)}"))
+            session.do(together(steps, f"Colour {named(session.selection)}"))
         elif backdrop is not None:
             changed = replace(backdrop.shown, colour=name)
             session.do(change(session.network, backdrop.index, changed))
@@ -290,7 +290,7 @@ class Menus:
     def _disconnect(self) -> None:
         link = self._marks.link
         if link is not None:
-            self._surface.session.do(Rewire(remove=(link,)))
+            self._surface.session.do(rewire(remove=(link,)))
 
     def _edit_title(self) -> None:
         if self._marks.backdrop is not None:
@@ -373,7 +373,7 @@ class Keys:
             name: (nodes[name].x() + by.x(), nodes[name].y() + by.y()) for name in session.selection
         }
         self._nudging = True
-        moving = moved_with_dots(session.network, Move(places))
+        moving = moved_with_dots(session.network, places)
         session.do(moving, gesture=("nudge", session.selection))
         self._surface.view.make_visible(self._surface.content.bounds(session.selection))
 

@@ -12,7 +12,7 @@ from app.editor.canvas.content import Content, Hit, hit, wires_crossed
 from app.editor.canvas.wires import LiveWire
 from app.editor.session import Level, Session
 from core.editing.layout import Point
-from core.editing.operations import Rewire
+from core.editing.operations import rewire
 
 DRAG_PX = 4  # what is moved less is a click
 
@@ -106,7 +106,7 @@ class Cut(Gesture):
         links = tuple(wire.link for wire in wires_crossed(self.surface.content, self.start, point))
         if links:
             label = f"Cut {links[0]}" if len(links) == 1 else f"Cut {len(links)} wires"
-            self.surface.session.do(Rewire(remove=links, label=label))
+            self.surface.session.do(rewire(remove=links, label=label))
 
     def leave(self) -> None:
         self.surface.live.setVisible(False)

@@ -22,7 +22,7 @@ from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, w
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on
-from core.editing.operations import Move, Operation, Rewire, Together
+from core.editing.operations import Operation, rewire, together
 from core.editing.wire_dots import add_dot, move_dot, moved_with_dots, remove_dot
 from core.editing.wiring import refusal
 from core.network.network import Link, Network
@@ -153,7 +153,7 @@ class DragWire(Gesture):
         self._dropped = dropped
         self._network = surface.session.network
         if self._carried is not None:
-            self._network = Rewire(remove=(self._carried.link,)).apply(self._network)
+            self._network = rewire(remove=(self._carried.link,)).apply(self._network)
         self._begun = False
 
     def drag(self, pos: QPoint, point: QPointF) -> None:
@@ -183,7 +183,7 @@ class DragWire(Gesture):
             session.message.emit("error", refused)
         elif port is not None:
             new = link_between(self._fixed, port)
-            session.do(Rewire(add=(new,), remove=(old,) if old else (), label=f"Connect {new}"))
+            session.do(rewire(add=(new,), remove=(old,) if old else (), label=f"Connect {new}"))
         else:
             self._dropped(self._fixed, old, pos)
 
@@ -276,7 +276,7 @@ class DragNodes(Gesture):
         else:
             operation = moved(session.network, places)
         if self._inserting is not None:
-            operation = Together((operation, self._inserting), self._inserting.text)
+            operation = together((operation, self._inserting), self._inserting.text)
             (name,) = self._from
             operation = with_way_made(self.surface, operation, name)
         session.do(operation)
@@ -331,11 +331,11 @@ def moved_together(
     network: Network, backdrop: BackdropItem, frame: QRectF, places: Mapping[str, QPointF]
 ) -> Operation:
     ground = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
-    return Together((ground, moved(network, places)), f"Move {backdrop.title or 'backdrop'}")
+    return together((ground, moved(network, places)), f"Move {backdrop.title or 'backdrop'}")
 
 
 def moved(network: Network, places: Mapping[str, QPointF]) -> Operation:
-    return moved_with_dots(network, Move({name: whole(at) for name, at in places.items()}))
+    return moved_with_dots(network, {name: whole(at) for name, at in places.items()})
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:

@@ -44,7 +44,7 @@ from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
 from app.fit.fit_result import FittedParameter, hardly_determined
-from core.editing.operations import Operation, Together, set_parameter
+from core.editing.operations import Operation, set_parameter, together
 from core.errors import ParameterError, UsageError
 from core.evaluation.store import Store
 from core.evaluation.work import Policy
@@ -174,7 +174,7 @@ class FitView(WorkerView):
             steps.append(set_parameter(node, name, value))
         if steps:
             self._session.end_gesture()
-            self._session.do(Together(steps, "Take fitted values"))
+            self._session.do(together(steps, "Take fitted values"))
             self._fits.append(self._given)
             self.show_state()
 

@@ -37,9 +37,9 @@ from app.editor.widgets import Menu, WheelScrollArea, filled, labelled, plain_la
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,
-    Rename,
     has_picture,
     output_toggled,
+    rename_node,
     set_network_field,
     set_node_field,
 )
@@ -423,11 +423,11 @@ class NodePanel(QFrame):
             self._show_name()
             return
         try:
-            self._session.check(Rename(self.node, text))
+            self._session.check(rename_node(self.node, text))
         except ImagechainError as error:
             self.head.show_name_error(error.message)
         else:
-            self._session.do(Rename(self.node, text))
+            self._session.do(rename_node(self.node, text))
 
     def _leave_name(self) -> None:
         if not self.head.name.marked:

@@ -22,13 +22,13 @@ from core.editing.document import History
 from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
 from core.editing.macros import group, ungroup
 from core.editing.operations import (
-    Move,
     Operation,
-    Rewire,
-    Together,
     keeping_values,
+    move_nodes,
     output_toggled,
+    rewire,
     set_node_field,
+    together,
 )
 from core.editing.wire_dots import dots_of, moved_with_dots, straighten
 from core.editing.wiring import dissolved
@@ -343,7 +343,7 @@ class EditCommands(QObject):
         if session.selection:
             self._take_out(dissolved(session.network, session.library, session.selection))
         elif link is not None:
-            session.do(Rewire(remove=(link,)))
+            session.do(rewire(remove=(link,)))
         else:
             self._canvas.menus.delete_backdrop()
 
@@ -367,7 +367,7 @@ class EditCommands(QObject):
         off = not all(node.disabled for node in nodes)
         steps = [set_node_field(node.id, "disabled", off) for node in nodes if node.disabled != off]
         if steps:
-            self._session.do(steps[0] if len(steps) == 1 else Together(steps))
+            self._session.do(steps[0] if len(steps) == 1 else together(steps))
 
     def mark_output(self) -> None:
         session = self._session
@@ -412,7 +412,7 @@ class EditCommands(QObject):
         drawn, room = canvas.sizes_with_thumbnails(), canvas.view.natural_room()
         if len(session.selection) > 1:
             places = arranged(session.network, drawn, only=session.selection, room=room)
-            session.do(self._without_dots(Move(places, "Lay out"), session.selection))
+            session.do(self._without_dots(move_nodes(places, "Lay out"), session.selection))
         elif session.network.nodes:
             moving = laid_out(session.network, canvas.sizes(), room, drawn)
             session.do(self._without_dots(moving, session.network.nodes))
@@ -422,7 +422,7 @@ class EditCommands(QObject):
         """Wires at nodes that are laid out find their own way: dots are of another picture."""
         network = self._session.network
         bent = [link for link in dots_of(network) if {link.source, link.target} & set(names)]
-        return Together((moving, straighten(network, bent)), moving.text) if bent else moving
+        return together((moving, straighten(network, bent)), moving.text) if bent else moving
 
     def align(self, edge: Edge) -> None:
         self._arranged(aligned, edge, f"Align {edge}")
@@ -434,7 +434,7 @@ class EditCommands(QObject):
         session = self._session
         points = places(session.network, session.selection, self._canvas.sizes(), how)
         if points:
-            session.do(moved_with_dots(session.network, Move(dict(points), label)))
+            session.do(moved_with_dots(session.network, dict(points), label))
         else:
             session.message.emit("note", f"{label.lower()}: select two or more nodes")
 

@@ -30,7 +30,7 @@ from app.run.preset_files import (
 from app.run.shipped import every_network, find_network
 from core.chain.engine import Engine
 from core.editing.document import Document, mark, rebased
-from core.editing.operations import Operation, Together, restored, set_parameter
+from core.editing.operations import Operation, restored, set_parameter, together
 from core.editing.wiring import new_node
 from core.errors import ImagechainError, ParameterError
 from core.modules.declaration import Library, declaration, where_absent
@@ -320,12 +320,12 @@ class Drops(QObject):
         for number, path in enumerate(paths):
             at = (point.x(), point.y() + number * _DOWN)
             name, adding = new_node(network, self._session.library, READ_IMAGE, at)
-            step = Together((adding, set_parameter(name, "path", self._stored(Path(path)))))
+            step = together((adding, set_parameter(name, "path", self._stored(Path(path)))))
             network = step.apply(network)
             steps.append(step)
             names.append(name)
         text = Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
-        if self._session.do(Together(steps, f"Read {text}")):
+        if self._session.do(together(steps, f"Read {text}")):
             self._session.select(names)
 
     def _replaced(self, name: str, path: Path) -> bool:

@@ -12,7 +12,7 @@ from app.run.preset_files import own_presets, placed, preset_of, save_preset, sh
 from app.run.shipped import find_network
 from core.chain.engine import Engine
 from core.editing.macros import group
-from core.editing.operations import Rename
+from core.editing.operations import rename_node
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from core.network.file import load_network, read_network
@@ -193,7 +193,7 @@ def test_an_own_preset_is_saved_listed_and_put_in(lens, tmp_path):
     assert copy.nodes == lens.nodes["lens"].macro.nodes
     with pytest.raises(ImagechainError, match="a preset lens already exists"):
         save_preset(lens, "lens", folder, LIBRARY)
-    save_preset(Rename("lens", "other").apply(lens), "other", folder, LIBRARY)
+    save_preset(rename_node("lens", "other").apply(lens), "other", folder, LIBRARY)
     assert len(own_presets(folder, LIBRARY)) == 2
 
 

@@ -19,7 +19,7 @@ from core.editing.backdrops import (
     remove,
 )
 from core.editing.layout import arranged, boxes_of
-from core.editing.operations import Move
+from core.editing.operations import move_nodes
 from core.errors import NetworkError
 from core.network.network import Link, Network, Node
 
@@ -114,7 +114,7 @@ def test_a_backdrop_follows_its_nodes_that_are_pushed(places, moved, grown):
     after = following(network, points, sizes).apply(network)
     new = replace(before, x=before.x + moved, width=before.width + grown)
     assert backdrops_of(after) == (new,)
-    assert set(nodes_on(Move(points).apply(after), 0, sizes)) == {"a", "b"}
+    assert set(nodes_on(move_nodes(points).apply(after), 0, sizes)) == {"a", "b"}
 
 
 SIZE = (180.0, 120.0)
@@ -164,8 +164,8 @@ def zoom(network, room):
 @pytest.mark.parametrize("room", [ROOM, (1000.0, 250.0), (300.0, 900.0)])
 def test_a_long_chain_is_broken_to_the_shape_of_the_canvas(count, room):
     network = chain(count, extra=count // 2)
-    in_one_row = Move(arranged(network, sizes_of(network))).apply(network)
-    in_rows = Move(arranged(network, sizes_of(network), room=room)).apply(network)
+    in_one_row = move_nodes(arranged(network, sizes_of(network))).apply(network)
+    in_rows = move_nodes(arranged(network, sizes_of(network), room=room)).apply(network)
     assert overlapping(in_rows) == []
     assert zoom(in_rows, room) > 1.5 * zoom(in_one_row, room)
     # In the order of reading: each wire of the chain to the right, or to the next row.

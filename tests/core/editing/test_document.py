@@ -7,15 +7,14 @@ import pytest
 
 from core.editing.document import Document, mark, rebased
 from core.editing.operations import (
-    Add,
-    Move,
-    Placed,
-    Remove,
-    Rewire,
-    Together,
+    add_nodes,
+    move_nodes,
+    remove_nodes,
+    rewire,
     set_network_field,
     set_node_field,
     set_parameter,
+    together,
 )
 from core.errors import ChangedFileError, FileError, NetworkError
 from core.network.file import read_text
@@ -46,7 +45,9 @@ def test_true_is_not_the_number_one(document):
 def test_another_order_of_the_nodes_is_a_change(document):
     network = Network(nodes={name: Node(name, "back_transform") for name in "ab"})
     document = Document(network, library=document.library)
-    assert document.do(Together((Remove(("a",)), Add((Placed(Node("a", "back_transform")),)))))
+    assert document.do(
+        together((remove_nodes(("a",)), add_nodes(((Node("a", "back_transform"), None),))))
+    )
     assert list(document.network.nodes) == ["b", "a"]
     document.undo()
     assert list(document.network.nodes) == ["a", "b"]
@@ -55,7 +56,7 @@ def test_another_order_of_the_nodes_is_a_change(document):
 def test_one_drag_is_one_step(document):
     drag = object()
     for x in range(1, 40):
-        assert document.do(Move({"init": (480.0 + x, 0)}), gesture=drag)
+        assert document.do(move_nodes({"init": (480.0 + x, 0)}), gesture=drag)
     assert document.history.position == 1
     document.undo()
     assert document.network.layout["init"] == (480, 0)
@@ -64,7 +65,7 @@ def test_one_drag_is_one_step(document):
 
 
 def test_steps_of_one_kind_are_apart_without_a_gesture_or_after_its_end(document):
-    move = [Move({"init": (float(x), 0)}) for x in range(4)]
+    move = [move_nodes({"init": (float(x), 0)}) for x in range(4)]
     document.do(move[0])
     document.do(move[1])
     document.do(move[2], gesture="drag")
@@ -74,7 +75,7 @@ def test_steps_of_one_kind_are_apart_without_a_gesture_or_after_its_end(document
 
 
 def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
-    document.do(Remove(("slices",)))
+    document.do(remove_nodes(("slices",)))
     assert document.modified
     document.save(tmp_path / "a.json")
     assert not document.modified
@@ -83,7 +84,7 @@ def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
     document.redo()
     assert not document.modified
     document.undo()
-    document.do(Remove(("picture",)))  # the saved state can be reached no more
+    document.do(remove_nodes(("picture",)))  # the saved state can be reached no more
     document.undo()
     assert document.modified
     assert document.history.redo_text == "Delete picture"
@@ -93,10 +94,10 @@ def test_listeners_hear_every_change_and_only_those(document):
     heard = []
     document.listen(lambda before, after: heard.append((before, after)))
     first = document.network
-    document.do(Move({"init": (480.0, 0)}))
+    document.do(move_nodes({"init": (480.0, 0)}))
     document.redo()
     assert heard == []
-    document.do(Remove(("slices",)))
+    document.do(remove_nodes(("slices",)))
     second = document.network
     document.undo()
     assert [tuple(map(id, pair)) for pair in heard] == [
@@ -121,7 +122,7 @@ def test_listeners_hear_every_change_and_only_those(document):
 def test_no_operation_brings_links_that_no_file_may_have(document, links, reason):
     before = document.network
     with pytest.raises(NetworkError, match=reason):
-        document.do(Rewire(add=tuple(links)))
+        document.do(rewire(add=tuple(links)))
     assert document.network is before
     assert document.history.position == 0
 
@@ -132,7 +133,7 @@ def test_a_document_without_a_file_asks_for_one(document):
 
 
 def test_a_save_that_fails_loses_nothing(document, tmp_path):
-    document.do(Remove(("slices",)))
+    document.do(remove_nodes(("slices",)))
     with pytest.raises(FileError):
         document.save(tmp_path / "no such folder" / "a.json")
     assert document.modified

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
-from core.editing.operations import ABSENT, Remove, restored, set_network_field, set_parameter
+from core.editing.operations import ABSENT, remove_nodes, restored, set_network_field, set_parameter
 from core.network.file import load_network
 from core.network.linked_values import expression
 
@@ -41,7 +41,7 @@ def test_lines_say_what_a_value_was_and_is(document):
         (set_parameter("init", "f_number", 3.5), f"Set init.f_number: {had} → 3.5"),
         (set_parameter("init", "f_number", expression("2*2")), "Link init.f_number: 3.5 → = 2*2"),
         (set_parameter("init", "f_number", ABSENT), "Reset init.f_number: = 2*2 → default"),
-        (Remove(("init",)), "Delete init"),
+        (remove_nodes(("init",)), "Delete init"),
     ]
     for operation, _ in steps:
         document.do(operation)
@@ -53,7 +53,7 @@ def test_going_back_is_one_step(library):
     kept = load_network(shipped_networks()["first_steps"], library=library)
     document = Document(kept, library=library)
     document.do(set_parameter("blur", "sigma_x_mrad", 3.0))
-    document.do(Remove(("blur",)))
+    document.do(remove_nodes(("blur",)))
     changed = document.text()
     steps = document.history.position
     assert document.do(restored(kept, "Go back to Snapshot 1"))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.macros import at_level, expose, group, hide, rename_exposed, ungroup
-from core.editing.operations import Rename, keeping_values, set_node_field, set_parameter
+from core.editing.operations import keeping_values, rename_node, set_node_field, set_parameter
 from core.editing.wiring import dissolved
 from core.errors import NetworkError
 from core.network.file import format_network, parse_network
@@ -106,8 +106,8 @@ def test_a_macro_in_a_macro_changes_no_value(data, linked, library):
     except NetworkError:
         return
     same(values(deeper, library), wanted)
-    renamed = at_level(("camera",), Rename("lens", "front lens")).apply(deeper)
-    renamed = Rename("camera", "the camera").apply(renamed)
+    renamed = at_level(("camera",), rename_node("lens", "front lens")).apply(deeper)
+    renamed = rename_node("camera", "the camera").apply(renamed)
     same(values(renamed, library), wanted)
     body = renamed.nodes["the camera"].macro
     step = at_level(("the camera",), ungroup(body, library, "front lens", "the camera/")[1])
@@ -126,7 +126,7 @@ def camera(linked, library):
 
 def test_a_node_renamed_inside_is_followed_outside(camera, library):
     wanted = values(camera.network, library)["electronics", "bias_percent"]
-    camera.do(Rename("camera/optics", "glass"))
+    camera.do(rename_node("camera/optics", "glass"))
     text = camera.network.nodes["electronics"].params["bias_percent"]["expression"]
     assert text == "init.focal_length_mm / 100 + 'camera/glass'.size_x_cm"
     assert values(camera.network, library)["electronics", "bias_percent"] == wanted

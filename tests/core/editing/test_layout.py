@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.editing.layout import EDGES, WAYS, aligned, arranged, distributed
-from core.editing.operations import Move
+from core.editing.operations import move_nodes
 from core.network.network import Link, Network, Node
 from thorough import examples
 
@@ -57,16 +57,16 @@ def test_wires_lead_to_the_right_and_nothing_overlaps(seed, count, wires):
     random = Random(seed)
     network = drawn(random, count, wires)
     sizes = {name: random.choice(list(SIZES.values())) for name in network.nodes}
-    after = Move(arranged(network, sizes)).apply(network)
+    after = move_nodes(arranged(network, sizes)).apply(network)
     assert_sound(after, sizes)
     assert after.links == network.links
-    again = Move(arranged(after, sizes)).apply(after)
+    again = move_nodes(arranged(after, sizes)).apply(after)
     assert again == after
 
 
 def test_the_kodak_chain_stays_one_row(kodak):
     """All but what hangs on it, which no row has room for."""
-    after = Move(arranged(kodak, {})).apply(kodak)
+    after = move_nodes(arranged(kodak, {})).apply(kodak)
     beside = {"pupil", "charge_phase", "slices"}
     assert {after.layout[name][1] for name in kodak.nodes if name not in beside} == {0.0}
     assert after.layout["pupil"][0] == after.layout["init"][0]  # right before what it feeds
@@ -76,14 +76,14 @@ def test_only_the_chosen_nodes_move(kodak):
     chosen = {"aberration", "detector", "charge"}
     places = arranged(kodak, {}, chosen)
     assert places.keys() == chosen
-    after = Move(places).apply(kodak)
+    after = move_nodes(places).apply(kodak)
     assert after.layout["aberration"] == kodak.layout["aberration"]
     assert {after.layout[name][1] for name in chosen} == {kodak.layout["detector"][1]}
 
 
 def test_nodes_without_wires_stand_in_rows():
     network = Network(nodes={f"n{number}": Node(f"n{number}", "gone") for number in range(100)})
-    after = Move(arranged(network, {})).apply(network)
+    after = move_nodes(arranged(network, {})).apply(network)
     assert len({x for x, _ in after.layout.values()}) == 10
     assert len(set(after.layout.values())) == 100
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
-from core.editing.operations import Remove, Rename, keeping_values
+from core.editing.operations import keeping_values, remove_nodes, rename_node
 from core.errors import NetworkError
 from core.network.expressions import quoted
 from core.network.file import parse_network
@@ -59,13 +59,15 @@ def test_a_name_too_long_for_an_expression_is_refused(kodak, library):
     document = Document(linked(kodak), library=library)
     before = document.text()
     with pytest.raises(NetworkError, match=r"init cannot be renamed: .* at most 1000"):
-        document.do(Rename("init", "x" * 2000))
+        document.do(rename_node("init", "x" * 2000))
     assert document.text() == before
 
 
 def taken_out(network, names, library):
     value_of = resolved(network, library=library).value
-    return keeping_values(network=network, names=names, taking=Remove(names), value_of=value_of)
+    return keeping_values(
+        network=network, names=names, taking=remove_nodes(names), value_of=value_of
+    )
 
 
 def test_deleting_what_is_followed_leaves_the_value(kodak, library):
@@ -123,7 +125,7 @@ def test_renaming_keeps_every_value(names, new, seed, library):
         nodes[name] = Node(name, "gaussian_mtf", params)
     network = Network(nodes=nodes)
     old = random.choice(names)
-    after = done_and_undone(network, Rename(old, new), library)
+    after = done_and_undone(network, rename_node(old, new), library)
     resolved = with_values(after, library=library)
     assert not resolved.faults
     for name, value in values.items():

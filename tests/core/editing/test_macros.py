@@ -18,11 +18,11 @@ from core.editing.macros import (
 )
 from core.editing.operations import (
     ABSENT,
-    Inside,
-    Remove,
-    Rename,
     exposed_as,
+    inside,
     output_toggled,
+    remove_nodes,
+    rename_node,
     set_parameter,
 )
 from core.errors import NetworkError
@@ -89,7 +89,7 @@ def test_grouping_and_ungrouping_change_no_bit(name, small, library):
         inner = f"camera/{port}" if port.rpartition(".")[0] in members else port
         before = picture(network, library, port)
         assert np.array_equal(before, picture(macro, library, inner))
-    renamed = Rename("camera", "sensor").apply(macro)
+    renamed = rename_node("camera", "sensor").apply(macro)
     for each in noisy:  # what draws noise says so in the file: another name changes nothing
         assert renamed.nodes["sensor"].macro.nodes[each].noise == each
 
@@ -193,7 +193,7 @@ def test_exposing_twice_or_renaming_to_a_name_that_is_taken_is_refused(camera):
 def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
     camera.do(set_parameter("camera", "f_number", 4.0))
     text = camera.text()
-    camera.do(at_level(("camera",), Remove(("init",))))
+    camera.do(at_level(("camera",), remove_nodes(("init",))))
     network = camera.network
     assert network.nodes["camera"].params == {}
     assert not [
@@ -206,7 +206,7 @@ def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
 
 def test_inside_of_what_is_no_macro(camera):
     with pytest.raises(NetworkError, match="back is not a macro"):
-        camera.do(Inside("back", Remove(("a",))))
+        camera.do(inside("back", remove_nodes(("a",))))
     with pytest.raises(NetworkError, match="back is not a macro"):
         ungroup(camera.network, camera.library, "back")
 
@@ -215,8 +215,8 @@ def test_removing_and_renaming_a_macro_follows_mentions_of_its_inside(small, lib
     macro, _ = grouped(small("kodak_kir310"), library, ["electronics", "pixels"])
     rows = [row["from"] for row in macro.extra["published"]]
     assert any(row.startswith("camera/electronics.") for row in rows)
-    after = Rename("camera", "chip").apply(macro)
+    after = rename_node("camera", "chip").apply(macro)
     assert any(row["from"].startswith("chip/electronics.") for row in after.extra["published"])
-    gone = Remove(("camera",))
+    gone = remove_nodes(("camera",))
     assert not [r for r in gone.apply(macro).extra.get("published", ()) if "camera/" in r["from"]]
     assert "camera/electronics" in unfolded(macro).nodes

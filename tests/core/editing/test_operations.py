@@ -7,14 +7,13 @@ import pytest
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.operations import (
-    Add,
-    Placed,
-    Remove,
-    Rename,
-    Rewire,
-    SetOutput,
+    add_nodes,
     fresh_name,
+    mark_output,
     output_toggled,
+    remove_nodes,
+    rename_node,
+    rewire,
     set_network_field,
     set_node_field,
     set_parameter,
@@ -37,49 +36,49 @@ def network(document, small_library):
 
 def test_a_link_that_comes_with_a_node_takes_the_place_of_another(network):
     link = Link("more", "image", "look", "picture")
-    adding = Add((Placed(Node("more", "back"), None),), (link,))
+    adding = add_nodes(((Node("more", "back"), None),), (link,))
     after = adding.apply(network)
     assert [each for each in after.links if each.target == "look"] == [link]
 
 
 def test_removing_takes_links_points_and_every_mention_along(network):
-    after = Remove(("back", "look")).apply(network)
+    after = remove_nodes(("back", "look")).apply(network)
     assert list(after.nodes) == ["scene", "init", "jitter", "add noise"]
     assert not [each for each in after.links if {each.source, each.target} & {"back", "look"}]
     assert "final" not in after.extra
     assert [row["figure"] for row in after.extra["published"]] == ["rms", "of the whole"]
-    assert Remove(("init",)).apply(network).layout == {"scene": (0, 0)}
+    assert remove_nodes(("init",)).apply(network).layout == {"scene": (0, 0)}
 
 
 def test_renaming_follows_every_mention(network):
-    after = Rename("back", "to the image").apply(network)
+    after = rename_node("back", "to the image").apply(network)
     assert list(after.nodes)[3] == "to the image"
     assert Link("to the image", "image", "add noise", "image") in after.links
     assert Link("jitter", "magnitude", "to the image", "magnitude") in after.links
     assert after.extra["final"] == "to the image.image"
-    moved = Rename("jitter", "shake").apply(network)
+    moved = rename_node("jitter", "shake").apply(network)
     assert [row.get("from") for row in moved.extra["published"]] == [
         "shake.sigma",
         "look.level",
         None,
     ]
-    assert Rename("init", "trans").apply(network).layout["trans"] == (220, -12.5)
+    assert rename_node("init", "trans").apply(network).layout["trans"] == (220, -12.5)
 
 
 @pytest.mark.parametrize("new", ["init", "a.b", "", "a=b", "line\nbreak", "\ud800"])
 def test_names_that_are_taken_or_not_allowed_are_refused(network, new):
     with pytest.raises(NetworkError):
-        Rename("look", new).apply(network)
+        rename_node("look", new).apply(network)
 
 
 def test_a_link_that_is_there_stays_one_link(network):
     link = network.links[0]
-    assert Rewire(add=(link,)).apply(network) == network
+    assert rewire(add=(link,)).apply(network) == network
 
 
 def test_a_link_that_is_not_there_cannot_be_taken_away(network):
     with pytest.raises(NetworkError, match=r"there is no link scene\.image → look\.picture"):
-        Rewire(remove=(Link("scene", "image", "look", "picture"),)).apply(network)
+        rewire(remove=(Link("scene", "image", "look", "picture"),)).apply(network)
 
 
 @pytest.mark.parametrize(
@@ -126,10 +125,10 @@ def fresh(kodak, library):
 
 def test_a_mark_takes_the_place_of_every_other(fresh):
     before = fresh.text()
-    fresh.do(SetOutput(("back",)))
+    fresh.do(mark_output(("back",)))
     assert marked(fresh.network) == ["back"]
     assert "final" not in fresh.network.extra
-    fresh.do(SetOutput(("electronics",)))
+    fresh.do(mark_output(("electronics",)))
     assert marked(fresh.network) == ["electronics"]
     fresh.undo()
     assert marked(fresh.network) == ["back"]
@@ -146,7 +145,7 @@ def test_what_makes_no_picture_cannot_be_marked(fresh, library, name):
 
 
 def test_a_copy_is_not_marked(fresh, library):
-    fresh.do(SetOutput(("back",)))
+    fresh.do(mark_output(("back",)))
     text = copied(fresh.network, ["back", "detector"], library)
     for operation in (
         pasted(text, fresh.network, library)[1],

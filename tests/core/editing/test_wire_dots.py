@@ -7,7 +7,7 @@ import pytest
 
 from core.editing.clipboard import copied, pasted
 from core.editing.macros import group, ungroup
-from core.editing.operations import Move, Remove, Rename, Rewire
+from core.editing.operations import move_nodes, remove_nodes, rename_node, rewire
 from core.editing.wire_dots import (
     add_dot,
     dots_of,
@@ -66,13 +66,13 @@ def test_moving_and_deleting(bent):
 @pytest.mark.parametrize(
     ("operation", "left"),
     [
-        (Rename("back", "to the image"), 2),
-        (Remove(("back",)), 0),
-        (Remove(("scene",)), 2),
-        (Rewire(remove=(SECOND,)), 0),
-        (Rewire(remove=(FIRST,)), 2),
-        (Rewire(add=(Link.between("scene.image", "back.magnitude"),)), 0),
-        (Move({"back": (700.0, 50.0)}), 2),
+        (rename_node("back", "to the image"), 2),
+        (remove_nodes(("back",)), 0),
+        (remove_nodes(("scene",)), 2),
+        (rewire(remove=(SECOND,)), 0),
+        (rewire(remove=(FIRST,)), 2),
+        (rewire(add=(Link.between("scene.image", "back.magnitude"),)), 0),
+        (move_nodes({"back": (700.0, 50.0)}), 2),
     ],
 )
 def test_they_go_with_their_wire_and_come_back_with_it(bent, operation, left, library):
@@ -93,11 +93,11 @@ def test_copied_nodes_bring_the_dots_of_the_wires_among_them(bent, library):
 
 
 def test_they_move_along_where_both_nodes_move(bent):
-    both = moved_with_dots(bent, Move({"init": (210.0, 5.0), "back": (610.0, 5.0)}))
+    both = moved_with_dots(bent, {"init": (210.0, 5.0), "back": (610.0, 5.0)})
     assert dots_of(both.apply(bent))[SECOND] == ((310.0, 85.0), (510.0, 85.5))
-    one = moved_with_dots(bent, Move({"init": (210.0, 5.0)}))
+    one = moved_with_dots(bent, {"init": (210.0, 5.0)})
     assert dots_of(one.apply(bent)) == dots_of(bent)
-    apart = moved_with_dots(bent, Move({"init": (210.0, 5.0), "back": (700.0, 5.0)}))
+    apart = moved_with_dots(bent, {"init": (210.0, 5.0), "back": (700.0, 5.0)})
     assert dots_of(apart.apply(bent)) == dots_of(bent)
 
 
@@ -126,7 +126,7 @@ def test_a_macro_takes_the_dots_inside_and_gives_them_back(bent, library):
 def test_what_else_a_file_has_there_are_no_dots_and_stays(network, library, strange):
     network = replace(network, extra={"wire_dots": strange})
     assert dots_of(network) == {}
-    for operation in (Rename("scene", "s"), Remove(("scene",)), Rewire(remove=(FIRST,))):
+    for operation in (rename_node("scene", "s"), remove_nodes(("scene",)), rewire(remove=(FIRST,))):
         assert operation.apply(network).extra == network.extra
     bent = add_dot(network, FIRST, 0, (1.0, 2.0)).apply(network)
     assert dots_of(bent) == {FIRST: ((1.0, 2.0),)}

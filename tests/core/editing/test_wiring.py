@@ -5,7 +5,7 @@ import pytest
 
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
-from core.editing.operations import Add, Placed, Remove, Rewire, keeping_values, set_node_field
+from core.editing.operations import add_nodes, keeping_values, remove_nodes, rewire, set_node_field
 from core.editing.wiring import (
     Candidate,
     continued,
@@ -71,7 +71,7 @@ def test_a_new_node_takes_what_is_certain(kodak, library, end, module, port, oth
 
 
 def test_a_dropped_phase_finds_its_magnitude(inframetrics, library):
-    network = Remove(("back",)).apply(inframetrics)
+    network = remove_nodes(("back",)).apply(inframetrics)
     found = wired(network, library, ("optics", "phase", "output"), "back_transform", "phase")
     assert found == links_of(
         "optics.phase → back_transform.phase", "optics.magnitude → back_transform.magnitude"
@@ -180,7 +180,9 @@ def test_the_pupil_module_leads_the_phase_through_too(kodak, library, magnitude,
 
 def test_of_two_phases_the_one_that_goes_all_the_way_beside(kodak, library):
     aside = Link("init", "phase", "charge_eff_phase", "phase")
-    network = Add((Placed(Node("charge_eff_phase", "charge_eff_phase")),), (aside,)).apply(kodak)
+    network = add_nodes(((Node("charge_eff_phase", "charge_eff_phase"), None),), (aside,)).apply(
+        kodak
+    )
     found = dropped(network, library, "exit_pupil_mtf", "init.magnitude → optics.magnitude")
     assert found is not None
     assert found[1] == {"init.magnitude → optics.magnitude", "init.phase → optics.phase"}
@@ -208,14 +210,14 @@ def test_only_a_node_that_feeds_nothing_and_whose_input_is_empty(kodak, library)
     assert inserted(kodak, library, wire, "nobody") is None
     assert inserted(kodak, library, wire, "photons") is None
     name, adding = new_node(kodak, library, "interpolate", None)
-    fed = Rewire(add=(Link("back", "image", name, "image"),)).apply(adding.apply(kodak))
+    fed = rewire(add=(Link("back", "image", name, "image"),)).apply(adding.apply(kodak))
     assert inserted(fed, library, wire, name) is None
 
 
 def test_no_cycle_is_made_with_what_the_node_has(kodak, library):
     name, adding = new_node(kodak, library, "electronics_noise", None)
     network = adding.apply(kodak)
-    network = Rewire(add=(Link("init", "context", name, "context"),)).apply(network)
+    network = rewire(add=(Link("init", "context", name, "context"),)).apply(network)
     assert inserted(network, library, link_of("scene.image → photons.image"), name) is None
     assert inserted(network, library, link_of("back.image → pixels.image"), name) is not None
 

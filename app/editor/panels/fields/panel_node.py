@@ -8,7 +8,7 @@ from PySide6.QtGui import QGuiApplication
 
 from app.editor.session import Session
 from core.editing.clipboard import copied_values, pasted_values
-from core.editing.operations import ABSENT, Operation, Together, named, set_parameter
+from core.editing.operations import ABSENT, Operation, named, set_parameter, together
 from core.errors import ImagechainError, thaw
 from core.network.expressions import quoted
 from core.network.macro import unfolded
@@ -75,7 +75,7 @@ class PanelNode:
 
 def _for_each(steps: Iterable[Operation]) -> Operation:
     one, *others = steps
-    return Together((one, *others)) if others else one
+    return together((one, *others)) if others else one
 
 
 _MOST_REASONS = 3

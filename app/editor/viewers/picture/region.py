@@ -17,7 +17,7 @@ from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
 from core.chain.wires import Image
-from core.editing.operations import ABSENT, Together, set_parameter
+from core.editing.operations import ABSENT, set_parameter, together
 from core.errors import ImagechainError, ParameterError, thaw
 from core.modules.declaration import Declaration
 from core.network.macro import unfolded
@@ -219,8 +219,8 @@ class RegionTool(QObject):
         if self._gesture is not None:
             values = zip(PARAMETERS, self.frame.region, strict=True)
             operations = [set_parameter(self._node, name, value) for name, value in values]
-            together = Together(operations, f"Set {self._node}'s region")
-            self._session.do(together, gesture=self._gesture)
+            operation = together(operations, f"Set {self._node}'s region")
+            self._session.do(operation, gesture=self._gesture)
         self.follow()
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
@@ -236,7 +236,7 @@ class RegionTool(QObject):
         params = unfolded(before).nodes[self._node].params
         values = {name: thaw(params.get(name, ABSENT)) for name in PARAMETERS}
         steps = [set_parameter(self._node, name, value) for name, value in values.items()]
-        self._session.do(Together(steps, ""), gesture=self._gesture)
+        self._session.do(together(steps, ""), gesture=self._gesture)
         self._end()
         self.follow()
         event.accept()

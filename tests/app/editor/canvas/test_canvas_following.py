@@ -7,12 +7,11 @@ from app.editor.canvas.wires import WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.document import Document
 from core.editing.operations import (
-    Add,
-    Move,
-    Placed,
-    Remove,
-    Rename,
-    Rewire,
+    add_nodes,
+    move_nodes,
+    remove_nodes,
+    rename_node,
+    rewire,
 )
 from core.network.network import Link, Network, Node
 
@@ -70,11 +69,11 @@ def test_ports_are_the_modules_from_top_to_bottom(opened, canvas):
 def test_undo_and_redo_are_followed(opened, canvas):
     session = opened("first_steps")
     before = shown(canvas)
-    session.do(Add((Placed(Node("jitter", "jitter_mtf"), (100.0, 300.0)),)))
-    session.do(Rewire(add=(Link.between("init.magnitude", "jitter.magnitude"),)))
-    session.do(Move({"scene": (-50.0, 20.0)}))
-    session.do(Rename("blur", "haze"))
-    session.do(Remove(("back",)))
+    session.do(add_nodes(((Node("jitter", "jitter_mtf"), (100.0, 300.0)),)))
+    session.do(rewire(add=(Link.between("init.magnitude", "jitter.magnitude"),)))
+    session.do(move_nodes({"scene": (-50.0, 20.0)}))
+    session.do(rename_node("blur", "haze"))
+    session.do(remove_nodes(("back",)))
     after = shown(canvas)
     assert after[0].keys() == {"scene", "init", "haze", "picture", "jitter"}
     assert after[2]["scene"] == (-50.0, 20.0)
@@ -90,7 +89,7 @@ def test_undo_and_redo_are_followed(opened, canvas):
 
 def test_wires_end_at_their_ports_after_a_move(opened, canvas):
     session = opened("first_steps")
-    session.do(Move({"blur": (520.0, 260.0)}))
+    session.do(move_nodes({"blur": (520.0, 260.0)}))
     for wire in canvas.content.wires.values():
         path = wire.path()
         assert path.pointAtPercent(0) == wire.output_port.scenePos()
@@ -118,7 +117,7 @@ def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, can
     assert [port.name for port in face.inputs] == ["picture"]
     assert [port.name for port in face.outputs] == ["result"]
     assert set(canvas.content.wires) == set(links)
-    session.do(Rewire(add=(Link.between("odd.other", "show.image"),)))
+    session.do(rewire(add=(Link.between("odd.other", "show.image"),)))
     face = canvas.content.nodes["odd"].face
     assert [port.name for port in face.outputs] == ["other"]
     assert Link.between("odd.other", "show.image") in canvas.content.wires

@@ -10,7 +10,7 @@ from app.editor.canvas.node_item import NodeItem
 from app.editor.evaluation.queries import Badge
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
-from core.editing.operations import Remove
+from core.editing.operations import remove_nodes
 from core.network.file import load_network
 
 
@@ -29,7 +29,7 @@ def test_removed_items_are_gone(opened, canvas, hand):
     items += content.wires_at("optics")
     gone = [weakref.ref(item) for item in items]
     del items
-    session.do(Remove(("optics",)))
+    session.do(remove_nodes(("optics",)))
     collect()
     assert [ref() for ref in gone if ref() is not None] == []
 

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 
 from canvas_networks import long_chain
 from core.editing.document import Document
-from core.editing.operations import Move
+from core.editing.operations import move_nodes
 
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 
@@ -71,7 +71,7 @@ def test_it_covers_no_node_but_moves_to_a_free_corner_or_hides(chain, canvas):
                (here.right(), here.top()), (here.left(), here.top())]  # fmt: skip
     for number, (x, y) in enumerate(corners):
         place = (x - 120 if number % 2 == 0 else x + 20, y - 80 if number < 2 else y + 20)
-        chain.do(Move({f"jitter_{number + 1}": place}))
+        chain.do(move_nodes({f"jitter_{number + 1}": place}))
         if number < 3:
             assert canvas.minimap.isVisible()
             assert not covered()

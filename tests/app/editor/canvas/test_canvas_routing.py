@@ -9,7 +9,7 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.canvas.wires import Ground, course_of, wire_path
 from canvas_networks import long_chain
 from core.editing.document import Document
-from core.editing.operations import Move, Remove
+from core.editing.operations import move_nodes, remove_nodes
 
 BESIDE = 10.0
 
@@ -50,8 +50,8 @@ def test_wires_run_after_edits_as_in_a_canvas_opened_anew(session, canvas, libra
     session.open(Document(long_chain(60), library=library))
     lot = random.Random(3)
     for name in lot.sample(list(session.network.nodes), 25):
-        session.do(Move({name: (lot.randrange(0, 2400), lot.randrange(0, 960))}))
-    session.do(Remove(("jitter_20", "jitter_33")))
+        session.do(move_nodes({name: (lot.randrange(0, 2400), lot.randrange(0, 960))}))
+    session.do(remove_nodes(("jitter_20", "jitter_33")))
     session.undo()
     anew = Canvas(session)
     qtbot.addWidget(anew)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.editor.canvas.node_thumbnails import SmallCurve, SmallPicture
-from core.editing.operations import Move, Remove, set_parameter
+from core.editing.operations import move_nodes, remove_nodes, set_parameter
 from core.evaluation.work import Policy
 
 
@@ -75,10 +75,10 @@ def test_they_follow_edits_moves_and_removals(kodak, idle, qtbot):
     # A Gaussian three times as wide: its logarithm at Nyquist is nine times as large.
     after = thumbnails(kodak)["aberration"].small.values[-1]
     assert np.log(after) == pytest.approx(9 * np.log(before), rel=1e-6)
-    kodak.session.do(Move({"scene": (-700.0, 300.0)}))
+    kodak.session.do(move_nodes({"scene": (-700.0, 300.0)}))
     assert thumbnails(kodak)["scene"].frame().left() >= -700.5
     assert thumbnails(kodak)["scene"].frame().right() <= -700 + 200.5
-    kodak.session.do(Remove(("slices", "photons")))
+    kodak.session.do(remove_nodes(("slices", "photons")))
     assert "photons" not in thumbnails(kodak)
     kodak.session.undo()
     qtbot.waitUntil(lambda: "photons" in thumbnails(kodak))

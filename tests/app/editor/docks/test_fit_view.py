@@ -11,7 +11,7 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.declared_text import FreeNumber
-from core.editing.operations import Rename, set_parameter
+from core.editing.operations import rename_node, set_parameter
 from edge_truth import blur_network, gaussian_edge
 
 INTERVAL_MRAD = 0.1
@@ -133,7 +133,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     qtbot.waitUntil(lambda: "no edge can be used" in view.status.title.text())
     assert view.outcome is None
     session.free.put(FreeNumber("blur", "sigma_x_mrad"))
-    session.do(Rename("blur", "smear"))
+    session.do(rename_node("blur", "smear"))
     assert session.free.has("smear", "sigma_x_mrad")
     view.begin()
     window.files.open_now(str(files / "net.json"))

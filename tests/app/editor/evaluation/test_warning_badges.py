@@ -6,7 +6,7 @@ import pytest
 from app.editor.evaluation.badges import STALE, badges
 from app.editor.evaluation.queries import Badge
 from core.chain.engine import Engine
-from core.editing.operations import Add, Placed, set_parameter
+from core.editing.operations import add_nodes, set_parameter
 from core.errors import DataError
 from core.network.network import Node
 from editor_queries import Samples
@@ -43,7 +43,7 @@ def test_a_warning_comes_and_goes_with_what_brings_it_about(bench, canvas):
 def test_samples_that_look_like_kelvin_are_warned_of_once_they_are_seen(bench, tmp_path):
     np.save(tmp_path / "t.npy", np.full((32, 32), 290.0, np.float32))
     node = Node("read", "read_image", {"path": str(tmp_path / "t.npy")})
-    bench.do(Add((Placed(node),)))
+    bench.do(add_nodes(((node, None),)))
     assert "read" not in shown(bench)
     bench.evaluator.ask("test", [Samples("read.image")])
     badge = shown(bench)["read"]

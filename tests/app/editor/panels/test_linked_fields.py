@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.evaluation.queries import Badge
-from core.editing.operations import Add, Placed, Rename, set_parameter
+from core.editing.operations import add_nodes, rename_node, set_parameter
 from core.network.network import Node
 from panel_hands import LEFT, field_of, panel_area, type_in
 
@@ -19,7 +19,7 @@ def area(qtbot, session):
     """A panel of a Gaussian MTF beside a node init at F/2."""
     init = Node("init", "init_trans", {"f_number": 2.0})
     blur = Node("blur", "gaussian_mtf", {"sigma_x_mrad": 0.3})
-    session.do(Add((Placed(init, (0.0, 0.0)), Placed(blur, (200.0, 0.0)))))
+    session.do(add_nodes(((init, (0.0, 0.0)), (blur, (200.0, 0.0)))))
     made = panel_area(qtbot, session)
     session.select(["blur"])
     return made
@@ -134,7 +134,7 @@ def test_a_link_is_typed_shown_followed_and_undone(sigma, session):
     session.do(set_parameter("init", "f_number", 3.0))
     assert sigma.linked_value.text() == "= 0.6 mrad"
     assert sigma.value == pytest.approx(0.6)
-    session.do(Rename("init", "Lens 2"))
+    session.do(rename_node("init", "Lens 2"))
     assert sigma.edit.text() == "= 'Lens 2'.f_number * 0.2"
     for _ in range(3):
         session.undo()

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.queries import Badge
-from core.editing.operations import Remove, set_node_field, set_parameter
+from core.editing.operations import remove_nodes, set_node_field, set_parameter
 from panel_hands import LEFT, drop, field_of, panel_area, type_in, undo_to
 
 
@@ -164,7 +164,7 @@ def test_pinned_panels_stay_open_below_and_are_closed(qtbot, session):
     session.undo()
     assert order(area) == ["one"]
     session.do(set_node_field("two", "pinned", True))
-    session.do(Remove(("one",)))
+    session.do(remove_nodes(("one",)))
     assert order(area) == ["two"]
     session.select(["three"])
     QApplication.processEvents()

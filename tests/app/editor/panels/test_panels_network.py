@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.editing.operations import ABSENT, Add, Placed, set_parameter
+from core.editing.operations import ABSENT, add_nodes, set_parameter
 from core.network.network import LARGEST_INTEGER, SEEDS, Node
 from panel_hands import LEFT, drop, let_go, panel_area, type_in, undo_to
 
@@ -47,7 +47,7 @@ def test_the_networks_own_panel(qtbot, session):
 def test_a_module_the_library_does_not_have_is_shown_and_kept(qtbot, session):
     params = {"gain": 2.5, "mode": "odd", "list": [1, 2]}
     area = panel_area(qtbot, session)
-    session.do(Add((Placed(Node("what", "from_the_future", params)),)))
+    session.do(add_nodes(((Node("what", "from_the_future", params), None),)))
     session.select(["what"])
     QApplication.processEvents()
     body = area.panels["what"].body

@@ -14,7 +14,7 @@ from app.editor.theme import DARK
 from app.run.write_rules import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.operations import Rewire, set_parameter
+from core.editing.operations import rewire, set_parameter
 from core.evaluation.work import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link
@@ -135,7 +135,7 @@ def test_read_outs_follow_edits_and_go_where_they_cannot_be(qtbot, session, eval
     qtbot.waitUntil(
         lambda: math.isclose(float(texts(area)["half_contrast"]), expected, rel_tol=1e-4)
     )
-    session.do(Rewire(remove=(Link("init", "context", "node", "context"),)))
+    session.do(rewire(remove=(Link("init", "context", "node", "context"),)))
     qtbot.waitUntil(lambda: set(texts(area).values()) == {"—"})
     session.undo()
     qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
@@ -163,7 +163,7 @@ def test_ports_show_what_is_linked_and_are_viewed(qtbot, session, tmp_path):
         brought.setFocus()
         QTest.keyClick(brought, Qt.Key.Key_Space)
     assert asked.args == ["blur", "magnitude", 1]
-    session.do(Rewire(remove=(Link("blur", "magnitude", "node", "magnitude"),)))
+    session.do(rewire(remove=(Link("blur", "magnitude", "node", "magnitude"),)))
     assert ports._inputs["magnitude"].text() == "magnitude ← not connected"
     assert not brought.isEnabled()
 

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.panels.preview_view import NOTHING, PreviewView, preview_query
 from battery_settings import EXAMPLES
-from core.editing.operations import Remove, set_parameter
+from core.editing.operations import remove_nodes, set_parameter
 from core.modules.preview import brief
 from core.network.network import Network, Node
 from lens_files import write_lens_files
@@ -140,7 +140,7 @@ def test_the_essential_numbers_are_told_in_words(bench):
 
 def test_nothing_is_shown_of_what_waits(session, bench):
     widget = bench.show(network_of("jitter_mtf", {}))
-    session.do(Remove(("scene",)))
+    session.do(remove_nodes(("scene",)))
     bench.settle()
     assert told(widget) == NOTHING
 

@@ -5,7 +5,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from core.editing.operations import Add, Placed
+from core.editing.operations import add_nodes
 from core.network.network import Node
 from panel_hands import LEFT, drag, handle_of, panel_area, type_in
 
@@ -16,7 +16,7 @@ SIGMAS = {"one": 0.1, "two": 0.2, "three": 0.3}
 def area(qtbot, session):
     nodes = [Node(name, "gaussian_mtf", {"sigma_x_mrad": sigma}) for name, sigma in SIGMAS.items()]
     nodes.append(Node("other", "jitter_mtf"))
-    session.do(Add(tuple(Placed(node, (0.0, 0.0)) for node in nodes)))
+    session.do(add_nodes(tuple((node, (0.0, 0.0)) for node in nodes)))
     return panel_area(qtbot, session)
 
 

@@ -11,7 +11,7 @@ from app.editor.recovery_files import Autosave, recoverable
 from child_process import PATIENCE_S, ROOT, finished, kill_program
 from core.atomic import own_token
 from core.editing.document import Document
-from core.editing.operations import Remove
+from core.editing.operations import remove_nodes
 from core.network.network import Network, Node
 
 # Leaves work behind, as a process that ends without a word.
@@ -21,14 +21,14 @@ from pathlib import Path
 from app.run.shipped import shipped_networks
 from app.editor.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.operations import Remove
+from core.editing.operations import remove_nodes
 from core.network.file import read_network
 from nodes.library import standard_library
 library = standard_library()
 network = read_network(shipped_networks()["kodak_kir310"], library=library)
 path = Path(sys.argv[2]) if len(sys.argv) > 2 else None
 document = Document(network, library=library, path=path)
-document.do(Remove(("slices",)))
+document.do(remove_nodes(("slices",)))
 Autosave(document, Path(sys.argv[1])).write_if_changed()
 print("written", flush=True)
 if len(sys.argv) > 3:
@@ -106,7 +106,7 @@ def test_work_is_recovered_after_a_crash(folder, shipped, library, tmp_path):
     assert not work.problem
     document = work.document(library)
     expected = Document(shipped["kodak_kir310"], library=library)
-    expected.do(Remove(("slices",)))
+    expected.do(remove_nodes(("slices",)))
     assert document.text() == expected.text() == work.text
     assert document.path == work.original
     assert document.modified
@@ -170,7 +170,7 @@ def test_a_saved_document_has_no_recovery_file(folder, document, tmp_path):
     autosave = Autosave(document, folder)
     assert not autosave.write_if_changed()
     assert not folder.exists()
-    document.do(Remove(("slices",)))
+    document.do(remove_nodes(("slices",)))
     assert autosave.write_if_changed()
     document.save(tmp_path / "a.json")
     assert not autosave.write_if_changed()

@@ -5,7 +5,7 @@ import pytest
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.viewers.plot.figures_strip import FiguresQuery, FiguresStrip, figure_text
 from app.run.figures import ELECTRONICS_FIGURES
-from core.editing.operations import Add, Placed, Remove, set_node_field, set_parameter
+from core.editing.operations import add_nodes, remove_nodes, set_node_field, set_parameter
 from core.network.network import Link, Node
 from viewer_bench import ViewerBench
 
@@ -63,7 +63,7 @@ def test_follows_edits(bench, strip):
 @pytest.mark.parametrize(
     ("edit", "why"),
     [
-        (Remove(("electronics",)), "Electronics & Noise"),
+        (remove_nodes(("electronics",)), "Electronics & Noise"),
         (set_node_field("electronics", "disabled", True), ""),
         (set_parameter("electronics", "material", "manual"), "d_star"),
     ],
@@ -80,7 +80,7 @@ def second(bench):
         Link("pixels", "image", "more", "image"),
         Link("init", "context", "more", "context"),
     )
-    bench.do(Add((Placed(node),), links))
+    bench.do(add_nodes(((node, None),), links))
     bench.do(set_parameter("more", "amplifier_snr", 100.0))
 
 

@@ -7,7 +7,7 @@ from PySide6.QtGui import QImage
 
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from core.editing.operations import Remove, Rename, set_parameter
+from core.editing.operations import remove_nodes, rename_node, set_parameter
 from viewer_bench import is_freed
 
 NETWORK, FINAL = "first_steps", "back.image"
@@ -105,17 +105,17 @@ def test_an_error_keeps_the_last_picture_faint(bench, viewer):
 
 
 def test_follows_a_renamed_node(bench, viewer):
-    bench.do(Rename("back", "inverse & last"))
+    bench.do(rename_node("back", "inverse & last"))
     assert viewer.choices.port == "inverse & last.image"
     assert viewer.bar.ports.currentText() == "inverse & last.image"
     assert (viewer.picture.samples == bench.value("inverse & last.image")).all()
 
 
 def test_of_a_removed_node_the_nearest_picture_is_shown_until_it_is_back(bench, viewer):
-    bench.do(Remove(("back",)))
+    bench.do(remove_nodes(("back",)))
     assert viewer.choices.port == viewer.bar.ports.port == "scene.image"
     assert (viewer.picture.samples == bench.value("scene.image")).all()
-    bench.do(Remove(("scene",)))
+    bench.do(remove_nodes(("scene",)))
     assert viewer.picture is None
     assert viewer.choices.port is None
     assert viewer.bar.ports.port == ""

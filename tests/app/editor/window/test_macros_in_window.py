@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
-from core.editing.operations import Move, set_parameter
+from core.editing.operations import move_nodes, set_parameter
 from core.network.file import format_network
 from core.network.linked_values import resolved
 from core.network.macro import face_of_macro
@@ -285,7 +285,7 @@ def test_inside_a_macro_its_inputs_and_outputs_are_drawn_with_their_names(groupe
         wire = end.wires[0]
         assert wire.pointAtPercent(1.0 if end.side == "input" else 0.0) == port
     first = ends.ends[0].plate
-    window.level.do(Move({next(iter(nodes)): (-700.0, 0.0)}))
+    window.level.do(move_nodes({next(iter(nodes)): (-700.0, 0.0)}))
     assert ends.ends[0].plate != first
     window.level.leave()
     assert ends.ends == ()

@@ -6,16 +6,16 @@ from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
-from core.editing.operations import Add, Placed, SetOutput
+from core.editing.operations import add_nodes, mark_output
 from core.network.file import load_network
 from core.network.network import Link, Node
 from viewer_bench import ViewerBench
 from window_hands import KEY, WindowHands
 
-SECOND = Add(
+SECOND = add_nodes(
     (
-        Placed(Node("other", "test_scene", {"width": 16, "height": 16}), (0.0, 900.0)),
-        Placed(Node("noisy", "poisson_noise"), (240.0, 900.0)),
+        (Node("other", "test_scene", {"width": 16, "height": 16}), (0.0, 900.0)),
+        (Node("noisy", "poisson_noise"), (240.0, 900.0)),
     ),
     (Link("other", "image", "noisy", "image"),),
 )
@@ -60,7 +60,7 @@ def test_what_has_no_picture_is_refused_in_words(window, hand):
 
 def test_the_mark_is_painted(canvas, opened):
     session = opened("inframetrics")
-    session.do(SetOutput(()))
+    session.do(mark_output(()))
     item = canvas.content.nodes["frame_grabber"]
     canvas.frame_all()
 
@@ -69,7 +69,7 @@ def test_the_mark_is_painted(canvas, opened):
         return {shot.pixel(x, y) for x in range(shot.width()) for y in range(0, shot.height(), 2)}
 
     before = colours()
-    session.do(SetOutput(("frame_grabber",)))
+    session.do(mark_output(("frame_grabber",)))
     assert item.face.output
     assert colours() != before
 
@@ -90,7 +90,7 @@ def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
     assert "electronics.image, noisy.image" in told
     assert "press O" in told
     assert strip.text("snr") != "—"  # there is one electronics: no doubt which is meant
-    bench.do(SetOutput(("noisy",)))
+    bench.do(mark_output(("noisy",)))
     assert strip.text("output") == "noisy.image"
 
 
@@ -105,8 +105,8 @@ def test_the_legend_says_why_there_is_no_total(bench):
     assert "Total" not in texts()
     assert texts()[0].startswith("no Total: this network ends in 2 pictures")
     assert "press O" in viewer.status.title.text()
-    bench.do(SetOutput(("electronics",)))
+    bench.do(mark_output(("electronics",)))
     assert "Total" in texts()
     assert not texts()[0].startswith("no Total")
-    bench.do(SetOutput(("noisy",)))
+    bench.do(mark_output(("noisy",)))
     assert texts()[0] == "no Total: no Back Transform comes before the output, noisy.image"

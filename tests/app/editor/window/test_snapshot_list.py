@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 
-from core.editing.operations import Remove, set_parameter
+from core.editing.operations import remove_nodes, set_parameter
 from window_hands import KEY
 
 
@@ -45,7 +45,7 @@ def test_going_back_is_a_step_that_undo_takes_back(person):
     kept = session.document.text()
     person.keep()
     person.blur(12.0)
-    session.do(Remove(("back",)))
+    session.do(remove_nodes(("back",)))
     person.idle()
     changed = session.document.text()
     person.open_list()

@@ -8,7 +8,7 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
-from core.editing.operations import Add, Placed
+from core.editing.operations import add_nodes
 from core.network.network import Node
 from window_hands import CTRL, KEY, SHIFT
 
@@ -24,8 +24,8 @@ def nodes(window, hand):
         Node("blur", "gaussian_mtf", {"sigma_x_mrad": 0.3, "sigma_y_mrad": 0.5}),
         Node("shake", "gaussian_mtf", {"sigma_y_mrad": 0.9}),
     )
-    placed = tuple(Placed(node, (300.0 * n, 0.0)) for n, node in enumerate(made))
-    window.session.do(Add(placed))
+    placed = tuple((node, (300.0 * n, 0.0)) for n, node in enumerate(made))
+    window.session.do(add_nodes(placed))
     window.canvas.frame_all()
     return window.session
 
@@ -104,7 +104,7 @@ def test_every_field_takes_the_value_it_gives(window, hand, nodes):
     kinds = set()
     for key in ("electronics_noise", "exit_pupil", "read_image", "atmosphere_mtf", "test_scene"):
         name = f"node {key}"
-        window.session.do(Add((Placed(Node(name, key), (0.0, 400.0)),)))
+        window.session.do(add_nodes(((Node(name, key), (0.0, 400.0)),)))
         window.session.select([name])
         QApplication.processEvents()
         for one in window.panels.panels[name].body.sections.fields:

@@ -1,6 +1,6 @@
 """On which pictures the region of a module is framed, where, and how it is seen."""
 
-from core.editing.operations import Add, Placed, set_parameter
+from core.editing.operations import add_nodes, set_parameter
 from core.network.network import Link, Node
 from region_hands import framed, stored
 
@@ -19,8 +19,8 @@ def test_the_region_of_the_selected_node_is_framed(bench, viewer):
 
 
 def test_it_is_framed_on_pictures_of_the_same_size_before_it_alone(bench, viewer):
-    half = Placed(Node("half", "combine_pixels", {"factor_x": 2, "factor_y": 2}))
-    bench.do(Add((half,), (Link("back", "image", "half", "image"),)))
+    half = (Node("half", "combine_pixels", {"factor_x": 2, "factor_y": 2}), None)
+    bench.do(add_nodes((half,), (Link("back", "image", "half", "image"),)))
     bench.session.select(["measured"])
     for port, seen in (
         (INPUT, True),
