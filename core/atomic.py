@@ -85,7 +85,6 @@ def no_regular_file(mode: int) -> str:
 
 
 def _mode_of_existing(target: Path) -> int | None:
-    """Permissions of the file to be replaced; None where there is none."""
     try:
         status = target.stat()
     except FileNotFoundError:

@@ -115,7 +115,6 @@ def physical_bytes() -> int | None:
 
 
 def _limits() -> list[int]:
-    """What containers and limits of the process leave of the machine's memory."""
     limits = [limit for folder in _groups() if (limit := _group_limit(folder)) is not None]
     try:
         import resource
@@ -128,7 +127,6 @@ def _limits() -> list[int]:
 
 
 def _available() -> int | None:
-    """Memory that can be had without swapping."""
     try:
         text = Path("/proc/meminfo").read_text()
     except OSError:

@@ -200,5 +200,4 @@ class StripArray:
             strip[rows] = block[:, place] if isinstance(block, np.ndarray) else block
 
     def __iter__(self) -> Iterator[tuple[slice, Array]]:
-        """Columns and strip, in order."""
         return zip(self.places, self.strips, strict=True)

@@ -69,7 +69,6 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
 
 
 def _bands_of(recipe: Delivered) -> DeliveredBands | None:
-    """The bands of a filtered image, where it has some."""
     before = recipe.magnitude.image.bands if recipe.magnitude.image is not None else None
     if before is None or not recipe.one_source:
         return None
@@ -106,7 +105,6 @@ class Delivered(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The pictures, and what the factors are made of."""
         return (*self._pictures, *self.bound)
 
     @property
@@ -132,12 +130,10 @@ class Delivered(Recipe):
 
     @property
     def bound(self) -> tuple[Recipe, ...]:
-        """Recipes that laws are bound to."""
         return tuple(one for factor in self._factors for law in factor.laws for one in law.inputs)
 
     @property
     def bands(self) -> BandStack:
-        """Bands of the picture that is filtered; of one that has some."""
         assert self.magnitude.image is not None
         assert self.magnitude.image.bands is not None
         return self.magnitude.image.bands
@@ -190,7 +186,6 @@ class Delivered(Recipe):
 
     @property
     def one_source(self) -> bool:
-        """Whether magnitude and phase belong to the same image."""
         a, b = self.magnitude, self.phase
         return (
             a.image is not None

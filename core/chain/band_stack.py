@@ -83,7 +83,6 @@ class BandStack(ABC):
         """Recipe of the mean of every band, (bands,), double."""
 
     def picture(self, weights: Row) -> Recipe:
-        """Recipe of one weighted sum, (rows, columns)."""
         return Step.of(_first, self.sums((weights,)))
 
     def band(self, index: int) -> Recipe:

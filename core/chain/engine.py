@@ -85,7 +85,6 @@ class PlannedNode:
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
-        """What its module warns of without looking at samples."""
         return tuple(check for check in self.checks if isinstance(check, Caution))
 
 
@@ -120,7 +119,6 @@ class Plan:
         return self.nodes[name]
 
     def errors(self) -> list[ImagechainError]:
-        """Errors of the nodes, each once, in order."""
         errors = (planned.error for planned in self.nodes.values())
         return list(dict.fromkeys(error for error in errors if error is not None))
 
@@ -308,7 +306,6 @@ class Engine:
 def _unchanged(
     network: Network, name: str, planned: Mapping[str, PlannedNode], earlier: PlannedNode
 ) -> bool:
-    """Whether planning the node again would give the same result."""
     if earlier.node is not network.nodes[name] or earlier.module is None or earlier.error:
         return False
     if any(isinstance(value, Path) for value in vars(earlier.module).values()):

@@ -72,7 +72,6 @@ class ChosenWavelengths(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """What the laws at single wavelengths are made of."""
         laws = [
             factor.by_wavelength.at(wavelength)
             for factor in self.factors
@@ -351,13 +350,11 @@ class FilteredSum:
 
     @cached_property
     def wavelengths(self) -> ChosenWavelengths:
-        """Recipe of those that stand for all bands that count."""
         centres = tuple(self.bands.centres_um[place] for place in used_bands(self.weights))
         return ChosenWavelengths(self.factors, centres, self.grid, self.node)
 
     @property
     def sums(self) -> ComponentSums:
-        """Recipe of the sums of bands that belong to those wavelengths."""
         return ComponentSums(self.bands, self.weights, self.wavelengths, self.node)
 
     @property
@@ -366,7 +363,6 @@ class FilteredSum:
 
     @cached_property
     def recipes(self) -> tuple[Recipe, ...]:
-        """What `spectra` reads."""
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
         if not self.factors:
             return (Step.of(transform, self.bands.picture(self.weights), node=self.node),)

@@ -122,7 +122,6 @@ class Remaking:
         return replace(wire, image=wire.image.with_recipe(made, bands=bands))
 
     def _bands(self, bands: BandStack) -> BandStack:
-        """The bands of a picture that is remade."""
         if isinstance(bands, DeliveredBands):
             delivered = self.of(bands.delivered)
             assert isinstance(delivered, Delivered)

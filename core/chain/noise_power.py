@@ -136,7 +136,6 @@ class NoisePower:
         return changed
 
     def cropped(self, rows: slice, columns: slice) -> NoisePower:
-        """Of some rows and columns."""
         new = rows.stop - rows.start, columns.stop - columns.start
         if self.power.shape == (1, 1) and self._plain:
             if self.variances is not None:

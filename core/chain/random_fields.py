@@ -74,7 +74,6 @@ class Stream:
 
     @property
     def key(self) -> int:
-        """128-bit key of the stream."""
         digest = blake2b(digest_size=16, person=b"imagechain noise")
         frame = (f"frame {self.frame}",) if self.frame else ()
         for part in (str(int(self.seed)), self.node, self.field, *frame):
@@ -418,7 +417,6 @@ def _gaussian_steps(sigma_px: float) -> Array:
 
 
 def _mirrored(places: Array, size: int) -> Array:
-    """Places beyond the frame's edges, back on it."""
     places = places % (2 * size)
     return np.asarray(np.minimum(places, 2 * size - 1 - places))
 

@@ -223,7 +223,6 @@ def _key(value: Any) -> str:
 
 
 def _behind(recipes: list[Recipe]) -> set[str]:
-    """Keys of all that these recipes are made of, themselves left out."""
     keys: set[str] = set()
     waiting = list(recipes)
     while waiting:

@@ -197,12 +197,10 @@ class Blocks(Linear):
         return self.old
 
     def grid_before(self, grid: Grid) -> Grid:
-        """Finer by the factors, with what is cropped."""
         x, y = grid.interval_x_mrad / self.factor_x, grid.interval_y_mrad / self.factor_y
         return Grid(*self.old, x, y)
 
     def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
-        """Of the mean of neighbouring samples."""
         if (self.factor_x, self.factor_y) == (1, 1):
             return ()
         x, y = (
@@ -304,7 +302,6 @@ class PixelSamples(Linear):
         return self.old
 
     def grid_before(self, grid: Grid) -> Grid:
-        """Finer by the ratios, with what is cropped."""
         x, y = grid.interval_x_mrad / self.ratio_x, grid.interval_y_mrad / self.ratio_y
         return Grid(*self.old, x, y)
 
@@ -402,14 +399,12 @@ class AtStep:
         return made
 
     def white(self, name: str, variance: float | Array, *, temporal: bool = True) -> Noise:
-        """Of independent samples, of one variance or each of its own."""
         power = NoisePower.white(self.rows, self.columns, variance)
         if not self.filtered:
             power = replace(power, variances=None)
         return self.coloured(name, power, temporal=temporal)
 
     def coloured(self, name: str, power: NoisePower, *, temporal: bool = True) -> Noise:
-        """Of this power over the frame's waves."""
         return Noise(self.step.node or "", name, temporal, power)
 
     def known(self, name: str) -> Noise:
@@ -539,6 +534,5 @@ def source_step(*, area_means: bool) -> Callable[[F], F]:
 
 
 def _inputs(function: Callable[..., Any]) -> list[str]:
-    """Names of the inputs that a step's function takes, after the work."""
     given = signature(function).parameters.values()
     return [parameter.name for parameter in given if parameter.kind in _POSITIONAL][1:]

@@ -169,7 +169,6 @@ class Header:
 
 
 def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:
-    """Recipes bound in the factors' laws."""
     return tuple(recipe for factor in factors for law in factor.laws for recipe in law.inputs)
 
 
@@ -231,7 +230,6 @@ class Image:
 
     @property
     def key(self) -> str:
-        """Content key of the pixels."""
         return self.recipe.key
 
     @property
@@ -298,23 +296,19 @@ class SpectrumWire:
         return longer
 
     def only(self, *factors: Factor) -> Self:
-        """The transfer function alone, without the image."""
         return replace(self, image=None, factors=factors)
 
     @property
     def pixel_mrad(self) -> tuple[float | None, float | None]:
-        """From one pixel of the detector to the next, where the image has it."""
         return (None, None) if self.image is None else self.image.pixel_mrad
 
     def transfer(
         self, part: Literal["mtf", "ptf"], factors: tuple[Factor, ...], label: str
     ) -> Transfer:
-        """A transfer function at this image's frequencies."""
         return Transfer(self.grid, part, factors, label, pixel_mrad=self.pixel_mrad)
 
     @property
     def recipes(self) -> tuple[Recipe, ...]:
-        """The picture's, and those bound in laws."""
         source = (self.image.recipe,) if self.image is not None else ()
         return (*source, *_bound(self.factors))
 
@@ -326,7 +320,6 @@ class Magnitude(SpectrumWire):
     port_type: ClassVar[str] = "magnitude"
 
     def times(self, *factors: Factor) -> Magnitude:
-        """With further MTF factors."""
         return self._further(factors) if factors else self
 
 
@@ -337,7 +330,6 @@ class Phase(SpectrumWire):
     port_type: ClassVar[str] = "phase"
 
     def plus(self, *factors: Factor) -> Phase:
-        """With further PTF factors."""
         return self._further(factors) if factors else self
 
 
@@ -367,7 +359,6 @@ class Transfer:
 
     @property
     def recipes(self) -> tuple[Recipe, ...]:
-        """Its own, and those bound in laws."""
         own = (self.own,) if self.own is not None else ()
         return (*own, *_bound(self.factors))
 
@@ -484,5 +475,4 @@ class Pupil:
 
     @property
     def aberrated(self) -> bool:
-        """Whether there is a wavefront error."""
         return bool(self.defocus_waves or any(self.zernike_waves) or self.wavefront is not None)

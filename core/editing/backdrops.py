@@ -121,7 +121,6 @@ def _entries(network: Network) -> list[Any]:
 
 
 def _indexed(network: Network) -> list[tuple[int, Backdrop]]:
-    """Backdrops, with their places in the file's list."""
     read = ((place, _backdrop(entry)) for place, entry in enumerate(_entries(network)))
     return [(place, backdrop) for place, backdrop in read if backdrop is not None]
 

@@ -75,7 +75,6 @@ def duplicated(
 
 
 def _part(network: Network, names: Iterable[str]) -> Network:
-    """A network of these nodes, in the network's order."""
     chosen = {name: network.node(name) for name in names}
     dots = dots_among(network, chosen)
     return Network(
@@ -206,7 +205,6 @@ def pasted_values(
 
 
 def _fitting(parameter: Parameter, raw: Any) -> Any:
-    """The value as a network file has it; ABSENT for the default."""
     if isinstance(raw, dict) and EXPRESSION in raw:
         return raw
     value = parameter.coerce(raw)

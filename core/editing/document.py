@@ -46,17 +46,14 @@ class History:
 
     @property
     def start(self) -> Network | None:
-        """The network before the gesture that is going on, if one is."""
         return self._states[self._at - 1].network if self._gesture is not None else None
 
     @property
     def undo_text(self) -> str:
-        """What undo would undo; empty where there is nothing."""
         return self._states[self._at].text
 
     @property
     def redo_text(self) -> str:
-        """What redo would do again; empty where there is nothing."""
         return self._states[self._at + 1].text if self._at < self.last else ""
 
     @property
@@ -65,7 +62,6 @@ class History:
 
     @property
     def position(self) -> int:
-        """How many steps are done."""
         return self._at
 
     @property
@@ -91,7 +87,6 @@ class History:
         self.end_gesture()
 
     def add(self, network: Network, operation: Operation, gesture: Hashable = None) -> None:
-        """Take the network after an operation; what was undone is forgotten."""
         del self._states[self._at + 1 :]
         if self.saved is not None and self.saved > self._at:
             self.saved = None
@@ -120,7 +115,6 @@ class History:
 
 
 def _value_text(value: Any) -> str:
-    """A parameter's value as a network file has it, in a few letters."""
     if value is ABSENT:
         return "default"
     if isinstance(value, bool):
@@ -166,7 +160,6 @@ class Document:
 
     @property
     def modified(self) -> bool:
-        """Whether there is work that no file holds."""
         return self.history.modified
 
     @property
@@ -199,11 +192,9 @@ class Document:
         self.history.end_gesture()
 
     def undo(self) -> None:
-        """Undo the last step, if there is one."""
         self.go_to(max(self.history.position - 1, 0))
 
     def redo(self) -> None:
-        """Do again the step undone last, if there is one."""
         self.go_to(min(self.history.position + 1, self.history.last))
 
     def go_to(self, position: int) -> None:
@@ -219,7 +210,6 @@ class Document:
         return "removed" if current == GONE else "changed"
 
     def save(self, path: Path | None = None, *, over: bool = False) -> None:
-        """Write it to a file, which is its own from then on."""
         target = path or self.path
         if target is None:
             raise NetworkError("the network has no file yet: choose where to save it")
@@ -242,7 +232,6 @@ class Document:
         return one is other or (one == other and text(one) == text(other))
 
     def _tell(self, before: Network) -> None:
-        """Call the listeners where another network stands than `before`."""
         if (after := self.network) is not before:
             for listener in tuple(self._listeners):
                 listener(before, after)

@@ -168,7 +168,6 @@ def _in_rows(
 
 
 def _zoom(points: Mapping[str, Point], sizes: Sizes, room: Size) -> float:
-    """How large all can be drawn."""
     left, top, right, bottom = hull(boxes_of(points, sizes).values())
     return min(room[0] / max(right - left, 1.0), room[1] / max(bottom - top, 1.0))
 
@@ -218,7 +217,6 @@ def _rows_of(followers: Followers, column: Mapping[str, int]) -> list[list[str]]
 
 
 def _crossings(followers: Followers, column: Mapping[str, int], height: Mapping[str, float]) -> int:
-    """How many pairs of wires between neighbouring columns cross."""
     wires: dict[int, list[tuple[float, float]]] = {}
     for name, targets in followers.items():
         for target in targets:

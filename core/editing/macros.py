@@ -253,7 +253,6 @@ def _body(
     moved: Mapping[str, str],
     values: Mapping[str, Any],
 ) -> tuple[Network, dict[str, Any]]:
-    """The inside of a new macro, and the expressions that its own parameters take over."""
     nodes = {name: node for name, node in network.nodes.items() if name in members}
     lifted = {}
     for name, (own, parameter) in face.parameters.items():
@@ -279,7 +278,6 @@ def _with_macro(
     lifted: Mapping[str, Any],
     moved: Mapping[str, str],
 ) -> Network:
-    """The network with a macro in the place of nodes."""
     inner = body.nodes
     checked_depth(1 + depth(body), name)
     nodes: dict[str, Node] = {}
@@ -324,7 +322,6 @@ def _without_macro(
     noisy: frozenset[str],
     where: str,
 ) -> Network:
-    """The network with the nodes of a macro in its place."""
     name, body = macro.id, opened(macro, linked=False)
     face, around = face_of_macro(body), face_of_macro(network)
 
@@ -395,7 +392,6 @@ def _plain_nodes(
 
 
 def _follows_others(node: Node, parameter: str, members: Collection[str]) -> bool:
-    """Whether a parameter has an expression that names what is no member, nor inside of one."""
     inside = dict.fromkeys(members, "")
     found = references_in(node.params[parameter]) if parameter in node.linked else ()
     leaders = {one.node for one in found} - set(members)

@@ -62,7 +62,6 @@ def without_dots(extra: Mapping[str, Any], gone: Collection[Link]) -> dict[str, 
 def _with_face_of(
     extra: Mapping[str, Any], fields: dict[str, Any], change: Callable[[Interface], Interface]
 ) -> dict[str, Any]:
-    """The fields with those of a macro's inside changed that name its nodes."""
     if not any(isinstance(extra.get(name), Mapping) for name in FIELDS):
         return fields
     try:
@@ -87,7 +86,6 @@ def dots_entry_link(entry: Any) -> Link | None:
 
 
 def _links_of_dots(fields: Mapping[str, Any]) -> list[Link | None]:
-    """The wire that each entry names."""
     entries = fields.get(WIRE_DOTS)
     if not isinstance(entries, tuple | list):
         return []  # of another form: left as it is

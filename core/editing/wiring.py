@@ -343,7 +343,6 @@ def _wired_along(network: Network, library: Library, link: Link, node: str) -> O
 
 
 def _others(network: Network, library: Library, link: Link, node: str) -> list[Link]:
-    """Links for the inputs of a new node beside the one drawn."""
     module = declared(network, library, node)
     if module is None:
         return []
@@ -364,7 +363,6 @@ def _others(network: Network, library: Library, link: Link, node: str) -> list[L
 def _spectrum(
     network: Network, library: Library, link: Link, node: str, kind: str, *, required: bool
 ) -> Output | None:
-    """The output that a new node takes its magnitude or phase from."""
     every = [end for end in outputs_of(network, library, kind) if end[0] != node]
     module = declared(network, library, link.target)
     drawn_to = module.input(link.input) if module else None

@@ -81,12 +81,10 @@ class Region:
         return Region(top, left, rows, columns)
 
     def cut(self, array: Array) -> Array:
-        """A copy of the samples of an array, itself perhaps broadcast."""
         rows, columns = array.shape
         return array[self.broadcast((rows, columns)).slices].copy()
 
     def overlap(self, other: Region) -> Region | None:
-        """What both regions have, if anything."""
         top, left = max(self.top, other.top), max(self.left, other.left)
         rows = min(self.bottom, other.bottom) - top
         columns = min(self.right, other.right) - left
@@ -98,7 +96,6 @@ class Region:
         return slice(top, top + self.rows), slice(left, left + self.columns)
 
     def blocks(self, columns: int, size: int) -> list[int]:
-        """Which blocks of `size` samples the region covers, in a picture of so many columns."""
         lines = np.arange(self.top, self.bottom) * columns
         first, last = (lines + self.left) // size, (lines + self.right - 1) // size
         bounds = set(zip(first.tolist(), last.tolist(), strict=True))
@@ -139,7 +136,6 @@ class Recipe(ABC):
 
     @property
     def made_of(self) -> Iterable[Recipe]:
-        """Recipes whose keys enter this one's."""
         return self.inputs
 
     @property
@@ -260,7 +256,6 @@ class Step(Recipe):
 
     @property
     def made_of(self) -> Iterable[Recipe]:
-        """The inputs, and what parameters such as a wire are made of."""
         yield from self.inputs
         for _, value in self.parameters:
             yield from (value,) if isinstance(value, Recipe) else getattr(value, "recipes", ())
@@ -275,12 +270,10 @@ class Step(Recipe):
 
     @property
     def in_parts(self) -> bool:
-        """Whether the function is marked so, by `in_parts` or `pointwise`."""
         return hasattr(self.function, "part")
 
     @property
     def in_blocks(self) -> bool:
-        """Whether its parts are made by themselves, or the function is marked by `in_blocks`."""
         able: Callable[..., bool] | None = getattr(self.function, "in_blocks", None)
         return super().in_blocks if able is None else able(**dict(self.parameters))
 
@@ -290,13 +283,11 @@ class Step(Recipe):
         return None if size is None else size(**dict(self.parameters))
 
     def compute_part(self, work: Evaluation, region: Region) -> Any:
-        """Call the function's part, which takes what it needs of the inputs."""
         make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
         return make(work, region, *self.inputs, **dict(self.parameters))
 
     @property
     def lineage(self) -> Any:
-        """As the function is marked, by `picture_step`, `source_step` or `ends_lineage`."""
         declared: Callable[[Step], Any] = getattr(self.function, "lineage", _ended)
         return declared(self)
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 
 def _parts(value: object) -> Collection[object]:
-    """What a value that is no array holds."""
     if isinstance(value, tuple | list):
         return value
     return (value if isinstance(value, dict) else getattr(value, "__dict__", {})).values()
@@ -73,7 +72,6 @@ class Store:
 
     @property
     def pinned(self) -> int:
-        """How many keys are pinned, whether their values are there or not."""
         return len(self._pins)
 
     def peek(self, key: str, default: Any = None) -> Any:
@@ -135,7 +133,6 @@ class Store:
             return value
 
     def drop(self, key: str) -> None:
-        """Forget the value of `key`, unless it is pinned."""
         with self._lock:
             self._bytes -= self._values.pop(key, (None, 0))[1]
 
@@ -193,7 +190,6 @@ class EvaluationLog:
         """Keys of spectra and transfer functions of which an array was made."""
 
     def add(self, other: EvaluationLog) -> None:
-        """Take over the notes of another evaluation."""
         self.requested.update(other.requested)
         self.parts.update(other.parts)
         self.computed |= other.computed

@@ -233,7 +233,6 @@ class Work:
         return [slice(top, min(top + step, rows)) for top in range(0, rows, step)]
 
     def check(self) -> None:
-        """Raise `Cancelled` if the caller has requested a stop."""
         if self._cancel is not None and self._cancel.is_set():
             raise Cancelled("stopped on request")
 
@@ -301,7 +300,6 @@ class Work:
         return tuple(needed.values())
 
     def _in_slabs(self, recipe: Recipe, shape: tuple[int, int]) -> Any:
-        """A picture on disk, made by blocks of rows."""
         assert self.blocks is not None
         step = self.blocks.disk.slab_rows(shape[1], 8)
         nested = self._nested
@@ -391,12 +389,10 @@ class Claims:
             self._give_up(self.waiting.pop(recipe.key, ()))
 
     def take(self, recipes: Iterable[Recipe]) -> None:
-        """Claim values that will be read later."""
         with self._lock:
             self._take(recipes)
 
     def give_up(self, recipes: Iterable[Recipe]) -> None:
-        """Take back as many claims."""
         with self._lock:
             self._give_up(recipes)
 
@@ -458,7 +454,6 @@ class Held:
         claims.take([recipe for alike in self._left.values() for recipe in alike])
 
     def release(self, recipes: Iterable[Recipe]) -> None:
-        """Each of these has been read once."""
         self._claims.give_up([self._left[recipe.key].pop() for recipe in recipes])
 
     def __enter__(self) -> Held:
@@ -468,7 +463,6 @@ class Held:
         self.close()
 
     def close(self) -> None:
-        """Release all that is left."""
         left, self._left = self._left, {}
         self._claims.give_up([recipe for alike in left.values() for recipe in alike])
 

@@ -144,15 +144,12 @@ class Declaration:
         return f"{self.title} ({self.explained})" if self.explained else self.title
 
     def parameter(self, name: str) -> Parameter | None:
-        """The parameter of that name."""
         return next((p for p in self.parameters if p.name == name), None)
 
     def input(self, name: str) -> Port | None:
-        """The input port of that name."""
         return next((p for p in self.inputs if p.name == name), None)
 
     def output(self, name: str) -> Port | None:
-        """The output port of that name."""
         return next((p for p in self.outputs if p.name == name), None)
 
 
@@ -245,7 +242,6 @@ class Module:
         """Refuse combinations of parameters that make no sense (`ParameterError`)."""
 
     def values(self) -> dict[str, Any]:
-        """Parameters by name."""
         return {p.name: getattr(self, p.name) for p in declaration(type(self)).parameters}
 
 

@@ -53,11 +53,9 @@ class Parameter:
 
     @property
     def required(self) -> bool:
-        """Whether there is no default."""
         return self.default is ...
 
     def allowed(self) -> str:
-        """The allowed values in words."""
         if self.kind == "choice":
             return "one of " + ", ".join(str(choice) for choice in self.choices)
         words = {
@@ -103,7 +101,6 @@ class Parameter:
         return high is None or (number < high if self.param.below else number <= high)
 
     def _checked(self, value: object, largest: float) -> int | float:
-        """A number that is neither too large nor NaN."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._refuse(value)
         if not abs(value) <= largest:
@@ -219,7 +216,6 @@ class Offer:
     choices: tuple[tuple[Any, tuple[Any, ...]], ...]
 
     def of(self, value: Any, otherwise: tuple[Any, ...]) -> tuple[Any, ...]:
-        """The choices at a value of `by`."""
         return next((choices for known, choices in self.choices if known == value), otherwise)
 
 
@@ -237,7 +233,6 @@ class Section:
     offer: Offer | None = None  # limits the choices of one of the parameters
 
     def mentioned(self) -> tuple[str, ...]:
-        """Every parameter that it names."""
         offer, condition = self.offer, self.shown_when
         further = () if offer is None else (offer.parameter, offer.by)
         return (*self.parameters, *further, *(() if condition is None else condition[:1]))
@@ -276,11 +271,9 @@ class Caution:
 
     @property
     def text(self) -> str:
-        """Warning and remedy in one line, without the node."""
         return f"{self.message}: {self.remedy}"
 
     def at(self, node: str, check: str) -> Caution:
-        """The same, of that node."""
         return replace(self, node=node, check=check)
 
     def __str__(self) -> str:
@@ -296,11 +289,9 @@ class PendingCheck:
     recipe: Recipe
 
     def is_ready(self, work: Work) -> bool:
-        """Whether the samples it takes have been computed."""
         return all(map(work.has, self.recipe.needs))
 
     def value(self, work: Work) -> Caution | None:
-        """What it warns of."""
         result = checked(partial(work.value, self.recipe), node=self.node, check=self.check)
         return result if isinstance(result, Caution) else None
 

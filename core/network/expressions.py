@@ -197,7 +197,6 @@ class Reference:
 
     @property
     def text(self) -> str:
-        """``NODE.PARAMETER`` as an expression has it."""
         return f"{quoted(self.node)}.{self.parameter}"
 
 
@@ -283,7 +282,6 @@ class _Reader:
         self.takes_unit = True
 
     def operator(self, *wanted: str) -> str:
-        """The operator that stands next, if it is one of these."""
         match = _OPERATOR.match(self.text, self.at)
         if match is None or match[0] not in wanted:
             return ""
@@ -362,7 +360,6 @@ class _Reader:
             raise self.fault("')'")
 
     def named(self, depth: int) -> None:
-        """A parameter, a function or pi."""
         start = self.at
         match = _QUOTED.match(self.text, start) or _NAME.match(self.text, start)
         if match is None:

@@ -340,7 +340,6 @@ def _body_with_current(body: Network, library: Library) -> Network:
 
 
 def _new_name(modules: Mapping[str, type[Module] | None], end: End, known: Known) -> End:
-    """A node and the name that its port or parameter has now."""
     module = modules.get(end[0])
     new = getattr(module, "renamed", {}).get(end[1])
     if module is None or new is None or known(declaration(module), end[1]):

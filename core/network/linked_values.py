@@ -62,7 +62,6 @@ class ResolvedNetwork:
         return self.network.nodes.get(name) or self.network.aside.get(name)
 
     def value(self, node: str, parameter: str) -> Any:
-        """The value a node has been given for a parameter; of a macro, that of the inner one."""
         name, behind = self.network.parameter_behind(node, parameter)
         known = self.node(name)
         return known.params.get(behind) if known is not None else None

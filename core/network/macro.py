@@ -225,16 +225,12 @@ class Interface:
         return Interface({name: ends for name, ends in inputs.items() if ends}, outputs, parameters)
 
     def renamed(self, names: Mapping[str, str]) -> Interface:
-        """With inner nodes' new names, by the old ones."""
-
         def moved(end: End) -> tuple[End]:
             return ((names.get(end[0], end[0]), end[1]),)
 
         return self.mapped(moved, moved, moved)
 
     def without(self, gone: Collection[str]) -> Interface:
-        """Without what stands for these inner nodes."""
-
         def left(end: End) -> tuple[End, ...]:
             return () if end[0] in gone else (end,)
 
@@ -379,7 +375,6 @@ class _Level:
         return end if end not in self.outputs and end[0] in self.nodes else ("", "")
 
     def targets(self, end: End) -> tuple[End, ...]:
-        """The inputs of plain nodes that an input stands for."""
         itself = (end,) if end[0] in self.nodes else ()
         return self.inputs.get(end, itself)
 

@@ -65,7 +65,6 @@ class Node(_Frozen):
 
     @cached_property
     def linked(self) -> tuple[str, ...]:
-        """The parameters that have an expression in the place of a value."""
         return tuple(
             name
             for name, value in self.params.items()
@@ -94,12 +93,10 @@ class Link:
         return cls(*ends)
 
     def renamed(self, names: Mapping[str, str]) -> Link:
-        """The wire between nodes that have other names now, by the old ones."""
         source, target = (names.get(node, node) for node in (self.source, self.target))
         return Link(source, self.output, target, self.input)
 
     def text(self) -> list[str]:
-        """Both ends as a network file has them."""
         return [f"{self.source}.{self.output}", f"{self.target}.{self.input}"]
 
     def __str__(self) -> str:
@@ -199,14 +196,12 @@ class Network(_Frozen):
         return (inner, parameter) if inner else (node, name)
 
     def node(self, name: str) -> Node:
-        """The node of that id; a `NetworkError` if there is none."""
         if name not in self.nodes:
             hint = close(name, self.nodes)
             raise NetworkError(f"{shown(name)} is not a node of this network{hint}")
         return self.nodes[name]
 
     def links_into(self, node: str) -> tuple[Link, ...]:
-        """The links that end at inputs of `node`."""
         return self._inward.get(node, ())
 
     def unlinked_outputs(self, library: Library) -> tuple[tuple[str, str], ...]:
@@ -232,7 +227,6 @@ class Network(_Frozen):
         return ordered
 
     def with_parameter(self, node: str, name: str, value: Any) -> Network:
-        """With a parameter set; `problems` checks whether its module takes it."""
         old = self.node(node)
         return self.with_node(replace(old, params={**old.params, name: value}))
 
@@ -252,7 +246,6 @@ class Network(_Frozen):
         return changed
 
     def with_seed(self, seed: int) -> Network:
-        """With another seed; a `ParameterError` if it is not allowed."""
         return replace(self, seed=seed)
 
 

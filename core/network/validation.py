@@ -48,7 +48,6 @@ class NetworkProblems(NetworkError):
 
     @property
     def more(self) -> int:
-        """How many faults there are beside the first."""
         return len(self.problems) - 1
 
 

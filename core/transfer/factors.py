@@ -54,12 +54,10 @@ class Law:
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key(self.function, self.parameters, self.scale)
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """Recipes among the bound arguments."""
         return tuple(value for _, value in self.parameters if isinstance(value, Recipe))
 
     def check(self, *frequencies: str) -> None:
@@ -102,14 +100,12 @@ class AtWavelength(WavelengthLaw):
     names: tuple[str, ...] = ("wavelength_um",)
 
     def at(self, wavelength_um: float) -> Law:
-        """The law with the wavelength bound."""
         bound = dict(self.law.parameters) | dict.fromkeys(self.names, wavelength_um)
         return replace(self.law, parameters=tuple(sorted(bound.items())))
 
 
 @contextmanager
 def _placed(node: str | None) -> Iterator[None]:
-    """Put errors on the node a factor came from."""
     try:
         with watched(node):
             yield
@@ -138,16 +134,13 @@ class Separable:
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key("separable", self.x, self.y, self.part, self.argument)
 
     @property
     def laws(self) -> tuple[Law, ...]:
-        """The laws there are."""
         return tuple(law for law in (self.x, self.y) if law is not None)
 
     def rescaled(self, ratio_x: float, ratio_y: float) -> Separable:
-        """The factor with its frequency axes multiplied."""
         x, y = (
             law and replace(law, scale=law.scale * ratio)
             for law, ratio in ((self.x, ratio_x), (self.y, ratio_y))
@@ -215,17 +208,14 @@ class Planar:
 
     @property
     def laws(self) -> tuple[Law, ...]:
-        """The law."""
         return (self.law,)
 
     @property
     def part(self) -> Part:
-        """Whether this is an MTF or a PTF on its wire."""
         return "ptf" if self.take == "phase" else "mtf"
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key(
             "planar",
             self.law,
@@ -243,7 +233,6 @@ class Planar:
         )
 
     def rescaled(self, ratio_x: float, ratio_y: float) -> Planar:
-        """The factor with its frequency axes multiplied."""
         cutoff = self.cutoff and (self.cutoff[0] / ratio_x, self.cutoff[1] / ratio_y)
         ratios = (self.ratios[0] * ratio_x, self.ratios[1] * ratio_y)
         return replace(self, ratios=ratios, cutoff=cutoff)
@@ -314,7 +303,6 @@ class Grid:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
         return self.rows, self.columns
 
     @property
@@ -324,7 +312,6 @@ class Grid:
 
     @property
     def nyquist_y(self) -> float:
-        """Nyquist frequency along, cycles/mrad."""
         return nyquist_cyc_per_mrad(interval_mrad=self.interval_y_mrad)
 
     @property
@@ -336,7 +323,6 @@ class Grid:
 
     @property
     def frequency_interval_y(self) -> float:
-        """Spacing of the plain FFT's frequencies along, cycles/mrad."""
         return frequency_interval_cyc_per_mrad(
             interval_mrad=self.interval_y_mrad, samples=self.rows
         )
@@ -346,7 +332,6 @@ class Grid:
         return np.asarray(scipy.fft.fftfreq(self.columns, self.interval_x_mrad), np.float64)
 
     def eta(self) -> Vector:
-        """Frequencies along in FFT order, shape (rows,)."""
         return np.asarray(scipy.fft.fftfreq(self.rows, self.interval_y_mrad), np.float64)
 
     def xi_half(self) -> Vector:
@@ -388,7 +373,6 @@ class Product:
 
     @property
     def has_phase_y(self) -> bool:
-        """Whether some factor shifts phases along."""
         return any(f.part == "ptf" and f.y is not None for f in self.separable)
 
     def across(self, work: Work | None, xi: Array) -> Array:
@@ -540,7 +524,6 @@ def spend(
 
 
 def _farthest(frequency: Array) -> Array:
-    """The frequency that is largest in size, as an array of one."""
     place = int(np.argmax(np.abs(frequency)))
     return frequency[place : place + 1]
 

@@ -223,7 +223,6 @@ class MirroredTerms:
 
 
 def _part(response: Array, odd: bool) -> Array:
-    """Even or odd part of a Hermitian response, real."""
     return np.imag(response) if odd else np.real(response)
 
 

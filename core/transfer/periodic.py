@@ -116,8 +116,6 @@ def _strips_of_lines(work: Work, image: Array, mean: float) -> Any:
 
 
 def _each_column(work: Work, lines: StripArray, transform: Callable[[Array], Array]) -> None:
-    """Transform all columns on disk, in place."""
-
     def one(block: Array) -> None:
         block[...] = transform(np.ascontiguousarray(block))
 

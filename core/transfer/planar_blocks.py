@@ -56,7 +56,6 @@ class RadialTable:
 
     @property
     def rough(self) -> bool:
-        """Whether the function has a kink on the way."""
         return bool(np.isnan(self.steps).any())
 
     def at(self, square: Array, function: Function) -> Array:
@@ -128,7 +127,6 @@ class Precomputed:
 
     @property
     def description(self) -> str:
-        """What is stored, in words."""
         if self.thin is not None:
             return "stored at low rank"
         if self.plane is not None:
@@ -163,7 +161,6 @@ class Known(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """What the factor's law is made of."""
         return self.factor.law.inputs
 
     def compute(self, work: Work) -> Precomputed:
@@ -198,7 +195,6 @@ def known_planes(product: Product, grid: Grid, axes: Axes) -> list[Recipe]:
 
 
 def _is_precomputed(grid: Grid, axes: Axes) -> bool:
-    """Whether planes of this size are worth keeping."""
     columns = grid.columns if axes == "mirrored" else grid.columns // 2 + 1
     return min(columns, grid.rows) >= SMALLEST
 
@@ -216,7 +212,6 @@ def _evaluated(
 
 
 def _square(factor: Planar, across: Array, along: Array) -> Array:
-    """Square of a radial factor's frequency."""
     across, along = across * factor.ratios[0], along * factor.ratios[1]
     return across * across + along * along
 
@@ -282,7 +277,6 @@ class Quarter:
 
     @classmethod
     def of(cls, xi: Array, eta: Array, cutoff: tuple[float, float] | None) -> Quarter:
-        """Of a spectrum's frequencies: `xi` ascending from 0, `eta` of both signs or one."""
         columns, lines = len(xi), np.abs(eta)
         places = np.arange(len(lines))
         if np.any(eta < 0.0):
@@ -294,7 +288,6 @@ class Quarter:
 
     @property
     def samples(self) -> int:
-        """Number of frequency pairs."""
         return len(self.xi) * len(self.eta)
 
     def rows(self, rows: slice) -> tuple[slice | Array, Array | None]:

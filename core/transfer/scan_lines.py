@@ -81,7 +81,6 @@ class ScanLines(ABC):
 
     @property
     def kind(self) -> np.dtype[Any]:
-        """Type of P and Q."""
         return np.dtype(np.result_type(self.real, np.complex64))
 
     @abstractmethod
@@ -201,7 +200,6 @@ class PeriodicLines(ScanLines):
         return plane
 
     def unscanned(self, values: Array) -> Array:
-        """The inverse FFT of each line."""
         return np.asarray(scipy.fft.ifft(values, axis=1, workers=self.work.policy.workers))
 
     def summed(self, values: Array, columns: Array) -> Array:
@@ -238,22 +236,18 @@ class ScanChain:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Scan lines, and samples of each."""
         rows, columns = self.grid.shape
         return (columns, rows) if self.turned else (rows, columns)
 
     @property
     def interval_mrad(self) -> float:
-        """Sampling interval along the scan."""
         return self.grid.interval_y_mrad if self.turned else self.grid.interval_x_mrad
 
     def along_scan(self, work: Work, frequency: Array) -> Array:
-        """What separates and acts along the scan."""
         axis = self.product.along if self.turned else self.product.across
         return axis(work, frequency)
 
     def in_flight(self, work: Work, frequency: Array) -> Array:
-        """What separates and acts in flight."""
         axis = self.product.across if self.turned else self.product.along
         return axis(work, frequency)
 

@@ -501,7 +501,6 @@ class Sunlight:
         return float(width @ self.on_surface(wavelength))
 
     def _places(self) -> Sequence[float]:
-        """Where the spectrum may bend."""
         if self.standard and self.irradiance is None and not self.points:
             return list(map(float, standard_sun()[0]))
         return [place for place, _ in self.points]

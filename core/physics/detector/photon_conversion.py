@@ -542,7 +542,6 @@ def conversion_between(
 
 
 def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:
-    """Chebyshev coefficients, as many as the tolerance needs."""
     for size in _FIT_SIZES:
         coefficients = chebyshev_coefficients(function, size)
         floor = 0.1 * tolerance * abs(coefficients[0])

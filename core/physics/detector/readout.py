@@ -422,7 +422,6 @@ def quantization_rms(*, original: NDArray[Any], quantized: NDArray[Any]) -> floa
 def _blocks(
     first: NDArray[Any], second: NDArray[Any]
 ) -> Iterator[tuple[NDArray[Any], NDArray[Any]]]:
-    """Matching pieces of two arrays of one shape, as views."""
     if first.flags.c_contiguous and second.flags.c_contiguous:
         first, second = first.reshape(-1), second.reshape(-1)
     first, second = np.atleast_1d(first), np.atleast_1d(second)

@@ -200,7 +200,6 @@ def _texture_response(frequency: Vector, edge: FoundEdge) -> Vector:
 
 
 def _half(frequency: Vector, mtf: Vector, sigma: Vector) -> tuple[float | None, float | None]:
-    """Where the MTF falls to one half, and the standard error of that."""
     half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
     if half is None:
         return None, None
@@ -308,13 +307,11 @@ def pooled_mtf(*, edges: Sequence[EdgeMtf], axis: Axis) -> MtfCurve | None:
 
 
 def _mean(values: Matrix, variance: Matrix) -> Vector:
-    """Mean over edges, weighted by inverse variance."""
     weight = 1.0 / variance
     return np.asarray(np.sum(weight * values, axis=0) / np.sum(weight, axis=0), np.float64)
 
 
 def _off_axis(edge: EdgeMtf, axis: Axis) -> float:
-    """Angle from an axis to an edge's normal, radians, −π/2 to π/2."""
     angle = edge.edge.angle_deg - (0.0 if axis == "x" else 90.0)
     return math.radians((angle + 90.0) % 180.0 - 90.0)
 

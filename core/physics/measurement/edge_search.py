@@ -173,7 +173,6 @@ def _examined(
 
 
 def _rough(piece: Piece, noise: float) -> FoundEdge:
-    """A piece as an edge of the contrast that its gradient needs at least."""
     return FoundEdge(
         x=piece.x,
         y=piece.y,
@@ -189,7 +188,6 @@ def _rough(piece: Piece, noise: float) -> FoundEdge:
 
 
 def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
-    """Pieces in the order in which they are looked at."""
     order = spread_out(
         x=np.array([piece.x for piece in pieces]),
         y=np.array([piece.y for piece in pieces]),
@@ -201,7 +199,6 @@ def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
 
 
 def _enough(used: int, examined: int) -> str:
-    """Why the rest of the candidates was not looked at."""
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
@@ -304,7 +301,6 @@ def _on_course(edge: FoundEdge, fit: SpreadFit) -> FoundEdge:
 
 
 def _cells_along(length: float) -> int:
-    """Number of cells along an edge."""
     return max(3, round(length / _CELL))
 
 
@@ -410,7 +406,6 @@ def _within_surroundings(
 
 
 def _least_contrast(length: float) -> float:
-    """Contrast over the noise that an edge of a length needs."""
     return max(_LEAST_CONTRAST, _CONTRAST_OF_16 * math.sqrt(16.0 / length))
 
 
@@ -550,6 +545,5 @@ def _clarity(edge: FoundEdge) -> float:
 
 
 def _between(one: FoundEdge, other: FoundEdge) -> float:
-    """Angle between two edges' courses, 0 to 90°."""
     turn = np.abs(one.angle_deg - other.angle_deg) % 180.0
     return float(min(turn, 180.0 - turn))

@@ -417,7 +417,6 @@ class _Waves:
     high: float | None
 
     def clear(self, variance: Vector) -> Mask:
-        """Blocks whose noise does not reach a clipped end."""
         return clear_of_ends(level=self.level, variance=variance, low=self.low, high=self.high)
 
     def usual(self, chosen: Mask, least: float) -> Mask:
@@ -487,7 +486,6 @@ def flat_blocks(
 
 
 def _error(flat: FlatBlocks, level: float) -> float:
-    """Standard error of the variance at a level, over it."""
     variance, error = flat.line.at(level)
     return error / variance if variance > 0.0 else math.inf
 

@@ -231,7 +231,6 @@ def _piled_up(side: Vector, limit: float) -> bool:
 
 
 def _quantum(value: Vector) -> float:
-    """Step between the levels of a quantized picture; next to nothing, of any other."""
     gaps = np.diff(np.unique(value))
     return float(gaps.min()) if len(gaps) else 0.0
 

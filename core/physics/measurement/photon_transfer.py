@@ -451,7 +451,6 @@ class _Line:
 
     @classmethod
     def through(cls, fields: Sequence[FlatField], foot: float) -> "_Line":
-        """The weighted least squares."""
         x = np.array([field.mean_dn - foot for field in fields])
         y = np.array([field.unrounded_dn2 for field in fields])
         freedom = np.array([(field.frames - 1.0) * field.pixels for field in fields])
@@ -475,7 +474,6 @@ class _Line:
 def _read_noise(
     dark: FlatField | None, line: _Line, gain: float, *, known: bool
 ) -> tuple[float | None, float | None]:
-    """Of the dark frames, else where the line meets the offset."""
     if not known:
         return None, None
     if dark is not None:

@@ -153,7 +153,6 @@ def noise_of_picture(
 
 
 def _still(blocks: PictureBlocks) -> bool:
-    """Whether a share of the blocks have no noise at all."""
     least = _STILL * blocks.power.mean(axis=1) + (_STILL * blocks.level) ** 2
     still = np.count_nonzero(blocks.mean_power(FINE) <= least)
     return bool(still > _STILL_SHARE * len(blocks.level))
@@ -173,7 +172,6 @@ def _measured(
     offset: float,
     check: Callable[[], None],
 ) -> PictureNoise:
-    """Figures of the flat blocks."""
     level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
     rounding = 0.0 if step is None else step**2 / 12.0
     line = flat.line if step is None else flat.line.rounded(level=level, step=step)
@@ -236,7 +234,6 @@ def _measured(
 
 
 def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
-    """Why the flat blocks' noise is not to be trusted."""
     structure = flat.structure
     falls = structure.middle > _WHITE + 3.0 * structure.middle_error
     if falls:

@@ -84,7 +84,6 @@ def straight_pieces(
 
 
 def _neighbours(points: "RidgePoints", shape: tuple[int, ...]) -> tuple[Index, Index]:
-    """Pairs of points that are neighbours and have nearly the same direction."""
     rows, columns = shape
     number = np.full((rows + 4, columns + 4), -1, np.int32)
     number[points.row + 2, points.column + 2] = np.arange(len(points.x), dtype=np.int32)
@@ -278,7 +277,6 @@ def _slope(part: Single) -> Single:
 
 
 def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
-    """The ridges in a strip."""
     strength = np.hypot(slope_x, slope_y)
     inner = np.zeros(strength.shape, np.bool_)
     inner[2:-2, 2:-2] = strength[2:-2, 2:-2] > least
@@ -298,7 +296,6 @@ def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
 
 
 def _between(field: Picture, row: Vector, column: Vector) -> Vector:
-    """Values between samples, by linear interpolation."""
     top = np.minimum(np.floor(row).astype(np.intp), field.shape[0] - 2)
     left = np.minimum(np.floor(column).astype(np.intp), field.shape[1] - 2)
     down, right = row - top, column - left

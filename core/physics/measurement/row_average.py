@@ -138,7 +138,6 @@ def profile_mtf(*, profile: Vector, target: Target) -> Vector:
 
 
 def _transition(profile: Vector, target: Target) -> tuple[int, int, float]:
-    """First and last sample of the transition, and the step or height."""
     columns = len(profile)
     outer = max(2, columns // 8)
     start, end = float(np.mean(profile[:outer])), float(np.mean(profile[-outer:]))

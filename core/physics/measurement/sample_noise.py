@@ -196,7 +196,6 @@ def gain_and_read_noise(
 
 
 def _gain(line: VarianceLine, level: Vector) -> Figure:
-    """Electrons of one unit, and the standard error, where the variance rises with the level."""
     between = f"between levels {level.min():.4g} and {level.max():.4g}"
     if line.slope <= _RISES * line.slope_error:
         reason = (
@@ -218,7 +217,6 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
 def _read_noise(
     line: VarianceLine, level: Vector, rounding: float, offset: float, *, with_gain: bool
 ) -> Figure:
-    """Where the line meets the level without light."""
     low, high = np.quantile(level, (0.01, 0.99))
     if not with_gain and not low <= offset <= high:
         reason = (

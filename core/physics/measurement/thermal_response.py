@@ -163,7 +163,6 @@ def filled(frame: NDArray[np.floating], good: Mask) -> Vector:
 
 
 def _variance_of_mean(noise: MeasuredNoise) -> float:
-    """Variance of the mean of all samples, of what changes in time."""
     shares = {
         "t": noise.frames,
         "tv": noise.frames * noise.rows,
@@ -190,7 +189,6 @@ class _Law:
 
     @classmethod
     def of_planck(cls, kelvin: Vector, means: Vector) -> "_Law":
-        """The law of least squares; a straight line where no width is better."""
         grid = np.geomspace(_WIDTHS[0] * kelvin.max(), _WIDTHS[1] * kelvin.min(), _GRID)
         best = int(np.argmin([_left(kelvin, means, width) for width in grid]))
         if best in (0, _GRID - 1):
@@ -202,7 +200,6 @@ class _Law:
 
     @classmethod
     def fitted(cls, kelvin: Vector, means: Vector, width: float | None = None) -> "_Law":
-        """The law of that width, or a straight line, by least squares."""
         columns = [np.ones_like(kelvin), _shape(kelvin, width, kelvin)]
         level, rise = np.linalg.pinv(np.stack(columns, axis=1)) @ means
         if width is not None:
@@ -211,11 +208,9 @@ class _Law:
         return cls(kelvin, float(level), float(rise), width, effect)
 
     def at(self, kelvin: Vector) -> Vector:
-        """Means."""
         return self.level + self.rise * _shape(kelvin, self.width_K, self.kelvin)
 
     def slopes(self, at: Vector, variance: Vector) -> tuple[Vector, Vector]:
-        """Slope at temperatures, and its standard error by the variances of the means."""
         steep = _steepness(at, self.width_K, self.kelvin)
         columns = [np.zeros_like(at), steep]
         if self.width_K is not None:
@@ -224,7 +219,6 @@ class _Law:
         return self.rise * steep, np.sqrt(by_mean**2 @ variance)
 
     def wavelength(self, variance: Vector) -> tuple[float | None, float | None]:
-        """Wavelength, µm, and its standard error."""
         if self.width_K is None:
             return None, None
         wavelength = _SECOND_RADIATION_UM_K / self.width_K
@@ -242,7 +236,6 @@ def _shape(kelvin: Vector, width: float | None, about: Vector) -> Vector:
 
 
 def _steepness(kelvin: Vector, width: float | None, about: Vector) -> Vector:
-    """Derivative of the shape by temperature."""
     centre, span = float(about.mean()), float(np.ptp(about))
     if width is None:
         return np.full_like(kelvin, 1.0 / span)
@@ -259,14 +252,12 @@ def _planck_slope(kelvin: Vector, width: float) -> Vector:
 def _by_width(
     kelvin: Vector, width: float, about: Vector, of: Callable[[Vector, float, Vector], Vector]
 ) -> Vector:
-    """Derivative by the logarithm of the width."""
     step = 1e-4
     up, down = (of(kelvin, width * math.exp(sign * step), about) for sign in (1, -1))
     return (up - down) / (2.0 * step)
 
 
 def _left(kelvin: Vector, means: Vector, width: float) -> float:
-    """Sum of squares that is left."""
     design = np.stack([np.ones_like(kelvin), _shape(kelvin, width, kelvin)], axis=1)
     return float(np.sum((means - design @ (np.linalg.pinv(design) @ means)) ** 2))
 

@@ -237,7 +237,6 @@ def _between(left: Vector, right: Vector, count: int) -> tuple[Vector, Vector]:
 
 
 def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
-    """Wavelengths and weights, which sum to 1."""
     places, weights = map(np.array, spectrum.places(count))
     if count == 1:
         return places, weights
@@ -346,7 +345,6 @@ def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) 
 
 
 def _panel_rule(panels: int) -> tuple[Vector, Vector]:
-    """Nodes and weights over [0, 1] in equal panels."""
     nodes, weights = gauss_legendre(_NODES_PER_PANEL)
     places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
     return places.ravel(), np.tile(0.5 * weights / panels, panels)

@@ -101,7 +101,6 @@ def _interpolated(place: Array, frequencies: Column, values: Column) -> Array:
 
 @lru_cache(maxsize=64)
 def _table(frequencies: Column, values: Column) -> tuple[Array, Array, Array]:
-    """Knots, heights and slopes of a table."""
     knots, heights = np.array(frequencies, np.float64), np.array(values, np.float64)
     steps = np.diff(knots)
     if len(knots) != len(heights) or len(knots) < 2 or knots[0] != 0.0 or not np.all(steps > 0.0):

@@ -112,7 +112,6 @@ def _cut_area(
 
 
 def _outside(strip: Strip, radius: float) -> tuple[Strip, Strip]:
-    """What a strip leaves of a disc, as two strips."""
     far = 2.0 * radius
     return (
         Strip(strip.cos, strip.sin, strip.high, far, False),
@@ -220,7 +219,6 @@ def _taken(values: Floats, index: Index) -> Floats:
 
 
 def _crossings(pupil: StripPupil) -> list[Crossing]:
-    """Every two strips."""
     return [
         Crossing.of(pupil.strips, pair, pupil.radius, pupil.inner_radius)
         for pair in combinations(range(len(pupil.strips)), 2)

@@ -84,7 +84,6 @@ def footprint_coverage(
 
 
 def _upright(seen: Array, laid: Footprints, empty: Empty) -> Array:
-    """Lines and columns in the order of the picture."""
     if not laid.turned:
         return seen
     upright = empty(seen.T.shape, seen.dtype)
@@ -112,7 +111,6 @@ class _Borders:
     high: Vector
 
     def x_at(self, y: Vector) -> Vector:
-        """All borders aside, at rows of shape (rows, 1)."""
         return self.x0 + self.slope * y
 
     def sides_at(self, y: Vector) -> tuple[Vector, Vector]:
@@ -226,7 +224,6 @@ def _between_ends(part: Vector, x: Vector, ends: Sequence[Vector], kind: Between
 
 
 def _up_to(end: Vector, sums: Vector, at_top: Vector, more: Vector) -> Vector:
-    """Integral from the first row on."""
     row = np.minimum(end.astype(np.intp), len(at_top) - 1)
     t = end - row
     integral = picked(sums, row, 0)
@@ -236,7 +233,6 @@ def _up_to(end: Vector, sums: Vector, at_top: Vector, more: Vector) -> Vector:
 
 
 def _joined(strips: Vector, count: int) -> Vector:
-    """Sum the strips of each footprint."""
     return np.asarray(strips.reshape(len(strips), -1, count).sum(axis=2))
 
 
