@@ -12,13 +12,13 @@ _FOLDERS = ("core",)
 _SLOW = {
     "core/editing/test_sessions.py",
     "core/physics/acquisition/test_eye.py",
-    "core/physics/optics/test_pupil_geometric_otf.py",
-    "core/physics/optics/test_pupil_sampled_otf.py",
-    "core/physics/detector/test_quantization.py",
+    "core/physics/optics/test_pupil_otf.py",
+    "core/physics/optics/test_wavefront.py",
+    "core/physics/detector/test_readout.py",
     "core/physics/measurement/test_slanted_edge.py",
-    "core/physics/sampling/test_transfer_blur.py",
+    "core/physics/sampling/test_platform_motion.py",
     "core/network/test_network_mutations.py",
-    "core/chain/test_photon_events.py",
+    "core/chain/test_random_fields.py",
     "core/transfer/test_planar_blocks.py",
 }
 _FILES = {

@@ -12,6 +12,7 @@ from core.editing.wiring import (
     dissolved,
     inserted,
     new_node,
+    refusal,
     wired_to,
 )
 from core.errors import NetworkError
@@ -306,3 +307,42 @@ def test_every_node_of_every_network_leaves_a_sound_one(shipped, library):
             after = step.apply(network)
             found = {str(p) for p in problems(after, library=library, unfinished=True)}
             assert found <= before, name
+
+
+# Why a link cannot be made, in words.
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "reason"),
+    [
+        ("init.phase", "detector.magnitude",
+         "init.phase gives phase, but detector.magnitude takes magnitude"),
+        ("init.context", "picture.image",
+         "init.context gives context, but picture.image takes image or magnitude or phase or "
+         "transfer"),
+        ("nobody.image", "picture.image", "there is no node nobody"),
+        ("frame_graber.image", "picture.image",
+         "there is no node frame_graber; did you mean frame_grabber?"),
+        ("init.magnitud", "detector.magnitude",
+         "init has no output magnitud; did you mean magnitude?"),
+        ("init.magnitude", "picture.x", "picture has no input x: it has image"),
+        ("picture.curve", "scene.image", "scene has no input image: it has none"),
+        ("charge.magnitude", "charge.magnitude", "charge cannot feed itself"),
+        ("charge.magnitude", "aberration.magnitude",
+         "this link would make a cycle: aberration → detector → charge → aberration"),
+        ("frame_grabber.image", "photons.image",
+         "this link would make a cycle: photons → init → electronics → frame_grabber → photons"),
+    ],
+)  # fmt: skip
+def test_reasons(kodak, library, start, end, reason):
+    assert refusal(kodak, library, Link.between(start, end)) == reason
+
+
+def test_unknown_modules_take_and_give_anything(library):
+    nodes = {"old": Node("old", "gone"), "back": Node("back", "back_transform")}
+    network = Network(nodes=nodes)
+    assert refusal(network, library, Link("old", "any", "back", "phase")) is None
+    assert refusal(network, library, Link("back", "image", "old", "thing")) is None
+    looped = Network(nodes=nodes, links=(Link("back", "image", "old", "thing"),))
+    reason = refusal(looped, library, Link("old", "any", "back", "phase"))
+    assert reason == "this link would make a cycle: back → old → back"

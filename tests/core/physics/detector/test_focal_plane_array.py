@@ -1,12 +1,14 @@
 """Electrons and their noise against the reference values of 20 digits, and against quadrature."""
 
+import math
 from itertools import pairwise
 
 import mpmath
 import numpy as np
 import pytest
 from mpmath import mpf
-from scipy import ndimage
+from scipy import ndimage, stats
+from scipy.integrate import quad
 
 from core.errors import DataError, ParameterError
 from core.physics.detector import focal_plane_array as collection
@@ -17,9 +19,14 @@ from core.physics.detector.focal_plane_array import (
     bad_pixel_places,
     bent_response,
     bent_slope,
+    excess_noise_factor,
+    lag_weights,
+    multiplied_charge,
+    netd_noise_radiance,
     one_point_offset,
     rule_07_A_per_cm2,
     rule_07_e_per_s,
+    share_kept,
     two_point_gain,
     two_point_offset,
 )
@@ -398,3 +405,143 @@ def test_a_dead_pixel_keeps_its_gain():
 def test_references_that_are_alike_are_refused():
     with pytest.raises(DataError, match="on average"):
         two_point_gain(low=np.ones((3, 3)), high=np.ones((3, 3)))
+
+
+# Microbolometers: scaling of NETD and a first-order lag, by hand.
+
+SHEET = {
+    "netd_K": 0.05, "reference_K": 300.0, "reference_sr": math.pi / 5, "lens_sr": math.pi / 5,
+    "cut_on_um": 8.0, "cut_off_um": 14.0,
+}  # fmt: skip
+
+
+def slope(kelvin, low=8.0, high=14.0):
+    """dL/dT of a band by Planck's law, W/m²/sr/K."""
+    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
+
+    def spectral(um):
+        wave = um * 1e-6
+        x = h * c / (wave * k * kelvin)
+        return 2 * h * c**2 / wave**5 * x / kelvin * math.exp(x) / math.expm1(x) ** 2 * 1e-6
+
+    return quad(spectral, low, high, epsrel=1e-11)[0]
+
+
+def test_noise_is_netd_times_the_slope_at_the_reference():
+    assert netd_noise_radiance(**SHEET) == pytest.approx(0.05 * slope(300.0), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("changed", "factor"),
+    [
+        ({"lens_sr": math.pi / (4 * 1.6**2 + 1)}, (4 * 1.6**2 + 1) / 5),
+        ({"reference_sr": math.pi / 17}, 5 / 17),
+        ({"lens_sr": 0.8 * math.pi / 5}, 1.25),
+        ({"netd_K": 0.1}, 2.0),
+    ],
+)
+def test_laws_of_scaling(changed, factor):
+    """Kruse 2001, eq. 3.37: NETD goes as (4F² + 1)/(τ·dL/dT)."""
+    found = netd_noise_radiance(**{**SHEET, **changed})
+    assert found == pytest.approx(factor * netd_noise_radiance(**SHEET), rel=1e-12)
+
+
+def test_the_lag_is_the_heat_balance_followed_step_by_step():
+    """C·dx/dt = s − x at each frame's scene, integrated in small steps, read at the frame's end."""
+    rate, constant, steps = 50.0, 0.012, 4000
+    scene = np.random.default_rng(3).uniform(size=40)
+    state, shown = scene[0], []
+    for value in scene:
+        for _ in range(steps):
+            state += (value - state) / (rate * constant * steps)
+        shown.append(state)
+    weights = lag_weights(kept=share_kept(time_constant_s=constant, frame_rate_Hz=rate), most=64)
+    count = len(weights)
+    assert math.fsum(weights) == pytest.approx(1.0, abs=1e-15)
+    for frame in range(count, 40):
+        found = np.dot(weights, scene[frame - count + 1 : frame + 1][::-1])
+        assert found == pytest.approx(shown[frame], abs=2e-4)
+
+
+def test_a_long_lag_is_cut_and_still_adds_to_one():
+    weights = lag_weights(kept=0.99, most=64)
+    assert len(weights) == 64
+    assert math.fsum(weights) == pytest.approx(1.0, abs=1e-14)
+
+
+# Charge gain: excess noise against branching processes, deviates against simulated registers.
+
+
+def factor_of(charge_gain, factor, *, register_stages=536, ionization_ratio=0.0):
+    return excess_noise_factor(
+        charge_gain=charge_gain, factor=factor, register_stages=register_stages,
+        ionization_ratio=ionization_ratio,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("gain", "stages"), [(1.0, 536), (1.9, 1), (4.0, 2), (50.0, 20), (1e3, 536)]
+)
+def test_a_register_is_a_branching_process(gain, stages):
+    """Each electron becomes two with chance p in each stage: mean and variance stage by stage."""
+    chance = gain ** (1 / stages) - 1
+    mean, variance = 1.0, 0.0  # of one electron
+    for _ in range(stages):
+        variance = (1 + chance) ** 2 * variance + chance * (1 - chance) * mean
+        mean *= 1 + chance
+    # A Poisson number of electrons: variance of each plus its mean squared.
+    wanted = (variance + mean**2) / mean**2
+    assert factor_of("em_register", gain, register_stages=stages) == pytest.approx(wanted, rel=1e-9)
+
+
+def test_factors_at_their_ends():
+    assert factor_of("none", 7.0) == 1.0
+    assert factor_of("photoconductive", 0.3) == 2.0
+    assert factor_of("em_register", 1e4, register_stages=5000) == pytest.approx(2.0, abs=5e-3)
+    # One kind of carrier: a Yule process, whose number is geometric, F = 1 + (M − 1)/M.
+    assert factor_of("avalanche", 8.0) == pytest.approx(1 + 7 / 8)
+    assert factor_of("avalanche", 8.0, ionization_ratio=1.0) == pytest.approx(8.0)  # F = M
+    # McIntyre's silicon diode: 0.02·100 + 0.98·1.99
+    assert factor_of("avalanche", 100.0, ionization_ratio=0.02) == pytest.approx(3.9502)
+
+
+@pytest.mark.parametrize(
+    ("kind", "gain", "line"),
+    [("avalanche", 0.9, "at least 1"), ("em_register", 5.0, "at most 2 per register stage"),
+     ("photoconductive", 0.0, "charge_gain_factor")],
+)  # fmt: skip
+def test_gains_that_are_refused(kind, gain, line):
+    with pytest.raises(ParameterError, match=line):
+        factor_of(kind, gain, register_stages=2)
+
+
+@pytest.mark.parametrize("electrons", [1, 4])
+def test_deviates_have_the_law_of_a_simulated_register(electrons):
+    count, gain, stages = 20_000, 1000.0, 536
+    random = np.random.default_rng(5)
+    charge = np.full(count, electrons)
+    for _ in range(stages):
+        charge += random.binomial(charge, gain ** (1 / stages) - 1)
+    made = multiplied_charge(
+        electrons=np.full(count, float(electrons)), deviates=random.standard_normal(count),
+        excess_noise_factor=factor_of("em_register", gain),
+    )  # fmt: skip
+    assert stats.ks_2samp(made, charge / gain).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("factor", [1.2, 2.0, 4.0])
+@pytest.mark.parametrize("electrons", [0.4, 3.0, 60.0, 5000.0])
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_mean_and_variance(electrons, factor, kind):
+    """To 5 standard errors; the gamma law of shape a has a kurtosis of 6/a."""
+    count, width = 200_000, factor - 1
+    deviates = np.random.default_rng(8).standard_normal(count).astype(kind)
+    made = multiplied_charge(
+        electrons=np.full(count, electrons, kind), deviates=deviates, excess_noise_factor=factor
+    )
+    assert made.dtype == kind
+    variance = width * electrons
+    made = made.astype(np.float64)
+    assert made.mean() == pytest.approx(electrons, abs=5 * np.sqrt(variance / count))
+    error = variance * np.sqrt((2 + 6 * width / electrons) / count)
+    assert made.var() == pytest.approx(variance, abs=5 * error)

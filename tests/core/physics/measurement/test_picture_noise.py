@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from scipy import special
 
 from core.errors import DataError
 from core.physics.measurement.flat_blocks import variance_line
-from core.physics.measurement.picture_noise import noise_of_picture
+from core.physics.measurement.picture_noise import SceneFrames, noise_of_picture
 from noisy_scenes import Sensor, blurred, polygons
 
 LEVELS = (4000, 200, 12_000, 1000, 25_000, 7000, 18_000, 600)
@@ -203,3 +204,159 @@ def test_a_slope_is_no_steeper_than_light_makes_it():
     line = variance_line(level=level, variance=variance)
     assert line.slope > 0.2
     assert line.bounded(0.0).slope == pytest.approx(4.0 / 100.0, rel=0.1)
+
+
+# Noise of frames of one scene_of_frames_noise whose random parts are known.
+
+ROWS, COLUMNS, GAIN, READ_E = 120, 160, 5.0, 30.0
+
+
+def scene_of_frames_noise():
+    """Texture everywhere, from dark to bright: one frame shows no noise of it."""
+    random = np.random.default_rng(1)
+    return np.linspace(500, 20_000, COLUMNS) * random.uniform(0.3, 1.0, (ROWS, COLUMNS))
+
+
+def measured(frames=8, *, rows=0.0, flicker=0.0, moved=False, offset=0.0, scale=1.0):
+    random = np.random.default_rng(2)
+    taken = SceneFrames(ROWS, COLUMNS)
+    electrons = scene_of_frames_noise()
+    for frame in range(frames):
+        light = np.roll(electrons, frame, axis=1) if moved else electrons
+        numbers = random.poisson(light) + READ_E * random.standard_normal(light.shape)
+        numbers = numbers / GAIN + offset + flicker * random.standard_normal()
+        numbers += rows * random.standard_normal((ROWS, 1))
+        taken.add(np.rint(numbers * scale))
+    return taken.measured(offset=offset)
+
+
+@pytest.mark.parametrize("frames", [2, 8])
+def test_gain_and_read_noise_of_a_textured_scene(frames):
+    noise = measured(frames, rows=3.0, flicker=10.0, offset=100.0)
+    mean = scene_of_frames_noise().mean()
+    truth = math.sqrt((mean + READ_E**2) / GAIN**2 + 1 / 12)
+    assert noise.sigma == pytest.approx(truth, rel=0.02)
+    assert noise.gain_e_per_dn == pytest.approx(GAIN, rel=0.05)
+    assert abs(noise.gain_e_per_dn - GAIN) < 3 * noise.gain_error
+    assert abs(noise.read_noise_dn - READ_E / GAIN) < 3 * noise.read_noise_error
+    assert noise.components.frames == frames
+    if frames > 2:
+        assert noise.components.variances.sigma("tv") == pytest.approx(3.0, rel=0.1)
+
+
+def test_bright_parts_leave_dark_ones_beside_them_alone():
+    """A bright square fills half of its rows: their means took 1.7 DN² of 85 into the dark beside.
+
+    In the mean of 20 stacks gain and read noise are known to 0.2 of their errors: five times that.
+    """
+    random = np.random.default_rng(8)
+    electrons = np.full((96, 96), 500.0)
+    electrons[24:72, 24:72] = 20_000.0
+    gains, reads = [], []
+    for _ in range(20):
+        taken = SceneFrames(96, 96)
+        for _ in range(40):
+            numbers = random.poisson(electrons) + 70.0 * random.standard_normal(electrons.shape)
+            taken.add(np.rint(numbers / 8.0 + random.standard_normal((96, 1))))
+        noise = taken.measured()
+        gains.append((noise.gain_e_per_dn - 8.0) / noise.gain_error)
+        reads.append((noise.read_noise_dn - 70.0 / 8.0) / noise.read_noise_error)
+    assert abs(np.mean(gains)) < 1.0
+    assert abs(np.mean(reads)) < 1.0
+
+
+def test_what_passes_through_the_scene_counts_for_nothing_beside_it():
+    """A car of ten times the road's brightness; σ is that of the mean level, car included."""
+    sigmas, gains = [], []
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        road = np.full((96, 160), 3000.0)
+        road[:, 100:] = 9000.0
+        taken, mean = SceneFrames(96, 160), 0.0
+        for frame in range(24):
+            light = road.copy()
+            light[30:60, 10 + 2 * frame : 20 + 2 * frame] = 30_000.0
+            mean += light.mean() / 24
+            numbers = random.poisson(light) + 50.0 * random.standard_normal(light.shape)
+            taken.add(np.rint(numbers / 8.0 + random.standard_normal((96, 1))))
+        noise = taken.measured()
+        truth = math.sqrt((mean + 50.0**2) / 64 + 1 / 12)
+        sigmas.append((noise.sigma - truth) / noise.sigma_error)
+        gains.append((noise.gain_e_per_dn - 8.0) / noise.gain_error)
+        assert noise.sigma == pytest.approx(truth, rel=0.01)
+    assert np.abs(sigmas).max() < 4.0
+    assert np.abs(gains).max() < 4.0
+    assert abs(np.mean(gains)) < 1.2
+
+
+def test_what_frames_do_not_show():
+    assert (
+        "pixels change between the frames: the scene_of_frames_noise or the camera moved"
+        in measured(moved=True).sigma_reason
+    )
+    assert measured(scale=0.002).sigma_reason == "rounding hides the noise"
+    one = SceneFrames(ROWS, COLUMNS)
+    one.add(scene_of_frames_noise())
+    with pytest.raises(DataError, match="at least 2 frames"):
+        one.measured()
+    with pytest.raises(DataError, match="not finite"):
+        one.add(np.full((ROWS, COLUMNS), math.nan))
+
+
+# Errors of the noise from one picture, against what many pictures scatter by.
+
+
+def pulls_of(pictures, truth):
+    """Departures of sigma from the truth over its errors."""
+    noises = [noise_of_picture(picture=picture) for picture in pictures]
+    return np.array([(noise.sigma - truth) / noise.sigma_error for noise in noises])
+
+
+@pytest.mark.parametrize("levels", [(4000, 1000, 9000, 2500)])
+def test_sigma_has_no_bias_and_errors_that_hold(levels):
+    clean = polygons(136, 176, levels, seed=3)
+    scene = blurred(np.asarray(clean, float), sigma=0.5)
+    sensor = Sensor(gain=4.0, read_e=40.0)
+    pictures = (sensor.picture(scene, seed=seed) for seed in range(40))
+    pulls = pulls_of(pictures, sensor.sigma(scene.mean()))
+    # Standard errors of the mean and of the root mean square are 0.16 and 0.11.
+    assert abs(pulls.mean()) < 0.4
+    assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
+
+
+def variance_of_rounded(level, sigma):
+    """Variance of a normal deviate rounded to whole numbers, by a sum over them."""
+    whole = np.arange(math.floor(level - 12), math.ceil(level + 12))
+    ends = special.ndtr((np.append(whole, whole[-1] + 1) - 0.5 - level) / sigma)
+    share = np.diff(ends)
+    mean = share @ whole
+    return share @ (whole - mean) ** 2
+
+
+@pytest.mark.parametrize("sigma", [0.5, 0.6])
+def test_error_by_rounding_beyond_a_twelfth(sigma):
+    phases = np.arange(50) / 50
+    beyond = [variance_of_rounded(10 + phase, sigma) - sigma**2 - 1 / 12 for phase in phases]
+    expected = math.sqrt(np.mean(np.square(beyond)))
+    level = np.repeat([10.0, 30.0], 50)
+    variance = np.full(100, sigma**2 + 1 / 12)
+    line = variance_line(level=level, variance=variance).rounded(level=level, step=1.0)
+    assert line.middle_error == pytest.approx(expected, rel=0.05)
+    assert line.slope_error == pytest.approx(expected / 10.0, rel=0.05)
+    twice = variance_line(level=2 * level, variance=4 * variance)
+    assert twice.rounded(level=2 * level, step=2.0).middle_error == pytest.approx(
+        4 * expected, rel=0.05
+    )
+
+
+def test_what_is_not_known_well_is_withheld_with_its_value():
+    sensor = Sensor(gain=4.0, read_e=40.0)
+    few = blurred(polygons(64, 72, (4000, 8000), seed=3), sigma=0.5)
+    noise = noise_of_picture(picture=sensor.picture(few, seed=1))
+    assert noise.sigma is None
+    assert "at 95 % confidence; allowed: at most 3%" in noise.sigma_reason
+    more = blurred(polygons(240, 320, (4000, 6000), seed=3), sigma=0.5)
+    noise = noise_of_picture(picture=sensor.picture(more, seed=1))
+    assert noise.sigma is not None
+    assert noise.gain_e_per_dn is None
+    assert "at 99 % confidence; allowed: at most 5%" in noise.gain_reason

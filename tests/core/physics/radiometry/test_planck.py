@@ -1,11 +1,14 @@
 """Planck's law against the closed sum of incomplete gamma functions in 50 digits."""
 
+import math
+
 import numpy as np
 import pytest
 import scipy.constants as sc
 from mpmath import exp, expm1, factorial, mp, mpf
 
 from core.errors import DataError
+from core.physics.noise import noise_equivalent as ne
 from core.physics.radiometry import planck as constants
 from core.physics.radiometry.planck import (
     band_photon_radiance,
@@ -14,6 +17,9 @@ from core.physics.radiometry.planck import (
     brightness_temperature,
     spectral_radiance,
 )
+from core.physics.radiometry.spectra import brightest_surface_radiance, coldest_for_radiance
+from planck_truth import band_radiance as true_band
+from reference_cases import reference_cases
 
 BANDS = [(8, 12), (3, 5), (0.4, 0.7), (0.3, 30), (10, 10.0001), (8, 8 * (1 + 1e-9)), (14, 30)]
 TEMPERATURES = [20.0, 77.0, 150.0, 285.0, 303.0, 1000.0, 2856.0, 6000.0]
@@ -138,3 +144,90 @@ def test_dark_samples_are_at_zero_kelvin():
 def test_radiance_without_a_temperature_is_refused(bad):
     with pytest.raises(DataError, match="1 of 2 samples"):
         brightness_temperature(radiance=np.array([1.0, bad]), cut_on_um=8, cut_off_um=12)
+
+
+# Radiometry against the reference values of 20 digits, and the rules between the noise figures.
+
+
+def inputs(case):
+    return {name: float(value) for name, value in case["inputs"].items()}
+
+
+def assert_equal(got, expected):
+    expected = float(expected)
+    assert abs(got - expected) <= 1e-12 * abs(expected) + 1e-15
+
+
+@pytest.mark.parametrize("case", reference_cases("band_radiance"))
+def test_band_radiance(case):
+    expected = case["expected"]
+    assert_equal(band_radiance(**inputs(case)), expected["radiance_W_m2_sr"])
+    assert_equal(band_radiance_derivative(**inputs(case)), expected["dL_dT_W_m2_sr_K"])
+
+
+@pytest.mark.parametrize("case", reference_cases("optical_throughput_number"))
+def test_throughput_number(case):
+    assert_equal(ne.g_number(**inputs(case)), case["expected"]["g_number_per_sr"])
+
+
+@pytest.mark.parametrize("case", reference_cases("noise_equivalent_radiance"))
+def test_noise_equivalents(case):
+    given, expected = inputs(case), case["expected"]
+    area = ne.detector_area_cm2(
+        pitch_x_um=given["pitch_um"],
+        pitch_y_um=given["pitch_um"],
+        fill_x=given["fill_factor_x"],
+        fill_y=given["fill_factor_y"],
+    )
+    throughput = ne.g_number(
+        f_number=given["f_number"],
+        filter_transmission=given["filter_transmission"],
+        optics_transmission=given["optics_transmission"],
+    )
+    nep = ne.nep_W(
+        area_cm2=area, bandwidth_Hz=given["bandwidth_Hz"], d_star=given["d_star_cm_sqrtHz_per_W"]
+    )
+    ner = ne.ner_W_m2_sr(nep_W=nep, area_cm2=area, g_number=throughput)
+    netd = ne.netd_K(
+        noise_radiance=ner,
+        cut_on_um=given["cut_on_um"],
+        cut_off_um=given["cut_off_um"],
+        background_K=given["background_K"],
+    )
+    # the power is 1e-14: only its relative error says something
+    assert nep == pytest.approx(float(expected["nep_W"]), rel=1e-12, abs=0.0)
+    assert_equal(ner, expected["ner_W_m2_sr"])
+    assert_equal(netd, expected["netd_K"])
+
+
+def test_system_and_amplifier():
+    assert ne.system_netd_K(amplifier_netd_K=3.0, detector_netd_K=4.0) == pytest.approx(5.0)
+    assert ne.amplifier_noise_radiance(reference_radiance=40.0, snr=4.0) == pytest.approx(10.0)
+    assert ne.amplifier_noise_radiance(reference_radiance=0.0, snr=4.0) == 0.0
+
+
+# The brightest surfaces of the Earth, by quadrature of Planck's law and the solar constant.
+
+SOLAR_CONSTANT_W_M2 = 1361.0  # nominal; Kopp and Lean 2011 measured 1360.8
+
+
+@pytest.mark.parametrize("band", [(8.0, 14.0), (3.0, 5.0), (0.4, 0.7), (1.0, 1.7)])
+def test_a_band(band):
+    sunlight = true_band(*band, 5772.0) * (6.957e8 / 1.495978707e11) ** 2
+    expected = true_band(*band, 273.15 + 80.8) + sunlight
+    assert brightest_surface_radiance(band_um=band) == pytest.approx(expected, rel=1e-9)
+
+
+def test_all_wavelengths_are_the_hottest_surface_and_the_solar_constant():
+    hot = 5.670374419e-8 * 353.95**4 / math.pi
+    expected = hot + SOLAR_CONSTANT_W_M2 / math.pi
+    assert brightest_surface_radiance(band_um=None) == pytest.approx(expected, rel=2e-4)
+    assert brightest_surface_radiance(band_um=(0.05, 1000.0)) == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("temperature", [250.0, 300.0, 1000.0])
+def test_no_band_has_the_radiance_of_all_below_that_temperature(temperature):
+    whole = true_band(0.01, 1e5, temperature)
+    assert coldest_for_radiance(radiance=whole) == pytest.approx(temperature, rel=1e-4)
+    part = true_band(8.0, 14.0, temperature)
+    assert coldest_for_radiance(radiance=part) < temperature
