@@ -4,7 +4,7 @@ import hashlib
 import os
 import stat
 from collections.abc import Callable, Collection, Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from os.path import realpath
 from pathlib import Path
@@ -19,99 +19,6 @@ from core.network.file import LARGEST, format_network, save_network
 from core.network.network import EXPRESSION, Network
 
 _LONGEST = 32  # letters of a value
-
-
-@dataclass(frozen=True)
-class State:
-    """A network, what was done to come to it, and the path of the one field that this set."""
-
-    network: Network
-    text: str = ""
-    field: tuple[str, ...] = ()
-
-
-class History:
-    """The states of a document, up to where it stands and beyond what was undone."""
-
-    def __init__(self, network: Network) -> None:
-        self._states = [State(network)]
-        self._at = 0
-        self.saved: int | None = 0
-        """The position that is saved; None where no step leads there."""
-        self._gesture: Hashable = None
-
-    @property
-    def network(self) -> Network:
-        return self._states[self._at].network
-
-    @property
-    def start(self) -> Network | None:
-        return self._states[self._at - 1].network if self._gesture is not None else None
-
-    @property
-    def undo_text(self) -> str:
-        return self._states[self._at].text
-
-    @property
-    def redo_text(self) -> str:
-        return self._states[self._at + 1].text if self._at < self.last else ""
-
-    @property
-    def modified(self) -> bool:
-        return self.saved != self._at
-
-    @property
-    def position(self) -> int:
-        return self._at
-
-    @property
-    def last(self) -> int:
-        """The position after all steps, those included that were undone."""
-        return len(self._states) - 1
-
-    def line(self, position: int) -> str:
-        """What the step did that leads to a position, in one line; of 0 nothing."""
-        state = self._states[position]
-        match state.field:
-            case ("nodes", node, "params", name) if node in state.network.nodes:
-                values = [
-                    _value_text(thaw(one.network.nodes[node].params.get(name, ABSENT)))
-                    for one in self._states[position - 1 : position + 1]
-                ]
-                return in_line(f"{state.text}: {' → '.join(values)}")
-        return in_line(state.text)
-
-    def mark_saved(self, saved: bool = True) -> None:
-        """Record the present state as the saved one, or that no step leads to the saved one."""
-        self.saved = self._at if saved else None
-        self.end_gesture()
-
-    def add(self, network: Network, operation: Operation, gesture: Hashable = None) -> None:
-        del self._states[self._at + 1 :]
-        if self.saved is not None and self.saved > self._at:
-            self.saved = None
-        field = operation.path
-        state = State(network, operation.text, field)
-        if gesture is not None and gesture == self._gesture:
-            first = self._states.pop()
-            if field != first.field or not field:
-                state = State(network, first.text)
-        self._states.append(state)
-        self._at = self.last
-        self._gesture = gesture
-
-    def forget(self) -> None:
-        """Drop the step of the present gesture, which changed nothing in the end."""
-        self._states.pop()
-        self._at -= 1
-        self.end_gesture()
-
-    def end_gesture(self) -> None:
-        self._gesture = None
-
-    def go_to(self, position: int) -> None:
-        self._at = position
-        self.end_gesture()
 
 
 def _value_text(value: Any) -> str:
@@ -147,8 +54,13 @@ class Document:
         saved: bool = True,
         stored: str | None = None,
     ) -> None:
-        self.history = History(_tidied(network))
-        self.history.mark_saved(saved)
+        # Networks, what was done to come to each, and the path of the one field that this set.
+        self._states: list[tuple[Network, str, tuple[str, ...]]] = [(_tidied(network), "", ())]
+        self.position = 0
+        """How many steps are done."""
+        self.saved = 0 if saved else None
+        """The position that is saved; None where no step leads there."""
+        self._gesture: Hashable = None
         self.library = library
         self.path = path
         self.stored = GONE if path is None else mark_of(path) if stored is None else stored
@@ -156,11 +68,42 @@ class Document:
 
     @property
     def network(self) -> Network:
-        return self.history.network
+        return self._states[self.position][0]
+
+    @property
+    def start(self) -> Network | None:
+        """The network before the gesture that is going on, if one is."""
+        return self._states[self.position - 1][0] if self._gesture is not None else None
+
+    @property
+    def last(self) -> int:
+        """The position after all steps, those included that were undone."""
+        return len(self._states) - 1
+
+    @property
+    def undo_text(self) -> str:
+        return self._states[self.position][1]
+
+    @property
+    def redo_text(self) -> str:
+        return self._states[self.position + 1][1] if self.position < self.last else ""
 
     @property
     def modified(self) -> bool:
-        return self.history.modified
+        """Whether there is work that no file holds."""
+        return self.saved != self.position
+
+    def line(self, position: int) -> str:
+        """What the step did that leads to a position, in one line; of 0 nothing."""
+        network, text, field = self._states[position]
+        match field:
+            case ("nodes", node, "params", name) if node in network.nodes:
+                values = [
+                    _value_text(thaw(one.nodes[node].params.get(name, ABSENT)))
+                    for one, _, _ in self._states[position - 1 : position + 1]
+                ]
+                return in_line(f"{text}: {' → '.join(values)}")
+        return in_line(text)
 
     @property
     def folder(self) -> Path:
@@ -180,27 +123,43 @@ class Document:
         if self._same(before, after):
             return False
         check_new_wires(before, after, self.library)
-        self.history.add(after, operation, gesture)
-        start = self.history.start
-        if start is not None and self._same(start, after):
-            self.history.forget()  # the drag is back where it began
+        self._add(after, operation, gesture)
+        start = self.start
+        if start is not None and self._same(start, after):  # the drag is back where it began
+            self._states.pop()
+            self.position -= 1
+            self.end_gesture()
         self._tell(before)
         return True
 
+    def _add(self, network: Network, operation: Operation, gesture: Hashable) -> None:
+        del self._states[self.position + 1 :]
+        if self.saved is not None and self.saved > self.position:
+            self.saved = None
+        text, field = operation.text, operation.path
+        if gesture is not None and gesture == self._gesture:
+            _, first_text, first_field = self._states.pop()
+            if field != first_field or not field:
+                text, field = first_text, ()
+        self._states.append((network, text, field))
+        self.position = self.last
+        self._gesture = gesture
+
     def end_gesture(self) -> None:
         """The next operation is an undo step of its own."""
-        self.history.end_gesture()
+        self._gesture = None
 
     def undo(self) -> None:
-        self.go_to(max(self.history.position - 1, 0))
+        self.go_to(max(self.position - 1, 0))
 
     def redo(self) -> None:
-        self.go_to(min(self.history.position + 1, self.history.last))
+        self.go_to(min(self.position + 1, self.last))
 
     def go_to(self, position: int) -> None:
         """Undo, or do again, until so many steps are done; the listeners are called once."""
         before = self.network
-        self.history.go_to(position)
+        self.position = position
+        self.end_gesture()
         self._tell(before)
 
     def disagreement(self) -> str:
@@ -217,7 +176,8 @@ class Document:
             raise ChangedFileError(f"{target} has been {done} since it was opened or saved here")
         text = save_network(self.network, target, library=self.library)
         self.path, self.stored = target, mark(text.encode())
-        self.history.mark_saved()
+        self.saved = self.position
+        self.end_gesture()
 
     def is_own(self, path: Path) -> bool:
         """Whether a path, however it is written, is that of its file."""

@@ -292,7 +292,7 @@ class NewerActions:
         view.setCurrentIndex(index)
         QTest.keyClick(view, KEY.Key_Return)
         if view.isVisible():
-            assert self.session.document.history.position == index.row()
+            assert self.session.document.position == index.row()
 
     def do_snapshot(self):
         self.window.actions_by_name["keep_snapshot"].trigger()

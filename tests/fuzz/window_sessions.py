@@ -243,7 +243,7 @@ class WindowSession(NewerActions):
         assert set(content.wires) == set(shown.links), "the canvas draws other wires"
 
     def check_undone(self):
-        history = self.session.document.history
+        history = self.session.document
         self.session.go_to(history.last)
         end = self.text()
         for _ in range(100_000):

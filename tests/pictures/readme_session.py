@@ -46,7 +46,7 @@ def session(clip):
     group(clip, name)
     clip.caption = "Ctrl+Z takes every step back"
     clip.rest(0.6)
-    history = window.session.document.history
+    history = window.session.document
     while clip.ask(lambda: history.position):
         clip.keys("ctrl+z")
         clip.rest(0.5)

@@ -371,7 +371,7 @@ class Builder(ValuesByHand):
 
     def undo_all(self):
         full = self.window.session.document.text()
-        history = self.window.session.document.history
+        history = self.window.session.document
         self.deselect()
         steps = history.position
         self.hands.keys(*["ctrl+z"] * steps)

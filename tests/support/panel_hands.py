@@ -147,7 +147,7 @@ def drag(slider, share):
 
 def undo_to(session, position):
     """Undo until so many steps are left, each time one: to follow is not to edit."""
-    history = session.document.history
+    history = session.document
     while (before := history.position) > position:
         session.undo()
         assert history.position == before - 1

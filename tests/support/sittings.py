@@ -39,15 +39,15 @@ class Sitting:
         operation = maker(Editor(self.random, document.network, document.library))
         if operation is None:
             return
-        network, before = document.network, document.history.position
+        network, before = document.network, document.position
         try:
             changed = document.do(operation, self.gesture)
         except ImagechainError:
             assert document.network is network, f"refused, but changed: {operation.text}"
-            assert document.history.position == before
+            assert document.position == before
             self.counts["refused"] += 1
             return
-        took = document.history.position - before
+        took = document.position - before
         differs = document.text() != self.states[before][0]
         # A macro has a seed, and its file none: there the text may stay.
         assert changed == differs or (changed and self.makers is MACRO_MAKERS), operation.text
@@ -67,26 +67,26 @@ class Sitting:
 
     def save(self, path=None) -> None:
         self.document.save(path)
-        self.saved = self.states[self.document.history.position]
+        self.saved = self.states[self.document.position]
         assert self.document.path.read_text() == self.saved[0], "the file is not the document"
         self.check()
 
     def check(self) -> None:
         """The text is that of this place in the history; without it being modified, the file's."""
-        state = self.states[self.document.history.position]
+        state = self.states[self.document.position]
         assert self.document.text() == state[0]
         assert self.document.modified == (state is not self.saved)
 
     def back_and_forth(self) -> None:
         """Undo to the start, and do it all again."""
-        end = self.document.history.position
+        end = self.document.position
         for at in reversed(range(end)):
-            undone = self.document.history.undo_text
+            undone = self.document.undo_text
             self.document.undo()
-            assert self.document.history.position == at
-            assert self.document.history.redo_text == undone
+            assert self.document.position == at
+            assert self.document.redo_text == undone
             self.check()
-        assert not self.document.history.undo_text
+        assert not self.document.undo_text
         for _ in range(end):
             self.document.redo()
             self.check()

@@ -18,7 +18,7 @@ from app.editor.viewers.viewer import VIEWER_NUMBERS
 from app.editor.widgets import Menu
 from core.editing.backdrops import Backdrop, add, around, laid_out
 from core.editing.clipboard import copied, duplicated, pasted
-from core.editing.document import History
+from core.editing.document import Document
 from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
 from core.editing.macros import group, ungroup
 from core.editing.operations import (
@@ -260,10 +260,10 @@ class Actions(dict[str, QAction]):
             if spec.selected:
                 self[spec.name].setEnabled(selected)
 
-    def follow_history(self, history: History) -> None:
+    def follow_history(self, document: Document) -> None:
         for name, verb, step in (
-            ("undo", "&Undo", history.undo_text),
-            ("redo", "&Redo", history.redo_text),
+            ("undo", "&Undo", document.undo_text),
+            ("redo", "&Redo", document.redo_text),
         ):
             action = self[name]
             action.setEnabled(bool(step))

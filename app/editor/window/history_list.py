@@ -37,13 +37,13 @@ class HistoryList(QListWidget):
         if not self.isVisible():
             return
         document = self._session.document
-        history, font = document.history, self.font()
+        font = self.font()
         self.clear()
-        for row in range(history.last + 1):
-            saved = row == history.saved and document.path is not None
-            item = QListWidgetItem((history.line(row) or "Start") + ("  (saved)" if saved else ""))
-            font.setBold(row == history.position)
-            font.setItalic(row > history.position)
+        for row in range(document.last + 1):
+            saved = row == document.saved and document.path is not None
+            item = QListWidgetItem((document.line(row) or "Start") + ("  (saved)" if saved else ""))
+            font.setBold(row == document.position)
+            font.setItalic(row > document.position)
             item.setFont(font)
             self.addItem(item)
-        self.setCurrentRow(history.position)
+        self.setCurrentRow(document.position)

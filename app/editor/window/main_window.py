@@ -410,7 +410,7 @@ class MainWindow(QMainWindow):
         self.setWindowTitle(f"{name}[*] — Imagechain")
         if document.modified != self.isWindowModified():  # Qt signals it in any case
             self.setWindowModified(document.modified)
-        self.actions_by_name.follow_history(document.history)
+        self.actions_by_name.follow_history(document)
 
     def _badges_changed(self, badges: Any) -> None:
         head = self.level.head
@@ -463,10 +463,10 @@ class MainWindow(QMainWindow):
         target()
 
     def _group(self) -> None:
-        history = self.session.document.history
-        steps = history.position
+        document = self.session.document
+        steps = document.position
         self.edits.group()
-        if history.position != steps:
+        if document.position != steps:
             self.panels.edit_name()
 
     def _view(self, number: int) -> None:

@@ -37,7 +37,7 @@ def test_setting_the_present_value_is_no_step(document):
     present = document.network.nodes["init"].params["f_number"]
     for value in (present, int(present), 2.0):
         assert not document.do(set_parameter("init", "f_number", value))
-    assert document.history.position == 0
+    assert document.position == 0
     assert not document.modified
 
 
@@ -64,7 +64,7 @@ def test_one_drag_is_one_step(document):
     drag = object()
     for x in range(1, 40):
         assert document.do(move_nodes({"init": (480.0 + x, 0)}), gesture=drag)
-    assert document.history.position == 1
+    assert document.position == 1
     document.undo()
     assert document.network.layout["init"] == (480, 0)
     document.redo()
@@ -78,7 +78,7 @@ def test_steps_of_one_kind_are_apart_without_a_gesture_or_after_its_end(document
     document.do(move[2], gesture="drag")
     document.end_gesture()
     document.do(move[3], gesture="drag")
-    assert document.history.position == 4
+    assert document.position == 4
 
 
 def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
@@ -94,7 +94,7 @@ def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
     document.do(remove_nodes(("picture",)))  # the saved state can be reached no more
     document.undo()
     assert document.modified
-    assert document.history.redo_text == "Delete picture"
+    assert document.redo_text == "Delete picture"
 
 
 def test_listeners_hear_every_change_and_only_those(document):
@@ -131,7 +131,7 @@ def test_no_operation_brings_links_that_no_file_may_have(document, links, reason
     with pytest.raises(NetworkError, match=reason):
         document.do(rewire(add=tuple(links)))
     assert document.network is before
-    assert document.history.position == 0
+    assert document.position == 0
 
 
 def test_a_document_without_a_file_asks_for_one(document):
@@ -239,7 +239,7 @@ def test_every_file_name_of_every_module(library, tmp_path):
     assert operation is not None
     document.do(operation)
     assert {node.params["path"] for node in document.network.nodes.values()} == {"a/x.npy"}
-    assert document.history.undo_text == "Adjust file names"
+    assert document.undo_text == "Adjust file names"
     document.undo()
     assert document.text() == before
 
@@ -260,7 +260,7 @@ def test_every_position_gives_the_text_it_had(kodak, library, seed):
     for _ in range(12):
         position = random.randrange(len(texts))
         document.go_to(position)
-        assert document.history.position == position
+        assert document.position == position
         assert document.text() == texts[position]
         assert document.modified == (position != 0)
 
@@ -275,7 +275,7 @@ def test_lines_say_what_a_value_was_and_is(document):
     ]
     for operation, _ in steps:
         document.do(operation)
-    lines = [document.history.line(position) for position in range(len(steps) + 1)]
+    lines = [document.line(position) for position in range(len(steps) + 1)]
     assert lines == ["", *(line for _, line in steps)]
 
 
@@ -285,11 +285,11 @@ def test_going_back_is_one_step(library):
     document.do(set_parameter("blur", "sigma_x_mrad", 3.0))
     document.do(remove_nodes(("blur",)))
     changed = document.text()
-    steps = document.history.position
+    steps = document.position
     assert document.do(restored(kept, "Go back to Snapshot 1"))
     assert document.network is kept
-    assert document.history.position == steps + 1
-    assert document.history.undo_text == "Go back to Snapshot 1"
+    assert document.position == steps + 1
+    assert document.undo_text == "Go back to Snapshot 1"
     document.undo()
     assert document.text() == changed
     document.redo()

@@ -26,7 +26,7 @@ def drawn_sitting(seed, library, **options):
 def play(sitting, operations=OPERATIONS):
     sitting.work(operations)
     sitting.back_and_forth()
-    assert not sitting.document.history.redo_text
+    assert not sitting.document.redo_text
     for _ in range(operations):
         sitting.step()
     # From somewhere in the middle on: what was undone is forgotten.

@@ -49,7 +49,7 @@ class PanelNode:
 
     def put_back(self, parameter: str, gesture: object) -> None:
         """Give it the values from before the gesture, each node its own."""
-        before = self.session.document.history.start
+        before = self.session.document.start
         if before is not None:
             nodes = unfolded(before).nodes
             values = {name: nodes[name].params.get(parameter, ABSENT) for name in self._alike}

@@ -228,7 +228,7 @@ class RegionTool(QObject):
         override = event.type() == QEvent.Type.ShortcutOverride
         if not (override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape):
             return False
-        before = self._session.document.history.start
+        before = self._session.document.start
         if self._gesture is None or before is None:
             return False
         for part in (self.frame, *self.frame.getHandles()):

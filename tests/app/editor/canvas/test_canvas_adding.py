@@ -20,7 +20,7 @@ def titles(canvas):
 
 
 def position(session):
-    return session.document.history.position
+    return session.document.position
 
 
 def test_tab_opens_the_search_and_enter_adds_at_the_mouse(session, canvas, hand, library):

@@ -20,7 +20,7 @@ def grounded(session, canvas, library):
 
 
 def position(session):
-    return session.document.history.position
+    return session.document.position
 
 
 def test_a_backdrop_takes_its_nodes_along_in_one_step(grounded, canvas, hand):

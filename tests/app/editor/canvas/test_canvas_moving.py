@@ -20,7 +20,7 @@ def four(session, canvas, library):
 
 
 def position(session):
-    return session.document.history.position
+    return session.document.position
 
 
 def test_a_drag_is_one_step(four, canvas, hand):

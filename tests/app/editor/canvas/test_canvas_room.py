@@ -38,7 +38,7 @@ def test_a_node_dragged_onto_a_wire_pushes_its_neighbours_aside(kodak, canvas, h
     hand.click(hand.at(-300, 900))
     canvas.add_module("jitter_mtf")
     before = dict(session.network.layout)
-    steps = session.document.history.position
+    steps = session.document.position
     wire = Link.between("detector.magnitude", "charge.magnitude")
     canvas.frame_all()
     hand.drag(hand.head("jitter_mtf"), hand.wire(wire))
@@ -46,7 +46,7 @@ def test_a_node_dragged_onto_a_wire_pushes_its_neighbours_aside(kodak, canvas, h
     assert overlapping(canvas) == []
     moved = [name for name, at in session.network.layout.items() if before.get(name) != at]
     assert "charge" in moved
-    assert session.document.history.position == steps + 1
+    assert session.document.position == steps + 1
     session.undo()
     assert session.network.layout == before
 

@@ -36,7 +36,7 @@ def link(start, end):
 
 
 def history(session):
-    return session.document.history.position
+    return session.document.position
 
 
 def draw(hand, start, end):

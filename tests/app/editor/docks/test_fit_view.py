@@ -70,7 +70,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     seen = []
     view.worker.progressed.connect(seen.append)
     before = window.session.document.network
-    steps = window.session.document.history.position
+    steps = window.session.document.position
     qtbot.mouseClick(view.fit, Qt.MouseButton.LeftButton)
     assert view.stop.isEnabled()
     qtbot.waitUntil(lambda: view.outcome is not None)
@@ -91,7 +91,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert taken == pytest.approx(fitted.value, abs=fitted.sigma / 100.0)
     assert len(str(taken)) <= len("0.0800000")  # no digits that nobody can know
     assert view.table.item(0, 1).text() == f"{taken:.6g}"
-    assert session.document.history.position == steps + 1
+    assert session.document.position == steps + 1
     window.actions_by_name["undo"].trigger()
     assert session.document.network == before
     assert "χ²" in view.status.title.text()

@@ -44,6 +44,6 @@ def test_what_a_deleted_node_was_followed_for_stays(window, session):
     assert "init" not in session.network.nodes
     assert stored(session) == 0.4
     assert ("note", "no longer linked, but values kept: blur.sigma_x_mrad = 0.4") in said
-    assert session.document.history.position == 1
+    assert session.document.position == 1
     session.undo()
     assert session.document.text() == before

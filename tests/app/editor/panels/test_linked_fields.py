@@ -63,13 +63,13 @@ def wheel(widget, notches=1):
     ],
 )
 def test_arithmetic_and_units_are_taken(text, value, sigma, session):
-    position = session.document.history.position
+    position = session.document.position
     session.do(set_parameter("blur", "sigma_x_mrad", 0.125))
     type_in(sigma.edit, text)
     assert stored(session) == pytest.approx(value, rel=1e-13)
     assert not sigma.message.isVisible()
     assert not sigma.edit.marked
-    assert session.document.history.position == position + 2
+    assert session.document.position == position + 2
 
 
 @pytest.mark.parametrize(
@@ -120,11 +120,11 @@ def test_a_name_is_completed_behind_the_equals_sign(sigma, session, qtbot):
 
 
 def test_a_link_is_typed_shown_followed_and_undone(sigma, session):
-    position = session.document.history.position
+    position = session.document.position
     type_in(sigma.edit, "= init.f_number * 0.2")
     assert stored(session) == {"expression": "init.f_number * 0.2"}
-    assert session.document.history.position == position + 1
-    assert session.document.history.undo_text == "Link blur.sigma_x_mrad"
+    assert session.document.position == position + 1
+    assert session.document.undo_text == "Link blur.sigma_x_mrad"
     assert sigma.edit.text() == "= init.f_number * 0.2"
     assert sigma.linked_value.isVisible()
     assert sigma.linked_value.text() == "= 0.4 mrad"
@@ -162,14 +162,14 @@ def test_a_link_is_edited_and_taken_away_by_typing(sigma, session):
 
 def test_a_link_is_taken_away_by_the_menu_and_keeps_the_value(sigma, session):
     type_in(sigma.edit, "= init.f_number * 0.2")
-    position = session.document.history.position
+    position = session.document.position
     menu, actions = open_menu(sigma)
     assert actions["unlink"].text() == "Unlink, keep 0.4 mrad"
     actions["unlink"].trigger()
     menu.close()
     assert stored(session) == 0.4
-    assert session.document.history.position == position + 1
-    assert session.document.history.undo_text == "Unlink blur.sigma_x_mrad"
+    assert session.document.position == position + 1
+    assert session.document.undo_text == "Unlink blur.sigma_x_mrad"
     session.undo()
     assert stored(session) == {"expression": "init.f_number * 0.2"}
 
@@ -207,10 +207,10 @@ def _moved(widget, at, modifier):
 def test_a_label_is_dragged_sideways(modifier, way, value, sigma, session):
     assert sigma.label.cursor().shape() == Qt.CursorShape.SizeHorCursor
     assert (sigma.scale.low, sigma.scale.high) == (0.0, 5.0)
-    position = session.document.history.position
+    position = session.document.position
     pull(sigma.label, way, modifier)
     assert stored(session) == pytest.approx(value, abs=1e-9)
-    assert session.document.history.position == position + 1
+    assert session.document.position == position + 1
     session.undo()
     assert stored(session) == 0.3
     assert sigma.edit.text() == "0.3"
@@ -226,9 +226,9 @@ def test_the_wheel_changes_only_what_has_the_focus(sigma, session, area):
     area._scrolled_at = float("-inf")
     wheel(sigma.slider)
     assert stored(session) == pytest.approx(0.35)
-    position = session.document.history.position
+    position = session.document.position
     wheel(sigma.slider)
-    assert session.document.history.position == position  # one turn, one step
+    assert session.document.position == position  # one turn, one step
 
 
 def top(widget):

@@ -14,7 +14,7 @@ from panel_hands import LEFT, drop, field_of, panel_area, type_in, undo_to
 def test_panels_follow_the_document_without_editing_it(qtbot, session):
     area = panel_area(qtbot, session)
     drop(session, "gaussian_mtf")
-    position = session.document.history.position
+    position = session.document.position
     x, y = (field_of(area, session, f"sigma_{axis}_mrad") for axis in "xy")
     QTest.mouseClick(y.edit, LEFT)
     QTest.keyClicks(y.edit, "7")  # being typed
@@ -24,12 +24,12 @@ def test_panels_follow_the_document_without_editing_it(qtbot, session):
     assert x.changed
     assert "7" in y.edit.text()
     assert y.edit.isModified()
-    assert session.document.history.position == position + 1
+    assert session.document.position == position + 1
     session.undo()
     assert x.edit.text() == "0"
     assert x.slider.value() == 0
     assert not x.changed
-    assert session.document.history.position == position
+    assert session.document.position == position
 
 
 def test_esc_restores_and_leaving_takes_what_was_typed(qtbot, session):
@@ -56,7 +56,7 @@ def test_a_value_set_by_hand_to_the_default_is_stored_and_reset_by_the_menu_key(
     area = panel_area(qtbot, session)
     drop(session, "jitter_mtf")
     field = field_of(area, session, "sigma_mrad")
-    before, position = session.document.text(), session.document.history.position
+    before, position = session.document.text(), session.document.position
     type_in(field.edit, "0.02")
     assert session.network.nodes["node"].params["sigma_mrad"] == 0.02
     assert not field.changed

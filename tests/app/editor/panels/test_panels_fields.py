@@ -87,12 +87,12 @@ def outside(parameter):
 def test_every_parameter_is_changed_by_its_widget_and_undone(qtbot, session, key):
     area = panel_area(qtbot, session)
     drop(session, key)
-    before, position = session.document.text(), session.document.history.position
+    before, position = session.document.text(), session.document.position
     for parameter in declaration(LIBRARY[key]).parameters:
         field = field_of(area, session, parameter.name)
-        steps = session.document.history.position
+        steps = session.document.position
         value = change(field)
-        assert session.document.history.position == steps + 1
+        assert session.document.position == steps + 1
         assert stored(session, parameter.name) == value
         assert type(stored(session, parameter.name)) is type(value)
         assert field.changed == (parameter.coerce(value) != parameter.default)
@@ -172,13 +172,13 @@ def test_a_drag_of_the_slider_is_one_step(qtbot, session, key):
     session.changed.connect(lambda _, after: changes.append(after.nodes["node"].params))
     for name in NUMBERED[key]:
         field = field_of(area, session, name)
-        before, position = session.document.text(), session.document.history.position
+        before, position = session.document.text(), session.document.position
         changes.clear()
         up = field.slider.value() < field.slider.maximum() / 2
         drag(field.slider, 0.4 if up else -0.4)
         seen = [params.get(name) for params in changes]
         assert len(set(seen)) > 2, name
-        assert session.document.history.position == position + 1, name
+        assert session.document.position == position + 1, name
         assert float(field.edit.text()) == stored(session, name) == seen[-1], name
         session.undo()
         assert session.document.text() == before, name

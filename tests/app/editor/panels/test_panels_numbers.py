@@ -115,11 +115,11 @@ def test_the_slider_never_rounds_what_was_typed(qtbot, session, text):
     field = field_of(area, session, "sigma_x_mrad")
     type_in(field.edit, text)
     assert session.network.nodes["node"].params["sigma_x_mrad"] == float(text)
-    before, position = session.document.text(), session.document.history.position
+    before, position = session.document.text(), session.document.position
     for widget in (field.slider, field.edit, field.slider):
         widget.setFocus()
     type_in(area.panels["node"].body.sections.field("sigma_y_mrad").edit, "2")
-    assert session.document.history.position == position + 1
+    assert session.document.position == position + 1
     session.undo()
     assert session.document.text() == before
     assert float(field.edit.text()) == float(text)

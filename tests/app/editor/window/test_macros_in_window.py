@@ -264,7 +264,7 @@ def test_parameters_are_saved_as_a_set_and_taken_again(hands, window, settings):
     entry.trigger()
     menu.close()
     assert dict(window.session.network.nodes["blur"].params) == params
-    assert window.session.document.history.undo_text == "Set blur to as shipped"
+    assert window.session.document.undo_text == "Set blur to as shipped"
 
 
 def test_inside_a_macro_its_inputs_and_outputs_are_drawn_with_their_names(grouped, window, idle):

@@ -52,7 +52,7 @@ def test_going_back_is_a_step_that_undo_takes_back(person):
     person.key(KEY.Key_Return)
     assert session.document.text() == kept
     assert "restored Snapshot 1" in person.status
-    assert session.document.history.undo_text == "Go back to Snapshot 1"
+    assert session.document.undo_text == "Go back to Snapshot 1"
     session.undo()
     assert session.document.text() == changed
     session.redo()

@@ -35,7 +35,7 @@ def params(window, name):
 
 
 def position(window):
-    return window.session.document.history.position
+    return window.session.document.position
 
 
 def test_keys_copy_one_node_and_paste_on_others_as_one_step(window, hand, nodes):

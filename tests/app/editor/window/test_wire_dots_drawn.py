@@ -36,7 +36,7 @@ def dots(session, link=WIRE):
 
 
 def steps(session):
-    return session.document.history.position
+    return session.document.position
 
 
 def drawn(window, link=WIRE):

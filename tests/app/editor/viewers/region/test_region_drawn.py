@@ -19,7 +19,7 @@ def test_dragging_moves_it_by_whole_samples_in_one_undo_step(bench, viewer, hand
     assert stored(bench) == (86, 44, 64, 192)
     assert framed(viewer) == (86, 44, 64, 192)
     assert undo_steps(bench) == 1
-    assert "region" in bench.session.document.history.undo_text
+    assert "region" in bench.session.document.undo_text
     bench.session.undo()
     assert framed(viewer) == AS_SHIPPED
     bench.session.redo()
