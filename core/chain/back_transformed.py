@@ -207,7 +207,7 @@ class Delivered(Recipe):
     @property
     def in_blocks(self) -> bool:
         """A frame of one source, by passes over rows and columns."""
-        bands = self.weights is None or not self._is_split or self.filtered_sum.sums.in_blocks
+        bands = self.weights is None or not self._is_split or self.filtered_sum.in_blocks
         return self.one_source and bands and (self.sampled is None or self.sampled.folds)
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:

@@ -13,7 +13,7 @@ and Rokhlin 2005, SIAM J. Sci. Comput. 26, 1389).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.band_stack import BandStack, Row, Rows
-from core.evaluation.recipes import Recipe, Step
+from core.chain.band_stack import BandStack, Row
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.scratch import StripArray
 from core.transfer.factors import Factor, Grid, Planar, Product
@@ -58,48 +58,32 @@ class WavelengthRank:
     bound: float
 
 
-@dataclass(frozen=True, eq=False)
-class ChosenWavelengths(Recipe):
-    """The wavelengths that factors need at a grid's frequencies within the error budget."""
+@ends_lineage
+def chosen_wavelengths(
+    work: Work, *_: Any, factors: tuple[Planar, ...], centres_um: Row, grid: Grid
+) -> WavelengthRank:
+    """The wavelengths that factors need at a grid's frequencies within the error budget.
 
-    factors: tuple[Planar, ...]
-    centres_um: Row
-    grid: Grid
-    node: str | None = field(default=None, compare=False)
-
-    def _content(self) -> tuple[object, ...]:
-        return tuple(factor.key for factor in self.factors), self.centres_um, self.grid
-
-    @property
-    def inputs(self) -> tuple[Recipe, ...]:
-        laws = [
-            factor.by_wavelength.at(wavelength)
-            for factor in self.factors
-            for wavelength in self.centres_um
-            if factor.by_wavelength is not None
-        ]
-        return tuple(one for law in laws for one in law.inputs)
-
-    def compute(self, work: Work) -> WavelengthRank:
-        """Fit on every other place, judge on those between."""
-        count = len(self.centres_um)
-        if not self.factors:
-            return WavelengthRank((0,), np.ones((1, count)), 0.0)
-        if work.policy.budget == 0.0 or count == 1:
-            return WavelengthRank(tuple(range(count)), np.eye(count), 0.0)
-        xi, eta = _places(self.factors, self.grid)
-        # The whole square of frequencies has its corner where a radius reaches furthest.
-        table = np.empty((xi.size, count), complex)
-        for band, wavelength in enumerate(self.centres_um):
-            work.check()
-            table[:, band] = transfer_at(work, self.factors, wavelength, xi, eta)
-        if not np.iscomplexobj(table) or not table.imag.any():
-            table = np.ascontiguousarray(table.real)
-        chosen = work.policy.tolerance
-        tolerance = _USUAL[work.policy.precision] if chosen is None else _SHARE * chosen
-        samples = self.grid.rows * self.grid.columns
-        most = max(_FEW, int(samples * math.log2(samples) / len(table)))
-        return few_wavelengths(table[::2], table[1::2], tolerance=tolerance, most=most)
+    They are fitted on every other place, and judged on those between.
+    """
+    count = len(centres_um)
+    if not factors:
+        return WavelengthRank((0,), np.ones((1, count)), 0.0)
+    if work.policy.budget == 0.0 or count == 1:
+        return WavelengthRank(tuple(range(count)), np.eye(count), 0.0)
+    xi, eta = _places(factors, grid)
+    # The whole square of frequencies has its corner where a radius reaches furthest.
+    table = np.empty((xi.size, count), complex)
+    for band, wavelength in enumerate(centres_um):
+        work.check()
+        table[:, band] = transfer_at(work, factors, wavelength, xi, eta)
+    if not np.iscomplexobj(table) or not table.imag.any():
+        table = np.ascontiguousarray(table.real)
+    chosen = work.policy.tolerance
+    tolerance = _USUAL[work.policy.precision] if chosen is None else _SHARE * chosen
+    samples = grid.rows * grid.columns
+    most = max(_FEW, int(samples * math.log2(samples) / len(table)))
+    return few_wavelengths(table[::2], table[1::2], tolerance=tolerance, most=most)
 
 
 def transfer_at(
@@ -207,16 +191,37 @@ def used_bands(weights: Row) -> tuple[int, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class ComponentSums(Recipe):
-    """The weighted sums of bands that belong to the chosen wavelengths, (chosen, rows, columns)."""
+class FilteredSum(Recipe):
+    """A weighted sum of bands, each filtered at its own wavelength; as a recipe, its spectrum.
+
+    `factors` are those that depend on wavelength; without any it is the sum as it is. The spectrum
+    is made where they are real and even in both axes, so that it is that of a frame which goes on
+    as the bands' did.
+    """
 
     bands: BandStack
     weights: Row
-    wavelengths: ChosenWavelengths
+    factors: tuple[Planar, ...]
+    grid: Grid
+    axes: Axes
     node: str | None = field(default=None, compare=False)
 
     def _content(self) -> tuple[object, ...]:
-        return self.bands.key, self.weights, self.wavelengths.key
+        return self.bands.key, self.weights, self.wavelengths.key, self.grid, self.axes
+
+    @cached_property
+    def wavelengths(self) -> Step:
+        """Recipe of those that stand for all bands that count."""
+        centres = tuple(self.bands.centres_um[place] for place in used_bands(self.weights))
+        laws = (
+            factor.by_wavelength.at(wavelength)
+            for factor in self.factors
+            for wavelength in centres
+            if factor.by_wavelength is not None
+        )
+        bound = [one for law in laws for one in law.inputs]
+        how: dict[str, Any] = {"factors": self.factors, "centres_um": centres, "grid": self.grid}
+        return Step.of(chosen_wavelengths, *bound, node=self.node, **how)
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
@@ -229,96 +234,74 @@ class ComponentSums(Recipe):
 
     @property
     def in_words(self) -> str:
-        return "a weighted sum of bands"
-
-    def compute(self, work: Work) -> Array:
-        return np.asarray(work.value(self.bands.sums(self._rows(work))))
-
-    def pictures(self, work: Work, *, samples: int) -> Iterator[Array]:
-        """The sums one after the other, of pictures of so many samples.
-
-        Where wavelengths are many there are several passes over the bands: otherwise all of a cube
-        would be in memory where none of its bands stands for others.
-        """
-        rows = self._rows(work)
-        at_once = max(1, SAMPLES_AT_ONCE // samples)
-        if len(rows) <= at_once:
-            yield from work.value(self)
-            return
-        parts = (rows[start : start + at_once] for start in range(0, len(rows), at_once))
-        for several in work.one_by_one(map(self.bands.sums, parts), forgetting=True):
-            yield from several
-
-    def _rows(self, work: Work) -> Rows:
-        rank: WavelengthRank = work.value(self.wavelengths)
-        weights = np.array(self.weights)
-        rows = np.zeros((len(rank.chosen), len(weights)))
-        used = np.array(used_bands(self.weights))
-        rows[:, used] = rank.shares * weights[used]
-        return tuple(tuple(row) for row in rows.tolist())
-
-
-@dataclass(frozen=True, eq=False)
-class SummedSpectrum(Recipe):
-    """The spectrum of a weighted sum of bands behind factors that depend on wavelength.
-
-    The factors are real and even in both axes, so that the product is the spectrum of a frame that
-    goes on as the bands' did.
-    """
-
-    sums: ComponentSums
-    grid: Grid
-    axes: Axes
-    node: str | None = field(default=None, compare=False)
-
-    def _content(self) -> tuple[object, ...]:
-        return self.sums.key, self.grid, self.axes
-
-    @property
-    def inputs(self) -> tuple[Recipe, ...]:
-        return self.sums.wavelengths, self.sums
-
-    def first(self, work: Work) -> tuple[Recipe, ...]:  # noqa: ARG002  (as every recipe's)
-        """The choice alone: how many sums there are decides how they are made."""
-        return (self.sums.wavelengths,)
-
-    @property
-    def in_blocks(self) -> bool:
-        return self.sums.in_blocks
-
-    @property
-    def in_words(self) -> str:
         return "filtering every band at its own wavelength"
+
+    @property
+    def _is_even(self) -> bool:
+        return all(factor.symmetric and factor.take == "real" for factor in self.factors)
+
+    @property
+    def _transform(self) -> Callable[..., MeanFree]:
+        return mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
+
+    @cached_property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """What `spectra` reads."""
+        if not self.factors:
+            picture = self.bands.picture(self.weights)
+            return (Step.of(self._transform, picture, node=self.node),)
+        return (self,) if self._is_even else (self.wavelengths,)
+
+    def spectra(self, work: Work) -> Iterator[tuple[MeanFree, tuple[Factor, ...]]]:
+        """Spectra, and the factors that have still to be applied to each before they are added.
+
+        One where all factors are even: a frame that goes on mirrored then still does. Otherwise one
+        for every wavelength that was chosen.
+        """
+        if not self.factors or self._is_even:
+            yield work.value(self.recipes[0]), ()
+            return
+        for picture, factors in self._components(work):
+            yield self._transform(work, picture), factors
 
     def compute(self, work: Work) -> MeanFree:
         """Transform, multiply and add, one wavelength after the other."""
-        rank: WavelengthRank = work.value(self.sums.wavelengths)
-        pictures = self.sums.pictures(work, samples=self.grid.rows * self.grid.columns)
-        factors, centres = self.sums.wavelengths.factors, self.sums.wavelengths.centres_um
-        transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
         total: Any = None  # an array, or strips on disk
         mean = 0.0
-        for place, picture in zip(rank.chosen, pictures, strict=True):
-            work.check()
-            product = Product(tuple(factor.at(centres[place]) for factor in factors))
-            part = transform(work, picture)
+        for picture, factors in self._components(work):
+            product = Product(factors)
+            part = self._transform(work, picture)
             mean += part.mean * product.at_zero(work)
             total = self._added(work, total, part.values, product)
         assert total is not None
         return MeanFree(total, mean)
 
-    def _added(
-        self,
-        work: Work,
-        total: Array | StripArray | None,
-        values: Array | StripArray,
-        product: Product,
-    ) -> Array | StripArray:
+    def _components(self, work: Work) -> Iterator[tuple[Array, tuple[Planar, ...]]]:
+        """The sums of bands that belong to the chosen wavelengths, and the factors at each.
+
+        Where wavelengths are many there are several passes over the bands: otherwise all of a cube
+        would be in memory where none of its bands stands for others.
+        """
+        rank: WavelengthRank = work.value(self.wavelengths)
+        used = np.array(used_bands(self.weights))
+        weights = np.zeros((len(rank.chosen), len(self.weights)))
+        weights[:, used] = rank.shares * np.array(self.weights)[used]
+        rows = tuple(tuple(row) for row in weights.tolist())
+        at_once = max(1, SAMPLES_AT_ONCE // (self.grid.rows * self.grid.columns))
+        parts = [rows[start : start + at_once] for start in range(0, len(rows), at_once)]
+        passes = work.one_by_one(map(self.bands.sums, parts), forgetting=len(parts) > 1)
+        pictures = (picture for several in passes for picture in several)
+        for place, picture in zip(rank.chosen, pictures, strict=True):
+            work.check()
+            wavelength = self.bands.centres_um[used[place]]
+            yield picture, tuple(factor.at(wavelength) for factor in self.factors)
+
+    def _added(self, work: Work, total: Any, values: Any, product: Product) -> Any:
         if not product.planar and total is None:
             return values
         planes = Planes(work, product, self.grid, self.axes) if product.planar else None
         height = max(1, BLOCK_SAMPLES // values.shape[1])
-        made = values if total is None else total
+        made: Any = values if total is None else total
 
         def one(start: int) -> None:
             rows = slice(start, start + height)
@@ -332,57 +315,3 @@ class SummedSpectrum(Recipe):
 
         work.for_each(one, range(0, len(values), height))
         return made
-
-
-@dataclass(frozen=True)
-class FilteredSum:
-    """A weighted sum of bands, each filtered at its own wavelength.
-
-    `factors` are those that depend on wavelength; without any it is the sum as it is.
-    """
-
-    bands: BandStack
-    weights: Row
-    factors: tuple[Planar, ...]
-    grid: Grid
-    axes: Axes
-    node: str | None = None
-
-    @cached_property
-    def wavelengths(self) -> ChosenWavelengths:
-        centres = tuple(self.bands.centres_um[place] for place in used_bands(self.weights))
-        return ChosenWavelengths(self.factors, centres, self.grid, self.node)
-
-    @property
-    def sums(self) -> ComponentSums:
-        return ComponentSums(self.bands, self.weights, self.wavelengths, self.node)
-
-    @property
-    def _is_even(self) -> bool:
-        return all(factor.symmetric and factor.take == "real" for factor in self.factors)
-
-    @cached_property
-    def recipes(self) -> tuple[Recipe, ...]:
-        transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
-        if not self.factors:
-            return (Step.of(transform, self.bands.picture(self.weights), node=self.node),)
-        if self._is_even:
-            return (SummedSpectrum(self.sums, self.grid, self.axes, self.node),)
-        return (self.wavelengths,)
-
-    def spectra(self, work: Work) -> Iterator[tuple[MeanFree, tuple[Factor, ...]]]:
-        """Spectra, and the factors that have still to be applied to each before they are added.
-
-        One where all factors are even: a frame that goes on mirrored then still does. Otherwise one
-        for every wavelength that was chosen.
-        """
-        if not self.factors or self._is_even:
-            yield work.value(self.recipes[0]), ()
-            return
-        rank: WavelengthRank = work.value(self.wavelengths)
-        transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
-        pictures = self.sums.pictures(work, samples=self.grid.rows * self.grid.columns)
-        for place, picture in zip(rank.chosen, pictures, strict=True):
-            work.check()
-            wavelength = self.wavelengths.centres_um[place]
-            yield transform(work, picture), tuple(one.at(wavelength) for one in self.factors)

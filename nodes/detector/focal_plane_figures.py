@@ -29,8 +29,8 @@ from core.physics.detector.focal_plane_array import (
 )
 from core.physics.detector.photon_conversion import (
     WEIGHTINGS,
-    Conversion,
     PhotonWeights,
+    SmoothRatio,
     conversion_between,
 )
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
@@ -121,7 +121,7 @@ class ElectronLevels:
     known, `radiance_per_photon` is the mean radiance over their mean.
     """
 
-    conversion: Conversion
+    conversion: SmoothRatio
     seen: PictureRange
     scene_K: float | None
     signal_e: float
@@ -144,7 +144,7 @@ class ElectronLevels:
 
     @property
     def brightest_e(self) -> float:
-        scene = self.conversion.electrons(np.array([self.seen.high]))
+        scene = self.conversion.times(np.array([self.seen.high]))
         return max(float(scene[0]) + self.pedestal_e, 0.0)
 
 
@@ -170,8 +170,8 @@ def electron_levels(
         signal = collection.per_photon * float(ratio[0]) * seen.mean
         slope = collection.per_photon * weights.slope(seen.mean, temperature_K=kelvin)
     else:
-        signal = float(conversion.electrons(np.array([seen.mean]))[0])
-        slope = float(conversion.electrons(np.array([seen.high or 1.0]))[0]) / (seen.high or 1.0)
+        signal = float(conversion.times(np.array([seen.mean]))[0])
+        slope = float(conversion.times(np.array([seen.high or 1.0]))[0]) / (seen.high or 1.0)
     return ElectronLevels(
         conversion,
         seen,
@@ -435,10 +435,11 @@ def _worth(
 ) -> tuple[tuple[str, float | None, str, str], ...]:
     """What each other weighting would make of the signal, and by how much they differ."""
     rows: list[tuple[str, float | None, str, str]] = []
+    known_spectrum = collection.weights.used == "spectrum"
     for weighting in WEIGHTINGS:
         signal: float | None = None
         weights = replace(collection.weights, weighting=weighting)
-        if levels.seen.mean > 0.0 and weights.used == weighting:
+        if levels.seen.mean > 0.0 and weights.used == weighting and not known_spectrum:
             try:
                 ratio = weights.per_radiance(np.array([levels.seen.mean]))
             except DataError:  # a source too cold to be one, which is not the one that is used

@@ -11,7 +11,6 @@ from core.physics.detector import focal_plane_array
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import ChargeGain, excess_noise_factor
 from core.physics.detector.photon_conversion import (
-    CountedPhotons,
     PhotonWeights,
     QuantumEfficiency,
     efficiency_of_responsivity,
@@ -360,13 +359,13 @@ class FocalPlanePanel(SeededModule):
             solid_angle_sr=optics.solid_angle_sr,
             cold_shield_efficiency=self.cold_shield_efficiency,
         )
-        light = self.photon_weighting, band or (low, high), efficiency, self.source_K
+        weighting = self.photon_weighting if image.bands is None else "spectrum"
         passed = image.responses
         if image.vignetting not in (0.0, 1.0):  # as a grey filter
             passed += (ResponseCurve("file", points=tuple((um, image.vignetting) for um in _ALL)),)
-        weights = PhotonWeights(*light, passed)
-        if image.bands is not None:
-            weights = CountedPhotons(*light, passed, lit_windows(image.bands))
+        windows = () if image.bands is None else lit_windows(image.bands)
+        light = weighting, band or (low, high), efficiency, self.source_K
+        weights = PhotonWeights(*light, passed, windows)
         return Collection(
             weights=weights,
             scene_m2_s_sr=exposure * optics.solid_angle_sr,

@@ -90,7 +90,7 @@ def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Arra
     pedestal = image.dtype.type(levels.pedestal_e)
 
     def block(rows: slice, made: Array) -> None:
-        np.add(levels.conversion.electrons(image[rows]), pedestal, out=made)
+        np.add(levels.conversion.times(image[rows]), pedestal, out=made)
 
     return _by_rows(work, image, block)
 
@@ -359,7 +359,7 @@ def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) ->
     of_photons = levels.radiance_per_photon
 
     def block(rows: slice, made: Array) -> None:
-        made[:] = levels.conversion.radiance(picture[rows] - pedestal)
+        made[:] = levels.conversion.inverse.times(picture[rows] - pedestal)
         if of_photons is not None:
             made *= made.dtype.type(of_photons)
 

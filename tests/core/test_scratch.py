@@ -56,8 +56,7 @@ def test_no_folder_one_line(tmp_path):
         ScratchDisk(tmp_path / "away", 1000).empty((3,), np.float64)
 
 
-# Filtered pictures that are made on disk_of_transforms_on_disk are those made in memory, to the
-# bit.
+# Filtered pictures that are made on disk are those made in memory, to the bit.
 
 SHAPES = ((32, 24), (31, 37), (1, 48), (48, 1), (30, 45))
 MEMORY = 4000  # bytes: strips of a column or two, slabs of a row

@@ -269,8 +269,8 @@ class PhotonWeights:
     `scene` gives way to `source` where the band begins below 2.5 µm. The band is that of the
     radiance, the efficiency that of the detector within its filter, and `source_K` the temperature
     of the source. The `responses` have dimmed the radiance before: that of a black body has come
-    through these. Where a known spectrum has gaps, `windows` are the parts of the band in which it
-    is known; empty: all.
+    through these. Light whose `spectrum` is known comes as the photons that the detector counts;
+    where it has gaps, `windows` are the parts of the band in which it is known; empty: all.
     """
 
     weighting: Weighting
@@ -332,11 +332,28 @@ class PhotonWeights:
         return self._constant
 
     def temperature(self, mean: float) -> float:
-        """Temperature of the black body whose light gives this mean, K."""
-        return float(self._temperatures(np.float64(mean)))
+        """Temperature of the black body whose light, or counted photons, give this mean, K."""
+        if self.used != "spectrum":
+            return float(self._temperatures(np.float64(mean)))
+
+        def above(logarithm: float) -> float:
+            photons = float(self._photons(math.exp(logarithm)))
+            return math.log(max(photons, _LEAST_PHOTONS) / mean)
+
+        low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
+        if not above(low) < 0.0 < above(high):
+            raise DataError(
+                f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K gives {mean:.6g} "
+                "photons/s/m²/sr"
+            )
+        return math.exp(brent_root(above, low=low, high=high))
 
     def per_kelvin(self, temperature_K: float) -> float:
-        """Derivative of that light by the temperature."""
+        """Derivative of that light, or of those photons, by the temperature."""
+        if self.used == "spectrum":
+            if self._by_windows:
+                return float(self._counted.photons_slope(temperature_K))
+            return float(self.efficiency.photon_radiance_slope(temperature_K))
         if self.responses:
             return float(self._dimmed.radiance_slope(temperature_K))
         return float(band_radiance_derivative(temperature_K=temperature_K, **self._band))
@@ -352,9 +369,14 @@ class PhotonWeights:
         return band_radiance(temperature_K=temperature_K, **self._band)
 
     def _photons(self, temperature_K: Any) -> FloatArray:
-        if self.responses:
+        if self._by_windows:
             return self._counted.photons(temperature_K)
         return self.efficiency.photon_radiance(temperature_K)
+
+    @property
+    def _by_windows(self) -> bool:
+        """Whether what is counted is more than the efficiency says."""
+        return bool(self.responses or (self.windows and self.used == "spectrum"))
 
     @cached_property
     def _dimmed(self) -> FilteredBody:
@@ -364,13 +386,19 @@ class PhotonWeights:
     @cached_property
     def _counted(self) -> FilteredBody:
         """The same within the detector's filter."""
-        passed = self.efficiency.cut_on_um, self.efficiency.cut_off_um
-        return FilteredBody((passed,), self.efficiency, self.responses)
+        windows: tuple[tuple[float, float], ...] = (
+            (self.efficiency.cut_on_um, self.efficiency.cut_off_um),
+        )
+        if self.used == "spectrum":
+            windows = self.windows or windows
+        return FilteredBody(windows, self.efficiency, self.responses)
 
     @cached_property
     def _constant(self) -> float:
         """Photons per radiance where that is the same for all samples."""
         efficiency = self.efficiency
+        if self.used == "spectrum":
+            return 1.0
         if self.used == "source":
             radiance = float(self._radiance(self.source_K))
             if not radiance > 0.0:
@@ -387,51 +415,6 @@ class PhotonWeights:
         share = (high - low) / (self.band_um[1] - self.band_um[0])
         counted = QuantumEfficiency(low, high, efficiency.value, efficiency.points).mean()
         return share * counted * (low + high) / 2.0 / PHOTON_ENERGY_J_UM
-
-
-@dataclass(frozen=True)
-class CountedPhotons(PhotonWeights):
-    """Light whose spectrum is known: it comes as the photons that the detector counts already."""
-
-    @property
-    def used(self) -> Weighting:
-        """The picture's own spectrum."""
-        return "spectrum"
-
-    def temperature(self, mean: float) -> float:
-        """Temperature of the black body of which so many photons are counted, K."""
-
-        def above(logarithm: float) -> float:
-            photons = float(self._photons(math.exp(logarithm)))
-            return math.log(max(photons, _LEAST_PHOTONS) / mean)
-
-        low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
-        if not above(low) < 0.0 < above(high):
-            raise DataError(
-                f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K gives {mean:.6g} "
-                "photons/s/m²/sr"
-            )
-        return math.exp(brent_root(above, low=low, high=high))
-
-    def per_kelvin(self, temperature_K: float) -> float:
-        """Derivative of the photons counted by the temperature."""
-        if self.responses or self.windows:
-            return float(self._counted.photons_slope(temperature_K))
-        return float(self.efficiency.photon_radiance_slope(temperature_K))
-
-    def _photons(self, temperature_K: Any) -> FloatArray:
-        if self.responses or self.windows:
-            return self._counted.photons(temperature_K)
-        return self.efficiency.photon_radiance(temperature_K)
-
-    @cached_property
-    def _counted(self) -> FilteredBody:
-        whole = ((self.efficiency.cut_on_um, self.efficiency.cut_off_um),)
-        return FilteredBody(self.windows or whole, self.efficiency, self.responses)
-
-    @cached_property
-    def _constant(self) -> float:
-        return 1.0
 
 
 @dataclass(frozen=True)
@@ -470,48 +453,32 @@ class SmoothRatio:
         return np.asarray(total)
 
     @cached_property
-    def _powers(self) -> FloatArray:
-        """Coefficients of the powers of the logarithm less its middle."""
-        powers = np.polynomial.chebyshev.cheb2poly(self.coefficients)
-        return np.asarray(powers / self.half ** np.arange(len(powers)))
-
-
-@dataclass(frozen=True)
-class Conversion:
-    """Electrons of radiances, and back; the `ratio` is that of electrons to radiance."""
-
-    ratio: SmoothRatio
-
-    def electrons(self, radiance: Array) -> Array:
-        """Electrons of radiances; in proportion to it below and beyond the limits."""
-        return self.ratio.times(radiance)
-
-    def radiance(self, electrons: Array) -> Array:
-        """Radiance of electrons: the inverse of `electrons`."""
-        return self._inverse.times(electrons)
-
-    @cached_property
-    def _inverse(self) -> SmoothRatio:
-        """Radiance over electrons, over the logarithm of the electrons."""
-        coefficients, middle, half = self.ratio.coefficients, self.ratio.middle, self.ratio.half
-        if half == 0.0:
-            ratio = float(coefficients[0])
+    def inverse(self) -> SmoothRatio:
+        """Of the values times their ratio, what gives the values back."""
+        if self.half == 0.0:
+            ratio = float(self.coefficients[0])
             return SmoothRatio(np.array([1.0 / ratio if ratio > 0.0 else 0.0]), 0.0, 0.0)
         ends = np.array([-1.0, 1.0])
-        logs = middle + half * ends + np.log(chebyshev_sum(coefficients, ends))
+        logs = self.middle + self.half * ends + np.log(chebyshev_sum(self.coefficients, ends))
         target_middle, target_half = float(logs.mean()), float(logs[1] - logs[0]) / 2.0
 
         def ratio_at(places: FloatArray) -> FloatArray:
             target = target_middle + target_half * places
             scaled = places
             for _ in range(_STEPS):  # each leaves less than a half of the error
-                logs = target - np.log(chebyshev_sum(coefficients, scaled))
-                before, scaled = scaled, np.clip((logs - middle) / half, -1.0, 1.0)
+                logs = target - np.log(chebyshev_sum(self.coefficients, scaled))
+                before, scaled = scaled, np.clip((logs - self.middle) / self.half, -1.0, 1.0)
                 if np.abs(scaled - before).max() < _FLAT:
                     break
-            return np.asarray(1.0 / chebyshev_sum(coefficients, scaled))
+            return np.asarray(1.0 / chebyshev_sum(self.coefficients, scaled))
 
         return SmoothRatio(_fit(ratio_at, _FINEST), target_middle, target_half)
+
+    @cached_property
+    def _powers(self) -> FloatArray:
+        """Coefficients of the powers of the logarithm less its middle."""
+        powers = np.polynomial.chebyshev.cheb2poly(self.coefficients)
+        return np.asarray(powers / self.half ** np.arange(len(powers)))
 
 
 def conversion_between(
@@ -521,8 +488,8 @@ def conversion_between(
     low: float,
     high: float,
     tolerance: float = _FINEST,
-) -> Conversion:
-    """The conversion for radiances from `low` to `high`, W/m²/sr; exact where there is only one.
+) -> SmoothRatio:
+    """Electrons over radiance, from `low` to `high`, W/m²/sr; exact where there is only one.
 
     `electrons_per_photon` multiplies ∫ QE·L_q dλ, m² sr s. What is below 1e-9 of the greatest
     radiance is taken in proportion; `tolerance` is the largest relative error between the limits.
@@ -537,8 +504,8 @@ def conversion_between(
         return np.asarray(electrons_per_photon * weights.per_radiance(radiance))
 
     if half <= _FLAT or weights.used != "scene":
-        return Conversion(SmoothRatio(forward(np.zeros(1)), middle, 0.0))
-    return Conversion(SmoothRatio(_fit(forward, tolerance), middle, half))
+        return SmoothRatio(forward(np.zeros(1)), middle, 0.0)
+    return SmoothRatio(_fit(forward, tolerance), middle, half)
 
 
 def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:

@@ -160,7 +160,6 @@ def test_of_a_pattern_and_scaled():
 # Spectra of filtered noise in cells, against the filter's power and one wave.
 
 
-@pytest.fixture(scope="module")
 def mean_power(sigma, nyquist, cells):
     """Of exp(−4π²σ²f²), in each of the cells from 0 to Nyquist, in strips."""
     f = (np.arange(200 * cells) + 0.5) / (200 * cells) * nyquist

@@ -247,7 +247,6 @@ def test_every_file_name_of_every_module(library, tmp_path):
 # Undo, redo, going to any position, the lines of the steps, and the modified mark.
 
 
-@pytest.fixture
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seed=st.integers(0, 10**6))
 def test_every_position_gives_the_text_it_had(kodak, library, seed):

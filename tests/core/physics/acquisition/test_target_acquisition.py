@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from mpmath import mp, mp_of_ttp, mpf
+from mpmath import mp, mpf
 from scipy.special import lambertw
 
 from core.errors import ParameterError
@@ -157,7 +157,7 @@ def test_range_never_reached_and_never_left():
 
 # TTP values and ranges, by hand, in closed form and against quadrature in 30 digits.
 
-mp_of_ttp.dps = 30
+mp.dps = 30
 UNIT = {"target_area_m2": 1.0, "range_m": 1000.0}  # 1 mrad: V is the sum itself
 
 
@@ -196,7 +196,7 @@ def exponential(frequency):
 def test_exponential_threshold_in_closed_form(count, contrast):
     """∫√(C/CTF) df from 0 to where C = CTF is 2/6·(√(C/0.02) − 1)."""
     frequency = np.linspace(0, 1, count)
-    exact = 2 / mpf(6) * (mp_of_ttp.sqrt(mpf(contrast) / mpf("0.02")) - 1)
+    exact = 2 / mpf(6) * (mp.sqrt(mpf(contrast) / mpf("0.02")) - 1)
     ctf = exponential(frequency)
     value = ttp_value(frequency=frequency, ctf=ctf, contrast=contrast, **UNIT)
     assert value == pytest.approx(float(exact), rel=2e-13, abs=1e-13)
@@ -218,18 +218,12 @@ def hollow(frequency):
 @pytest.mark.parametrize("contrast", [0.05, 0.3, 3.0])
 def test_threshold_crossed_twice(contrast):
     def exact_threshold(f):
-        return mpf("0.01") * (f / mpf("0.3") + mpf("0.3") / f) * mp_of_ttp.exp(3 * f)
+        return mpf("0.01") * (f / mpf("0.3") + mpf("0.3") / f) * mp.exp(3 * f)
 
     level = mpf(contrast)
-    low = mp_of_ttp.findroot(
-        lambda f: exact_threshold(f) - level, (mpf("1e-6"), mpf("0.2")), "anderson"
-    )
-    high = mp_of_ttp.findroot(
-        lambda f: exact_threshold(f) - level, (mpf("0.2"), mpf(3)), "anderson"
-    )
-    exact = mp_of_ttp.quad(
-        lambda f: mp_of_ttp.sqrt(level / exact_threshold(f)), mp_of_ttp.linspace(low, high, 9)
-    )
+    low = mp.findroot(lambda f: exact_threshold(f) - level, (mpf("1e-6"), mpf("0.2")), "anderson")
+    high = mp.findroot(lambda f: exact_threshold(f) - level, (mpf("0.2"), mpf(3)), "anderson")
+    exact = mp.quad(lambda f: mp.sqrt(level / exact_threshold(f)), mp.linspace(low, high, 9))
     frequency = np.linspace(0, 3, 301)
     with np.errstate(divide="ignore"):
         samples = hollow(frequency)
@@ -247,12 +241,10 @@ def test_samples_of_an_mrtd_and_their_error():
     """From zero as f, to infinity where the MTF is zero; the error falls as the step's cube."""
 
     def exact_threshold(f):
-        return mpf("0.05") * f * mp_of_ttp.exp(8 * f**2) / (mp_of_ttp.sinc(mp_of_ttp.pi * f))
+        return mpf("0.05") * f * mp.exp(8 * f**2) / (mp.sinc(mp.pi * f))
 
-    end = mp_of_ttp.findroot(lambda f: exact_threshold(f) - 2, (mpf("0.1"), mpf("0.9")), "anderson")
-    exact = mp_of_ttp.quad(
-        lambda u: mp_of_ttp.sqrt(2 / exact_threshold(u * u)) * 2 * u, [0, mp_of_ttp.sqrt(end)]
-    )
+    end = mp.findroot(lambda f: exact_threshold(f) - 2, (mpf("0.1"), mpf("0.9")), "anderson")
+    exact = mp.quad(lambda u: mp.sqrt(2 / exact_threshold(u * u)) * 2 * u, [0, mp.sqrt(end)])
     errors = []
     for count in (17, 33, 65):
         frequency = np.linspace(0, 1, count)

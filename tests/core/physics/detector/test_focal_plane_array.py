@@ -190,20 +190,20 @@ def test_electrons_of_a_scene_are_those_of_its_brightness_temperatures(dtype, fi
         low=float(radiance.min()),
         high=float(radiance.max()),
     )
-    electrons = conversion.electrons(radiance)
+    electrons = conversion.times(radiance)
     assert electrons.dtype == dtype
     truth = 2e-15 * efficiency.photon_radiance(
         brightness_temperature(radiance=radiance.astype(float), **band)
     )
     tight = 1e-12 if dtype is np.float64 else 1e-6
     np.testing.assert_allclose(electrons, truth, rtol=tight)
-    np.testing.assert_allclose(conversion.radiance(electrons), radiance, rtol=2 * tight)
+    np.testing.assert_allclose(conversion.inverse.times(electrons), radiance, rtol=2 * tight)
 
 
 def test_a_dark_corner_and_negative_samples_are_in_proportion():
     weights = PhotonWeights("scene", (3.0, 5.0), QuantumEfficiency(3.0, 5.0), 5800.0)
     conversion = conversion_between(weights=weights, electrons_per_photon=1e-15, low=-0.1, high=5.0)
-    electrons = conversion.electrons(np.array([-0.1, 0.0, 5e-10, 5.0]))
+    electrons = conversion.times(np.array([-0.1, 0.0, 5e-10, 5.0]))
     assert electrons[1] == 0.0
     assert electrons[0] < 0.0 < electrons[2]
     assert electrons[3] == pytest.approx(5.0 * 1e-15 * weights.per_radiance(np.array([5.0]))[0])

@@ -206,7 +206,7 @@ def test_a_slope_is_no_steeper_than_light_makes_it():
     assert line.bounded(0.0).slope == pytest.approx(4.0 / 100.0, rel=0.1)
 
 
-# Noise of frames of one scene_of_frames_noise whose random parts are known.
+# Noise of frames of one scene whose random parts are known.
 
 ROWS, COLUMNS, GAIN, READ_E = 120, 160, 5.0, 30.0
 
@@ -291,7 +291,7 @@ def test_what_passes_through_the_scene_counts_for_nothing_beside_it():
 
 def test_what_frames_do_not_show():
     assert (
-        "pixels change between the frames: the scene_of_frames_noise or the camera moved"
+        "pixels change between the frames: the scene or the camera moved"
         in measured(moved=True).sigma_reason
     )
     assert measured(scale=0.002).sigma_reason == "rounding hides the noise"
