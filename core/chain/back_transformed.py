@@ -1,7 +1,5 @@
 """Images that come out of a chain: the spectrum, the product of its factors, one inverse."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -68,7 +66,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
     )
 
 
-def _bands_of(recipe: Delivered) -> DeliveredBands | None:
+def _bands_of(recipe: "Delivered") -> "DeliveredBands | None":
     before = recipe.magnitude.image.bands if recipe.magnitude.image is not None else None
     if before is None or not recipe.one_source:
         return None
@@ -303,7 +301,7 @@ class DeliveredBands(BandStack):
     delivered: Delivered
 
     @classmethod
-    def of(cls, before: BandStack, delivered: Delivered) -> DeliveredBands:
+    def of(cls, before: BandStack, delivered: Delivered) -> "DeliveredBands":
         plain = replace(delivered, weights=None)
         return cls(before.centres_um, before.widths_um, before, plain, density=before.density)
 

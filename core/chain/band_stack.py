@@ -6,8 +6,6 @@ or samples another one makes its sums of that one's, with weights of its own; no
 in memory.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -116,7 +114,7 @@ class AttenuatedBands(BandStack):
     @classmethod
     def of(
         cls, before: BandStack, *, gain: Row, offset: Row | None = None, node: str | None = None
-    ) -> AttenuatedBands:
+    ) -> "AttenuatedBands":
         offset = (0.0,) * before.count if offset is None else offset
         return cls(
             before.centres_um, before.widths_um, before, gain, offset, node, density=before.density
@@ -180,7 +178,7 @@ class SteppedBands(BandStack):
         *,
         gain: float = 1.0,
         blocks: tuple[int, int] | None = None,
-    ) -> SteppedBands:
+    ) -> "SteppedBands":
         """Bands behind the step that the sum of them passes."""
         waves, made = (before.centres_um, before.widths_um), (step.function, step.parameters)
         density = before.density

@@ -3,8 +3,6 @@
 Found from the recipes alone, before anything is computed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Evaluating a network: plan every node in microseconds, then compute only what is requested."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -47,7 +45,7 @@ class PlannedNode:
     result: Any = None
     error: ImagechainError | None = None
 
-    def sound(self) -> PlannedNode:
+    def sound(self) -> "PlannedNode":
         """Itself; what is wrong with it is raised."""
         if self.error is not None:
             raise self.error

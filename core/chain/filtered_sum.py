@@ -10,8 +10,6 @@ that a uniform picture stays what it is (interpolative decomposition; Cheng, Gim
 and Rokhlin 2005, SIAM J. Sci. Comput. 26, 1389).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field

@@ -5,8 +5,6 @@ patterns, and in what is made of its number; all that leads to these keeps its k
 once for all frames.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, TypeVar

@@ -7,8 +7,6 @@ counter, so that a block depends on nothing but the stream and its own number.
 Source: Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy as 1, 2, 3.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable

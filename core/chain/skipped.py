@@ -3,8 +3,6 @@
 It is read off the plan and the evaluation's tally; nothing that is computed depends on it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal

@@ -25,8 +25,6 @@ What carries no picture on is marked by `core.evaluation.recipes.ends_lineage`. 
 frame to frame needs no mark: it is what a `Stream` among the parameters draws, unless fixed.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What travels on wires: small immutable recipes without arrays, and the results they make."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -78,7 +76,7 @@ class TableData:
     rows: tuple[TableRow, ...]
 
     @classmethod
-    def of(cls, *rows: tuple[Any, ...]) -> TableData:
+    def of(cls, *rows: tuple[Any, ...]) -> "TableData":
         return cls(tuple(TableRow(*row) for row in rows))
 
     def as_dict(self) -> dict[str, float | int | str | None]:
@@ -236,7 +234,7 @@ class Image:
     def shape(self) -> tuple[int, int]:
         return self.rows, self.columns
 
-    def with_recipe(self, recipe: Recipe, **changes: Any) -> Image:
+    def with_recipe(self, recipe: Recipe, **changes: Any) -> "Image":
         """The same kind of image with other pixels; without bands, unless these are given too."""
         return replace(self, **{"recipe": recipe, "bands": None, **changes})
 
@@ -304,7 +302,7 @@ class SpectrumWire:
 
     def transfer(
         self, part: Literal["mtf", "ptf"], factors: tuple[Factor, ...], label: str
-    ) -> Transfer:
+    ) -> "Transfer":
         return Transfer(self.grid, part, factors, label, pixel_mrad=self.pixel_mrad)
 
     @property
@@ -319,7 +317,7 @@ class Magnitude(SpectrumWire):
 
     port_type: ClassVar[str] = "magnitude"
 
-    def times(self, *factors: Factor) -> Magnitude:
+    def times(self, *factors: Factor) -> "Magnitude":
         return self._further(factors) if factors else self
 
 
@@ -329,7 +327,7 @@ class Phase(SpectrumWire):
 
     port_type: ClassVar[str] = "phase"
 
-    def plus(self, *factors: Factor) -> Phase:
+    def plus(self, *factors: Factor) -> "Phase":
         return self._further(factors) if factors else self
 
 

@@ -1,7 +1,5 @@
 """Carrying recipes out: the policy, the store, threads, progress and cancelling."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -132,7 +130,7 @@ class Work:
             self._claims.settle(recipe)  # another thread has made it
         return value
 
-    def hold(self, recipes: Iterable[Recipe]) -> Held:
+    def hold(self, recipes: Iterable[Recipe]) -> "Held":
         """Hold values that will be read one after the other, and what they are made of.
 
         Written ``with work.hold(recipes) as held:``. Each is let go of once `Held.release` reports
@@ -456,7 +454,7 @@ class Held:
     def release(self, recipes: Iterable[Recipe]) -> None:
         self._claims.give_up([self._left[recipe.key].pop() for recipe in recipes])
 
-    def __enter__(self) -> Held:
+    def __enter__(self) -> "Held":
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -1,7 +1,5 @@
 """Macros: nodes that hold a network of their own. Their inside, and names of nodes within."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -22,7 +20,7 @@ DEEPEST = 8
 GROUP = "Macros"
 
 
-def face_of_macro(body: Network) -> Interface:
+def face_of_macro(body: Network) -> "Interface":
     """The ports and parameters that a macro shows; none where its fields are not sound."""
     try:
         return interface_of(body.extra)
@@ -30,7 +28,7 @@ def face_of_macro(body: Network) -> Interface:
         return Interface()
 
 
-def with_face(body: Network, face: Interface) -> Network:
+def with_face(body: Network, face: "Interface") -> Network:
     """The inside of a macro with other ports and parameters."""
     others = {name: value for name, value in body.extra.items() if name not in FIELDS}
     extra = others | face.fields()
@@ -146,14 +144,14 @@ def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
     )
 
 
-def _port(inner: Mapping[str, Declaration | None], end: End, *, entry: bool) -> Port | None:
+def _port(inner: Mapping[str, Declaration | None], end: "End", *, entry: bool) -> Port | None:
     declared = inner.get(end[0])
     if declared is None:
         return None
     return declared.input(end[1]) if entry else declared.output(end[1])
 
 
-def _parameter(name: str, body: Network, inner: Declaration | None, end: End) -> Parameter | None:
+def _parameter(name: str, body: Network, inner: Declaration | None, end: "End") -> Parameter | None:
     """The inner declaration under its outer name; its default is the value inside."""
     known = inner.parameter(end[1]) if inner is not None else None
     if known is None:
@@ -212,7 +210,7 @@ class Interface:
         both = zip(FIELDS, (inputs, outputs, parameters), strict=True)
         return {name: entries for name, entries in both if entries}
 
-    def mapped(self, entry: NewEnds, output: NewEnds, parameter: NewEnds) -> Interface:
+    def mapped(self, entry: NewEnds, output: NewEnds, parameter: NewEnds) -> "Interface":
         """With what the functions give in the place of each inner end; without it for nothing."""
         inputs = {
             name: tuple(new for end in ends for new in entry(end))
@@ -224,13 +222,13 @@ class Interface:
         )
         return Interface({name: ends for name, ends in inputs.items() if ends}, outputs, parameters)
 
-    def renamed(self, names: Mapping[str, str]) -> Interface:
+    def renamed(self, names: Mapping[str, str]) -> "Interface":
         def moved(end: End) -> tuple[End]:
             return ((names.get(end[0], end[0]), end[1]),)
 
         return self.mapped(moved, moved, moved)
 
-    def without(self, gone: Collection[str]) -> Interface:
+    def without(self, gone: Collection[str]) -> "Interface":
         def left(end: End) -> tuple[End, ...]:
             return () if end[0] in gone else (end,)
 

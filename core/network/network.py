@@ -1,7 +1,5 @@
 """The network document: nodes, links and where they lie on the canvas. Immutable, plain data."""
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -51,7 +49,7 @@ class Node(_Frozen):
     extra: Mapping[str, Any] = field(default_factory=dict)
     final: bool = False
     noise: str = ""
-    macro: Network | None = None
+    macro: "Network | None" = None
 
     def __post_init__(self) -> None:
         check_id(self.id)
@@ -82,7 +80,7 @@ class Link:
     input: str
 
     @classmethod
-    def between(cls, start: str, end: str) -> Link:
+    def between(cls, start: str, end: str) -> "Link":
         """From ``NODE.PORT`` to ``NODE.PORT``, each split at its last dot."""
         ends = []
         for text in (start, end):
@@ -92,7 +90,7 @@ class Link:
             ends += [node, port]
         return cls(*ends)
 
-    def renamed(self, names: Mapping[str, str]) -> Link:
+    def renamed(self, names: Mapping[str, str]) -> "Link":
         source, target = (names.get(node, node) for node in (self.source, self.target))
         return Link(source, self.output, target, self.input)
 
@@ -226,11 +224,11 @@ class Network(_Frozen):
             raise cycle_error(cycles(self.followers)[0])
         return ordered
 
-    def with_parameter(self, node: str, name: str, value: Any) -> Network:
+    def with_parameter(self, node: str, name: str, value: Any) -> "Network":
         old = self.node(node)
         return self.with_node(replace(old, params={**old.params, name: value}))
 
-    def with_node(self, node: Node) -> Network:
+    def with_node(self, node: Node) -> "Network":
         """With a node in the place of the one of its id.
 
         All else is taken over as it is: it has been checked and frozen, and a drag makes a new
@@ -239,13 +237,13 @@ class Network(_Frozen):
         self.node(node.id)
         return self.with_nodes({**self.nodes, node.id: node})
 
-    def with_nodes(self, nodes: Mapping[str, Node]) -> Network:
+    def with_nodes(self, nodes: Mapping[str, Node]) -> "Network":
         """With other nodes of the same ids, in the same order; all else is taken over as it is."""
         changed = object.__new__(Network)
         vars(changed).update(vars(self), nodes=MappingProxyType(dict(nodes)))
         return changed
 
-    def with_seed(self, seed: int) -> Network:
+    def with_seed(self, seed: int) -> "Network":
         return replace(self, seed=seed)
 
 

@@ -4,8 +4,6 @@ Every function of `core.physics` refuses values out of range, names that it does
 that do not fit by a `ParameterError`; its docstring says so only where there is more to it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import lru_cache

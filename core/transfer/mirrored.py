@@ -11,8 +11,6 @@ spectrum: index k = 2M·j ± k' acts as ±(−1)^j at k' on a frame of M samples
 kernel that is the frame in the middles of the blocks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -251,7 +249,7 @@ def _lines(
     return lines
 
 
-def _inverse(odd: bool) -> Kind:
+def _inverse(odd: bool) -> "Kind":
     return "idst" if odd else "idct"
 
 

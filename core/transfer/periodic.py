@@ -4,8 +4,6 @@ At the Nyquist row or column of an even size the Hermitian part of H acts: the m
 and −Nyquist, for a separable factor the real part of its axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
@@ -166,7 +164,7 @@ def _inverse(
 def _fold(
     work: Work,
     spectrum: Array,
-    response: PeriodicResponse,
+    response: "PeriodicResponse",
     factor_x: int,
     factor_y: int,
 ) -> tuple[Array | StripArray, Array | StripArray | None]:

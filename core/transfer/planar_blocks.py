@@ -1,7 +1,5 @@
 """Blocks of rows of the planar factors: by low rank, kept whole, tabulated or evaluated anew."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -35,7 +33,7 @@ class RadialTable:
     steps: Array
 
     @classmethod
-    def of(cls, function: Function, *, reach: float, error: float) -> RadialTable | None:
+    def of(cls, function: Function, *, reach: float, error: float) -> "RadialTable | None":
         """Tabulate a function of radii up to `reach`; None where too much of it is rough.
 
         `error` is the largest one of interpolated values, as that of places halfway between others
@@ -104,7 +102,7 @@ class Planes:
             result = part if result is None else result * part
         return result
 
-    def _part(self, factor: Planar, quarter: Quarter, known: Precomputed, rows: slice) -> Array:
+    def _part(self, factor: Planar, quarter: "Quarter", known: "Precomputed", rows: slice) -> Array:
         lines, which = quarter.rows(rows)
         values = known.rows(lines)
         if values is None:
@@ -200,7 +198,7 @@ def _is_precomputed(grid: Grid, axes: Axes) -> bool:
 
 
 def _evaluated(
-    work: Work, factor: Planar, table: RadialTable | None, quarter: Quarter, lines: slice | Array
+    work: Work, factor: Planar, table: RadialTable | None, quarter: "Quarter", lines: slice | Array
 ) -> Array:
     """Rows of the factor, with the same bits whether they are then kept or not."""
     across, along = quarter.xi[np.newaxis, :], quarter.eta[lines][:, np.newaxis]
@@ -216,7 +214,7 @@ def _square(factor: Planar, across: Array, along: Array) -> Array:
     return across * across + along * along
 
 
-def _radial_table(work: Work, factor: Planar, quarter: Quarter) -> RadialTable | None:
+def _radial_table(work: Work, factor: Planar, quarter: "Quarter") -> RadialTable | None:
     if not factor.radial or quarter.samples == 1:
         return None
     reach = float(np.sqrt(_square(factor, quarter.xi[-1], quarter.eta[-1])))
@@ -232,7 +230,7 @@ def _of_radius(work: Work, factor: Planar) -> Function:
 
 
 def _thin(
-    work: Work, factor: Planar, table: RadialTable | None, quarter: Quarter
+    work: Work, factor: Planar, table: RadialTable | None, quarter: "Quarter"
 ) -> tuple[Array, Array] | None:
     """Thin matrices of a radial factor without kinks, such as the edge of a support is."""
     if table is None or table.rough or quarter.samples < THIN_SAMPLES:
@@ -276,7 +274,7 @@ class Quarter:
     columns: int
 
     @classmethod
-    def of(cls, xi: Array, eta: Array, cutoff: tuple[float, float] | None) -> Quarter:
+    def of(cls, xi: Array, eta: Array, cutoff: tuple[float, float] | None) -> "Quarter":
         columns, lines = len(xi), np.abs(eta)
         places = np.arange(len(lines))
         if np.any(eta < 0.0):

@@ -6,8 +6,6 @@ each axis takes the place of the inverse transform: as exact as that, for any ra
 It takes samples × places multiplications a line.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -6,8 +6,6 @@ for frequencies of that sign, and Q[j, c] for those of the other where it is not
 factors in flight are applied, in each column at frequencies of its own, and P and Q become samples.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -36,7 +34,7 @@ class ScanLines(ABC):
     scan: Array
     flight: Array  # cycles a sample
 
-    def __init__(self, work: Work, chain: ScanChain, frame: Array, dtype: DTypeLike) -> None:
+    def __init__(self, work: Work, chain: "ScanChain", frame: Array, dtype: DTypeLike) -> None:
         self.work, self.chain = work, chain
         self.real = np.dtype(dtype)
         self.mean = float(np.mean(frame, dtype=np.float64))
@@ -99,7 +97,7 @@ class ScanLines(ABC):
 class MirroredLines(ScanLines):
     """A frame that is mirrored at its edges without end."""
 
-    def __init__(self, work: Work, chain: ScanChain, frame: Array, dtype: DTypeLike) -> None:
+    def __init__(self, work: Work, chain: "ScanChain", frame: Array, dtype: DTypeLike) -> None:
         rows, columns = frame.shape
         self.scan = np.arange(columns) / (2.0 * columns * chain.interval_mrad)
         self.flight = np.arange(rows) / (2.0 * rows)
@@ -165,7 +163,7 @@ class MirroredLines(ScanLines):
 class PeriodicLines(ScanLines):
     """A frame that repeats without end; at Nyquist the mean of both signs acts."""
 
-    def __init__(self, work: Work, chain: ScanChain, frame: Array, dtype: DTypeLike) -> None:
+    def __init__(self, work: Work, chain: "ScanChain", frame: Array, dtype: DTypeLike) -> None:
         rows, columns = frame.shape
         self.lines = rows
         self.scan = scipy.fft.fftfreq(columns, chain.interval_mrad)

@@ -4,8 +4,6 @@ Each function gives the share of a noise's variance that is left, at most 1: the
 E_h and E_v and the temporal integrator E_t of the thermal imaging models.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

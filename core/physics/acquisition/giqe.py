@@ -7,8 +7,6 @@ version has its own: version 3 in the plane normal to the line of sight, version
 version 5 between both.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple

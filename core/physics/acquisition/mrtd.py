@@ -10,8 +10,6 @@ SNR_th times the noise σ_p that is left after the eye has averaged over a bar a
 Both models are this equation; they differ in σ_p.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

@@ -4,8 +4,6 @@ Lengths on the target are in m, ranges in m, frequencies in cycles per mrad of t
 of 1 m at 1000 m is 1 mrad wide. TTP values are below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,8 +4,6 @@ L' = τ(λ)·L + L_path(λ). One wavelength obeys the law of Bouguer and Beer, �
 does not, as the wavelengths that the air absorbs are gone after the first part of the way.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -180,7 +178,7 @@ class AirPath:
         for points in (self.points, self.radiance):
             require_covered(points, cut_on_um, cut_off_um)
 
-    def within_band(self, cut_on_um: float, cut_off_um: float) -> AirPath:
+    def within_band(self, cut_on_um: float, cut_off_um: float) -> "AirPath":
         """The same with no more of its tables than the band needs."""
         return replace(
             self,

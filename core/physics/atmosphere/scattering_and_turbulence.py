@@ -1,7 +1,5 @@
 """Turbulence and aerosol scattering between target and aperture."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

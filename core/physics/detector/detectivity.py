@@ -1,7 +1,5 @@
 """Specific detectivity D* and quantum efficiency of detector materials, and D* over a band."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

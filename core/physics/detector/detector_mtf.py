@@ -1,7 +1,5 @@
 """MTF of a detector: its aperture, charge transfer, and motion during time delay integration."""
 
-from __future__ import annotations
-
 import math
 from decimal import Decimal
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """What a pixel collects and adds: solid angle, electrons per photon, dark current, bad pixels."""
 
-from __future__ import annotations
-
 import math
 from math import hypot, inf, log10, pi, sqrt
 from typing import Any, Literal, TypeVar, cast

@@ -1,7 +1,5 @@
 """Photon radiance as a detector counts it: weighted with its quantum efficiency."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -453,7 +451,7 @@ class SmoothRatio:
         return np.asarray(total)
 
     @cached_property
-    def inverse(self) -> SmoothRatio:
+    def inverse(self) -> "SmoothRatio":
         """Of the values times their ratio, what gives the values back."""
         if self.half == 0.0:
             ratio = float(self.coefficients[0])

@@ -3,8 +3,6 @@
 Charges have any unit that is proportional to electrons.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import lru_cache

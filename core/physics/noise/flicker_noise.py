@@ -10,8 +10,6 @@ Source: Shinozuka and Deodatis 1991, Simulation of stochastic processes by spect
 with the frequencies drawn at random within their strata.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from math import ceil, log, log2, sqrt

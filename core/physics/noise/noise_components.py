@@ -8,8 +8,6 @@ Source: D'Agostino and Webb 1991, Three-dimensional analysis framework and measu
 for imaging system noise, Proc. SPIE 1488; used by FLIR92 (Scott and D'Agostino 1992).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 from typing import Any
@@ -50,7 +48,7 @@ class NoiseVariances:
     tv: float = 0.0
     th: float = 0.0
 
-    def __add__(self, other: NoiseVariances) -> NoiseVariances:
+    def __add__(self, other: "NoiseVariances") -> "NoiseVariances":
         """Of two independent noises together."""
         return NoiseVariances(*(getattr(self, n) + getattr(other, n) for n in COMPONENTS))
 
@@ -93,7 +91,7 @@ class Moments:
     column_mean: float
     frame_mean: float
 
-    def scaled(self, factor: float) -> Moments:
+    def scaled(self, factor: float) -> "Moments":
         """All variances times a factor."""
         return Moments(*(factor * getattr(self, field.name) for field in fields(self)))
 

@@ -1,7 +1,5 @@
 """Noise of a detector as power, radiance and temperature difference (NEP, NER, NETD)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from math import hypot, inf, pi, sqrt

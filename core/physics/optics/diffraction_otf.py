@@ -8,8 +8,6 @@ few points has corners of its own, at fixed wavelengths: between these, too. One
 integrated exactly in narrow panels, over each of which the OTF is taken for a cubic.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -180,7 +178,7 @@ def wavelengths_needed(
 
 
 @lru_cache(maxsize=32)
-def _series(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> RadialSeries:
+def _series(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> "RadialSeries":
     count, _ = wavelengths_needed(aperture, spectrum, tolerance)
     return RadialSeries.of(
         lambda radii: _over_band(radii, aperture, spectrum, count),
@@ -368,7 +366,7 @@ class RadialSeries:
     @classmethod
     def of(
         cls, function: Callable[[Vector], Vector], *, ends: tuple[float, ...], tolerance: float
-    ) -> RadialSeries:
+    ) -> "RadialSeries":
         """Fit a function of radii between ends that rise from 0; beyond the last one it is 0."""
         pieces = (_fit(function, low, high, tolerance) for low, high in pairwise(ends))
         return cls(ends, tuple(pieces))

@@ -1,7 +1,5 @@
 """What differs over the field of a lens: illumination, microlenses, distortion, blur."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Transfer functions that were measured: tables of points, and point spread functions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -162,7 +160,7 @@ class PointSpread:
     @classmethod
     def of(
         cls, samples: ArrayLike, *, background: float = 0.0, keep_centroid: bool = True
-    ) -> PointSpread:
+    ) -> "PointSpread":
         """Normalise samples, less a background; noise may make some negative.
 
         `keep_centroid`: whether the point is at the middle of the array, so that a centroid beside

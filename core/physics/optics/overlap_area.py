@@ -3,8 +3,6 @@
 All come from Green's theorem over the overlap's boundary: arcs and chords, no quadrature.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -256,12 +254,12 @@ class Lens:
             return np.asarray(np.pi * min(self.fixed, self.moved) ** 2)
         return self.fixed**2 * self.own + self.moved**2 * self.other - self.kite
 
-    def turned(self) -> Lens:
+    def turned(self) -> "Lens":
         """The same with the radii exchanged."""
         arrays = self.meet, self.kite, self.other, self.own
         return Lens(self.moved, self.fixed, *arrays, self.nested)
 
-    def chosen(self, points: Bools | tuple[slice, slice]) -> Lens:
+    def chosen(self, points: Bools | tuple[slice, slice]) -> "Lens":
         """At some of the lags."""
         if self.nested:
             return self
@@ -310,14 +308,14 @@ class Band:
     tolerance: Floats
 
     @classmethod
-    def at_rest(cls, across: Floats, along: Floats, square: Floats, half_width: float) -> Band:
+    def at_rest(cls, across: Floats, along: Floats, square: Floats, half_width: float) -> "Band":
         """The band of a strip that rests, symmetric about the centre."""
         slope, tolerance = (2.0 * half_width) * along, half_width * square
         low, skew = -half_width, 0.5 * across
         return cls(across, along, low, half_width, skew, square, slope, tolerance)
 
     @classmethod
-    def common(cls, across: Floats, along: Floats, square: Floats, half_width: float) -> Band:
+    def common(cls, across: Floats, along: Floats, square: Floats, half_width: float) -> "Band":
         """What a strip and its moved self have in common, of no width beyond twice `half_width`."""
         low = np.minimum(across - half_width, half_width)
         left = 0.5 * (half_width - low)
@@ -355,7 +353,7 @@ class Cut:
     share: Floats
 
     @classmethod
-    def of(cls, band: Band, radius: float) -> Cut:
+    def of(cls, band: Band, radius: float) -> "Cut":
         """Of one radius."""
         centred = band.skew is not None
         place: Floats | float = 0.0 if centred else 0.5 * band.across

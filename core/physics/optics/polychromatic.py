@@ -3,8 +3,6 @@
 A response of the detector, or of a filter, may weight it besides.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """OTF of a pupil in angular frequency, for one wavelength or a band."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -100,7 +98,7 @@ def strip_sum_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats
 
 
 def _cut_area(
-    pupil: StripPupil, crossing: Crossing, points: Bools, lag_x: Floats, lag_y: Floats
+    pupil: StripPupil, crossing: "Crossing", points: Bools, lag_x: Floats, lag_y: Floats
 ) -> Floats:
     """Area of the parallelogram of two strips in both annuli."""
     x, y = (np.broadcast_to(lag, points.shape)[points] for lag in (lag_x, lag_y))
@@ -137,7 +135,7 @@ class Rings:
     inner: Lens | None
 
     @classmethod
-    def of(cls, pupil: StripPupil, square: Floats) -> Rings:
+    def of(cls, pupil: StripPupil, square: Floats) -> "Rings":
         """Lenses that some of the lags have."""
         radius, hole = pupil.radius, pupil.inner_radius
         nearest = math.sqrt(square.min())
@@ -149,7 +147,7 @@ class Rings:
             lens(fixed=hole, moved=hole, square=square) if both else None,
         )
 
-    def chosen(self, points: Index) -> Rings:
+    def chosen(self, points: Index) -> "Rings":
         """At some of the lags."""
         mixed = None if self.mixed is None else self.mixed.chosen(points)
         inner = None if self.inner is None else self.inner.chosen(points)
@@ -218,7 +216,7 @@ def _taken(values: Floats, index: Index) -> Floats:
     return np.broadcast_to(values, index.shape)[index]
 
 
-def _crossings(pupil: StripPupil) -> list[Crossing]:
+def _crossings(pupil: StripPupil) -> "list[Crossing]":
     return [
         Crossing.of(pupil.strips, pair, pupil.radius, pupil.inner_radius)
         for pair in combinations(range(len(pupil.strips)), 2)
@@ -246,7 +244,7 @@ class Crossing:
     @classmethod
     def of(
         cls, strips: tuple[Strip, ...], pair: tuple[int, int], radius: float, hole: float
-    ) -> Crossing:
+    ) -> "Crossing":
         """Of two of a pupil's strips."""
         a, b = (strips[index] for index in pair)
         sin, cos = abs(a.cos * b.sin - a.sin * b.cos), abs(a.cos * b.cos + a.sin * b.sin)

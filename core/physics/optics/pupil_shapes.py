@@ -1,7 +1,5 @@
 """Exit pupils given by geometry: their description, and their samples."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ intervals leave on each straight edge and each circle. The second kind of piece 
 kind for the opposite lag.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -237,7 +235,7 @@ def _add_discs(
     centre: Floats,
     distance: Floats,
     window: tuple[Floats, Floats],
-    opaque: list[Interval],
+    opaque: "list[Interval]",
 ) -> tuple[Floats, Floats]:
     """Narrow a line's window to the moved outer disc and add the moved inner one."""
     # Not the differences of squares: where an edge touches a circle half the digits would be lost.

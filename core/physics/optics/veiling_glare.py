@@ -1,7 +1,5 @@
 """Blur of a lens and of jitter: Gaussians, and stray light."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Wavefront errors: Zernike polynomials in Noll's order, and maps from a file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -278,7 +276,7 @@ class _Cells:
     part: NDArray[np.float64]
 
     @classmethod
-    def of(cls, lag: NDArray[np.float64], reach: int) -> _Cells:
+    def of(cls, lag: NDArray[np.float64], reach: int) -> "_Cells":
         inside = np.minimum(np.abs(lag), reach + 1.0)
         lower = np.floor(inside)
         side, index = np.where(lag < 0.0, -1, 1), lower.astype(np.int64)

@@ -4,8 +4,6 @@ Source: CODATA 2018 recommended values (Tiesinga, Mohr, Newell, Taylor 2021); h,
 exact by definition of the SI since 2019.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -190,13 +188,13 @@ def _brightness(
     return result
 
 
-def _radiance(cut_on_um: float, cut_off_um: float) -> BandIntegral:
+def _radiance(cut_on_um: float, cut_off_um: float) -> "BandIntegral":
     _require_band(cut_on_um, cut_off_um)
     scale = FIRST_RADIATION_CONSTANT_W_M2_SR / SECOND_RADIATION_CONSTANT_M_K**4
     return BandIntegral(cut_on_um, cut_off_um, scale, 4, 3, 1)
 
 
-def _evaluated(integral: BandIntegral, temperature_K: FloatOrArray) -> FloatOrArray:
+def _evaluated(integral: "BandIntegral", temperature_K: FloatOrArray) -> FloatOrArray:
     result: FloatOrArray = _as_given(integral(_temperatures(temperature_K)))
     return result
 

@@ -7,8 +7,6 @@ steradian, and for spectral radiance per wavelength or per wavenumber. Files wor
 the one way that makes a radiance; where both ways do, it is refused.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Literal
@@ -71,7 +69,7 @@ class RadianceUnit:
         return f"{head}/m²/sr" + (f"/{self.spectral}" if self.spectral else "")
 
     @property
-    def integrated(self) -> RadianceUnit:
+    def integrated(self) -> "RadianceUnit":
         """The unit without its own unit of wavelength, as for nm of nW/m²/sr/nm."""
         return RadianceUnit(_rounded(self.factor / self.per_um), self.photons)
 

@@ -4,8 +4,6 @@ The values are typical published ones, not those of one device; a measured D* is
 `manual` instead.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from math import inf

@@ -1,7 +1,5 @@
 """Sampling of a frame in angle and in frequency, and the footprint of a detector element."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -16,8 +16,6 @@ equations, and Schott 1997, Remote Sensing, for panoramic distortion, both by me
 of them follows from the geometry alone.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple

@@ -1,7 +1,5 @@
 """Blur from motion during one exposure: a straight smear."""
 
-from __future__ import annotations
-
 import math
 import sys
 from dataclasses import dataclass
