@@ -389,30 +389,24 @@ def filter_mixed(
     kind = MirroredLines if chain.edges == "reflect" else PeriodicLines
     lines = kind(work, chain, frame, np.float64 if direct else work.policy.dtype)
     if direct:
-        parts, count = _summed(lines, intervals_mrad), len(np.unique(intervals_mrad))
-        blend = Blend(parts, count)
+        parts: Parts = _summed(lines, intervals_mrad)
+        gap: Parts = ()
+        count, response_error = len(np.unique(intervals_mrad)), 0.0
     else:
-        blend = _blended(lines, intervals_mrad, nodes, tolerance)
+        parts, count, gap, response_error = _blended(lines, intervals_mrad, nodes, tolerance)
     responses = _responses(lines, intervals_mrad)
-    picture = _delivered(lines, blend.parts, responses)
-    error = 0.0
-    if blend.gap is not None:
-        error = float(np.max(np.abs(_delivered(lines, blend.gap, responses))))
+    picture = _delivered(lines, parts, responses)
+    error = float(np.max(np.abs(_delivered(lines, gap, responses)))) if gap else 0.0
     picture += np.asarray(lines.mean * chain.product.at_zero(work), picture.dtype)
     if chain.turned:
         picture = np.ascontiguousarray(picture.T)
     picture = picture.astype(work.policy.dtype, copy=False)
-    return Filtered(picture, blend.count, blend.response_error, error)
+    return Filtered(picture, count, response_error, error)
 
 
-@dataclass(frozen=True)
-class Blend:
-    """Columns' spectra in flight, and those of what the blend lacks at the smallest interval."""
-
-    parts: Parts
-    count: int = 0
-    gap: Parts | None = None
-    response_error: float = 0.0
+Blend = tuple[Parts, int, Parts, float]
+"""Columns' spectra in flight, from how many intervals they are made, what they lack at the smallest
+interval, and the error of the transfer function."""
 
 
 def _summed(lines: ScanLines, intervals_mrad: Vector) -> Parts:
@@ -442,10 +436,10 @@ def _blended(
 ) -> Blend:
     """Spectra at a few intervals, weighted in each column; exact without planar factors."""
     if not lines.planar:
-        return Blend((lines.unscanned(lines.values),))
+        return (lines.unscanned(lines.values),), 0, (), 0.0
     last = float(intervals_mrad.min())
     if last == float(intervals_mrad.max()):
-        return Blend(tuple(lines.unscanned(part) for part in lines.with_planar(last)), 1)
+        return tuple(lines.unscanned(part) for part in lines.with_planar(last)), 1, (), 0.0
     if nodes is None:
         nodes, error = _enough(lines, intervals_mrad, tolerance)
     else:
@@ -462,7 +456,7 @@ def _blended(
             part_alone = lines.unscanned(part)
             gap[index] -= part_alone * lines.real.type(share)
             parts[index] += np.multiply(part_alone, row, out=part_alone)
-    return Blend(tuple(parts), nodes, tuple(gap), error)
+    return tuple(parts), nodes, tuple(gap), error
 
 
 def _enough(lines: ScanLines, intervals_mrad: Vector, tolerance: float) -> tuple[int, float]:
