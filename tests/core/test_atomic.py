@@ -4,7 +4,6 @@ import os
 import shutil
 import stat
 import time
-from pathlib import Path
 
 import pytest
 
@@ -71,7 +70,7 @@ except FileError as error:
 """
 
 
-def names(folder: Path) -> list[str]:
+def names(folder):
     return sorted(entry.name for entry in folder.iterdir())
 
 

@@ -12,7 +12,6 @@ from core.errors import Cancelled, DataError, NetworkError, ParameterError, Unco
 from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
 from core.network.file import load_network
-from core.network.network import Network
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 from nodes.library import standard_library
 
@@ -248,7 +247,7 @@ class TestSharedStore:
         expected = {p: Bench().get(document, p) for p in ("bin.image", "back.image", "make.image")}
         bench, faults = Bench(Store(capacity_bytes=700)), []
 
-        def ask(port: str) -> None:
+        def ask(port):
             try:
                 for _ in range(10):
                     assert np.array_equal(bench.get(document, port), expected[port])
@@ -296,7 +295,7 @@ class TestCancel:
         stop = threading.Event()
         seen: list[str | None] = []
 
-        def progress(node: str | None) -> None:
+        def progress(node):
             seen.append(node)
             if node == at:
                 stop.set()
@@ -316,7 +315,7 @@ class TestCancel:
         stop = threading.Event()
         work = Work(Policy(threads=threads), Store(), stop)
 
-        def one(item: int) -> None:
+        def one(item):
             calls.append(item)
             if len(calls) == 3:
                 stop.set()
@@ -329,7 +328,7 @@ class TestCancel:
 # Disabled nodes pass their main input through.
 
 
-def disabled(document: Network, name: str) -> Network:
+def disabled(document, name):
     return replace(
         document, nodes={**document.nodes, name: replace(document.nodes[name], disabled=True)}
     )

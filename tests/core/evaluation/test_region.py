@@ -78,21 +78,21 @@ class TestRectangle:
         np.testing.assert_array_equal(region.blocks(8, size), expected)
 
 
-def numbers(work: Work, *, node_of: str) -> np.ndarray:
+def numbers(work, *, node_of):
     return PICTURE.copy()
 
 
-def largest(work: Work, picture: np.ndarray) -> float:
+def largest(work, picture):
     return float(picture.max())
 
 
 @pointwise
-def relative(work: Work, picture: np.ndarray, scale: float) -> np.ndarray:
+def relative(work, picture, scale):
     return picture / scale
 
 
 @in_parts(lambda work, region, picture: work.part(picture, region) + 1.0)
-def increased(work: Work, picture: np.ndarray) -> np.ndarray:
+def increased(work, picture):
     return picture + 1.0
 
 

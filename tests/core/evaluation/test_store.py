@@ -16,7 +16,7 @@ from core.evaluation.store import Store, size_in_bytes
 from core.transfer.factors import Grid
 
 
-def block(kilobytes: int) -> np.ndarray:
+def block(kilobytes):
     return np.zeros(kilobytes * 128)
 
 
@@ -95,7 +95,7 @@ class TestStore:
         store, running, most, made = Store(), [0], [0], []
         lock = threading.Lock()
 
-        def compute(key: str) -> np.ndarray:
+        def compute(key):
             with lock:
                 running[0] += 1
                 most[0] = max(most[0], running[0])
@@ -105,7 +105,7 @@ class TestStore:
                 made.append(key)
             return block(1)
 
-        def ask(key: str, found: list[Any]) -> None:
+        def ask(key, found):
             found.append(store.get(key, lambda: compute(key)))
 
         found: list[Any] = []
@@ -124,7 +124,7 @@ class TestStore:
         running, most, attempts = [0], [0], [0]
         failing, waiting = threading.Event(), threading.Event()
 
-        def compute() -> np.ndarray:
+        def compute():
             with lock:
                 attempts[0] += 1
                 first = attempts[0] == 1
@@ -141,7 +141,7 @@ class TestStore:
                 with lock:
                     running[0] -= 1
 
-        def ask() -> None:
+        def ask():
             try:
                 store.get("k", compute)
             except DataError:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -34,11 +33,11 @@ _QUANTITIES = {
 Values = dict[str, float]
 
 
-def _at(mtf: np.ndarray) -> float:
+def _at(mtf):
     return float(mtf[0])
 
 
-def _sampling(v: Values) -> Values:
+def _sampling(v):
     samples = int(v["samples"])
     interval = sampling.interval_mrad(fov_deg=v["fov_deg"], samples=samples)
     return {
@@ -50,19 +49,19 @@ def _sampling(v: Values) -> Values:
     }
 
 
-def _gaussian(v: Values) -> Values:
+def _gaussian(v):
     frequency = np.array([v["xi_cyc_per_mrad"]])
     mtf = gaussian.gaussian_mtf(frequency=frequency, sigma_mrad=v["sigma_mrad"])
     return {"mtf": _at(mtf)}
 
 
-def _vibration(v: Values) -> Values:
+def _vibration(v):
     frequency = np.array([v["xi_cyc_per_mrad"]])
     mtf = vibration.vibration_mtf(frequency=frequency, amplitude_mrad=v["amplitude_mrad"])
     return {"mtf": _at(mtf)}
 
 
-def _detector(v: Values) -> Values:
+def _detector(v):
     ifov = sampling.ifov_mrad(
         pitch_um=v["pitch_um"], focal_length_mm=v["focal_length_mm"], fill=v["fill_factor"]
     )
@@ -75,7 +74,7 @@ def _detector(v: Values) -> Values:
     }
 
 
-def _motion(v: Values) -> Values:
+def _motion(v):
     blur = motion.blur_mrad(
         velocity_m_per_s=v["relative_velocity_m_per_s"],
         time_s=v["integration_time_s"],
@@ -85,8 +84,8 @@ def _motion(v: Values) -> Values:
     return {"blur_mrad": blur, "mtf": _at(motion.motion_mtf(frequency=frequency, blur_mrad=blur))}
 
 
-def _charge_transfer(model: str) -> Callable[[Values], Values]:
-    def compute(v: Values) -> Values:
+def _charge_transfer(model):
+    def compute(v):
         given = {
             "phase_per_transfer": np.array([math.pi * v["xi_over_nyquist"]]),
             "transfers": v["transfers"],
@@ -102,14 +101,14 @@ def _charge_transfer(model: str) -> Callable[[Values], Values]:
     return compute
 
 
-def _lowpass(v: Values) -> Values:
+def _lowpass(v):
     given = {
         "frequency": np.array([v["xi_cyc_per_mrad"]]),
         "scan_velocity_mrad_per_s": v["scan_velocity_mrad_per_s"],
         "time_constant_s": v["time_constant_s"],
     }
 
-    def beyond_half_power(xi: float) -> float:
+    def beyond_half_power(xi):
         return _at(electronics.lowpass_mtf(**{**given, "frequency": np.array([xi])})) ** 2 - 0.5
 
     corner = brent_root(beyond_half_power, low=0.0, high=1e4)
@@ -120,7 +119,7 @@ def _lowpass(v: Values) -> Values:
     }
 
 
-def _turbulence(v: Values) -> Values:
+def _turbulence(v):
     aperture_m = v.get("aperture_m")
     mtf = atmosphere.fried_mtf(
         rho=np.array([v["xi_cyc_per_mrad"]]),
@@ -148,7 +147,7 @@ _COMPUTE: dict[str, Callable[[Values], Values]] = {
 
 
 @pytest.mark.parametrize("case", reference_cases(*_QUANTITIES))
-def test_reference_value(case: dict[str, Any]) -> None:
+def test_reference_value(case):
     assert case["quantity"] in _COMPUTE, f"no function computes {case['quantity']}"
     inputs = {name: float(value) for name, value in case["inputs"].items()}
     got = _COMPUTE[case["quantity"]](inputs)
@@ -157,5 +156,5 @@ def test_reference_value(case: dict[str, Any]) -> None:
         assert abs(got[name] - expected) <= 1e-12 * abs(expected) + 1e-15, name
 
 
-def test_every_quantity_has_a_function() -> None:
+def test_every_quantity_has_a_function():
     assert set(_COMPUTE) == _QUANTITIES

@@ -1,7 +1,5 @@
 """Transmission and path radiance of air, by wavelength, band and range, against quadrature."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

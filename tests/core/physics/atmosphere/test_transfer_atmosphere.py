@@ -1,7 +1,5 @@
 """Turbulence and aerosols against the published forms in higher precision."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath
@@ -26,9 +24,7 @@ _POSITIVE = st.floats(1e-300, 1e300)
 
 
 @given(wavelength=_POSITIVE, r0=_POSITIVE, aperture=_POSITIVE, alpha=st.floats(0.0, 1.0))
-def test_turbulence_is_passive_for_every_parameter(
-    wavelength: float, r0: float, aperture: float, alpha: float
-) -> None:
+def test_turbulence_is_passive_for_every_parameter(wavelength, r0, aperture, alpha):
     mtf = fried_mtf(
         rho=_RHO, wavelength_um=wavelength, fried_r0_m=r0, aperture_mm=aperture, alpha=alpha
     )
@@ -36,18 +32,18 @@ def test_turbulence_is_passive_for_every_parameter(
 
 
 @given(depth=st.floats(0.0, 1e300), cutoff=_POSITIVE)
-def test_aerosol_is_passive_for_every_parameter(depth: float, cutoff: float) -> None:
+def test_aerosol_is_passive_for_every_parameter(depth, cutoff):
     _assert_passive(aerosol_mtf(rho=_RHO, optical_depth=depth, cutoff_cyc_per_mrad=cutoff))
 
 
-def _assert_passive(mtf: np.ndarray) -> None:
+def _assert_passive(mtf):
     assert np.all(np.isfinite(mtf))
     assert np.all((mtf >= 0.0) & (mtf <= 1.0))
     assert mtf[0] == 1.0
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.5, 1.0])
-def test_fried_form(alpha: float) -> None:
+def test_fried_form(alpha):
     mpf = mpmath.mpf
     for rho in (1e-3, 0.7, 8.9):
         with mpmath.workdps(30):
@@ -58,11 +54,11 @@ def test_fried_form(alpha: float) -> None:
         assert got == pytest.approx(float(truth), rel=1e-14)
 
 
-def test_air_without_turbulence_is_exactly_one() -> None:
+def test_air_without_turbulence_is_exactly_one():
     np.testing.assert_array_equal(fried_mtf(rho=_RHO, wavelength_um=4.0, fried_r0_m=math.inf), 1.0)
 
 
-def test_aerosol_form_and_its_plateaus() -> None:
+def test_aerosol_form_and_its_plateaus():
     for level, plateau in (("none", 1.0), ("low", 0.99), ("moderate", 0.975), ("high", 0.955)):
         depth = turbidity_optical_depth(level=level)
         mtf = aerosol_mtf(rho=[0.0, 5e-4, 1e-3, 2.0], optical_depth=depth)
@@ -70,7 +66,7 @@ def test_aerosol_form_and_its_plateaus() -> None:
         np.testing.assert_allclose(mtf, truth, rtol=1e-15)
 
 
-def test_optical_depth_of_a_path() -> None:
+def test_optical_depth_of_a_path():
     ground = {"scattering_per_km": 0.3, "scale_height_km": 1.2}
     level = path_optical_depth(**ground, path_m=402.0)
     assert level == pytest.approx(0.3 * 0.402, rel=1e-15)
@@ -83,7 +79,7 @@ def test_optical_depth_of_a_path() -> None:
     assert short == pytest.approx(0.3e-12, rel=1e-12)
 
 
-def test_standard_profile_has_its_name_giving_coherence_diameter() -> None:
+def test_standard_profile_has_its_name_giving_coherence_diameter():
     """HV 5/7: r0 = 5 cm at 0.5 µm from the zenith."""
     r0 = fried_r0_slant_m(
         target_height_m=2e5, sensor_height_m=0.0, path_m=2e5, wavelength_um=0.5, wave="plane"
@@ -91,7 +87,7 @@ def test_standard_profile_has_its_name_giving_coherence_diameter() -> None:
     assert r0 == pytest.approx(0.05, rel=0.02)
 
 
-def _cn2_truth(height: mpmath.mpf) -> mpmath.mpf:
+def _cn2_truth(height):
     mpf = mpmath.mpf
     high = mpf("0.00594") * (mpf(21) / 27) ** 2 * (height / 100000) ** 10
     return (
@@ -106,9 +102,7 @@ def _cn2_truth(height: mpmath.mpf) -> mpmath.mpf:
     ("target", "sensor", "path"),
     [(0.0, 3000.0, 3000.0), (12000.0, 5.0, 20000.0), (0.0, 8e5, 8e5), (10.0, 10.0, 402.0)],
 )
-def test_slant_path_against_direct_quadrature(
-    wave: str, target: float, sensor: float, path: float
-) -> None:
+def test_slant_path_against_direct_quadrature(wave, target, sensor, path):
     power = mpmath.mpf(5) / 3 if wave == "spherical" else mpmath.mpf(0)
     rise = sensor - target
     heights = [50, 100, 200, 400, 800, 1600, 3000, 6000, 9000, 12000, 16000, 25000, 50000, 100000]
@@ -126,7 +120,7 @@ def test_slant_path_against_direct_quadrature(
     assert got == pytest.approx(float(truth), rel=1e-12)
 
 
-def test_uniform_path_is_the_level_slant_path() -> None:
+def test_uniform_path_is_the_level_slant_path():
     cn2 = float(hufnagel_valley_cn2(height_m=10.0))
     for wave in ("plane", "spherical"):
         level = fried_r0_slant_m(
@@ -137,7 +131,7 @@ def test_uniform_path_is_the_level_slant_path() -> None:
     assert fried_r0_uniform_m(cn2=0.0, path_m=402.0, wavelength_um=10.0) == math.inf
 
 
-def test_profile_is_finite_at_every_height() -> None:
+def test_profile_is_finite_at_every_height():
     cn2 = hufnagel_valley_cn2(height_m=[0.0, 1e4, 1e6, 1e300])
     assert np.all(np.isfinite(cn2))
     assert cn2[0] == pytest.approx(1.7e-14 + 2.7e-16, rel=1e-15)
@@ -162,6 +156,6 @@ def test_profile_is_finite_at_every_height() -> None:
         ),
     ],
 )
-def test_values_out_of_range_are_refused(call: object) -> None:
+def test_values_out_of_range_are_refused(call):
     with pytest.raises(ParameterError, match=r"is not allowed|is empty"):
         call()  # type: ignore[operator]

@@ -1,7 +1,5 @@
 """Read-out artefacts against charges that are moved one transfer, or one spill, at a time."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 
@@ -161,9 +159,7 @@ _PHASES = np.array([-math.pi, -1.0, -1e-5, 0.0, 1e-200, 1e-8, 0.3, 0.99, 1.01, 2
 
 @pytest.mark.parametrize("efficiency", ["0.99999", "0.999999999999", "0.5", "1e-12"])
 @pytest.mark.parametrize("transfers", [1, 640, 10**6])
-def test_exact_transfer_equals_the_product_of_its_transfers(
-    efficiency: str, transfers: int
-) -> None:
+def test_exact_transfer_equals_the_product_of_its_transfers(efficiency, transfers):
     given_ = {
         "phase_per_transfer": _PHASES,
         "transfers": transfers,
@@ -180,7 +176,7 @@ def test_exact_transfer_equals_the_product_of_its_transfers(
             assert phase == pytest.approx(truth_phase, rel=1e-13, abs=1e-300)
 
 
-def test_published_and_leading_phases_keep_their_digits() -> None:
+def test_published_and_leading_phases_keep_their_digits():
     for w in _PHASES:
         with mpmath.workdps(40):
             lost = mpmath.mpf("0.00001") * 640
@@ -196,7 +192,7 @@ def test_published_and_leading_phases_keep_their_digits() -> None:
 
 
 @pytest.mark.parametrize("poles", [1, 2, 5])
-def test_lowpass_equals_its_complex_form(poles: int) -> None:
+def test_lowpass_equals_its_complex_form(poles):
     frequency = np.array([-3.0, -0.2, 0.0, 0.48892, 7.0])
     given_ = {"scan_velocity_mrad_per_s": 1000.0, "time_constant_s": 1e-4, "poles": poles}
     truth = (1.0 + 2j * np.pi * 0.1 * frequency) ** -poles
@@ -209,7 +205,7 @@ def test_lowpass_equals_its_complex_form(poles: int) -> None:
     ("fov", "samples", "rate", "bandwidth"),
     [(30.0, 512, 16.0, 49152.0), (25.0, 1024, 40.0, 294912.0)],
 )
-def test_published_bandwidths(fov: float, samples: int, rate: float, bandwidth: float) -> None:
+def test_published_bandwidths(fov, samples, rate, bandwidth):
     time = dwell_time_s(
         interval_mrad=interval_mrad(fov_deg=fov, samples=samples),
         scan_velocity_mrad_per_s=mirror_scan_velocity_mrad_per_s(scan_mirror_rate_Hz=rate),
@@ -217,7 +213,7 @@ def test_published_bandwidths(fov: float, samples: int, rate: float, bandwidth: 
     assert noise_bandwidth_hz(time_constant_s=time) == pytest.approx(bandwidth, rel=1e-15)
 
 
-def test_half_the_power_passes_at_the_corner() -> None:
+def test_half_the_power_passes_at_the_corner():
     corner = 1 / (2 * np.pi * 2e-5)
     xi = corner_in_cyc_per_mrad(corner_Hz=corner, scan_velocity_mrad_per_s=500.0)
     mtf = lowpass_mtf(frequency=xi, scan_velocity_mrad_per_s=500.0, time_constant_s=2e-5)
@@ -225,7 +221,7 @@ def test_half_the_power_passes_at_the_corner() -> None:
 
 
 @pytest.mark.parametrize("poles", [1, 3])
-def test_post_filters_equal_their_complex_forms(poles: int) -> None:
+def test_post_filters_equal_their_complex_forms(poles):
     frequency = np.array([-3.0, -0.2, 0.0, 0.48892, 7.0])
     u = 1j * frequency / 0.5
     truth = {
@@ -239,14 +235,14 @@ def test_post_filters_equal_their_complex_forms(poles: int) -> None:
         np.testing.assert_allclose(otf, expected, rtol=0.0, atol=2e-15)
 
 
-def test_boost_rises_to_its_gain_and_stays() -> None:
+def test_boost_rises_to_its_gain_and_stays():
     mtf = post_filter_mtf(
         frequency=[0.0, 0.25, -0.25, 0.5, 9.0], kind="boost", corner_cyc_per_mrad=0.5, max_gain=3.0
     )
     np.testing.assert_allclose(mtf, [1.0, 2.0, 2.0, 3.0, 3.0], rtol=1e-15)
 
 
-def test_periodic_pattern_equals_its_formula() -> None:
+def test_periodic_pattern_equals_its_formula():
     x, y = np.linspace(-9.0, 9.0, 23), np.linspace(0.0, 5.0, 17)[:, np.newaxis]
     got = periodic_pattern(
         x_mrad=x,
@@ -270,7 +266,7 @@ def test_periodic_pattern_equals_its_formula() -> None:
 _BITS = [1, 4, 6, 8, 12, 16, 24, 32, 64]
 
 
-def _samples(dtype: type, low: float, high: float) -> np.ndarray:
+def _samples(dtype, low, high):
     span = high - low
     generator = np.random.default_rng(7)
     return generator.uniform(low - 0.1 * span, high + 0.1 * span, (37, 11)).astype(dtype)
@@ -279,9 +275,7 @@ def _samples(dtype: type, low: float, high: float) -> np.ndarray:
 @pytest.mark.parametrize("bits", _BITS)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (29.7, 41.3), (-1e30, 1e30), (0.0, 1e-30)])
-def test_each_sample_goes_to_the_nearest_level(
-    bits: int, dtype: type, low: float, high: float
-) -> None:
+def test_each_sample_goes_to_the_nearest_level(bits, dtype, low, high):
     samples = _samples(dtype, low, high)
     got = quantize(samples, bits=bits, low=low, high=high)
     assert got.dtype == dtype
@@ -298,7 +292,7 @@ def test_each_sample_goes_to_the_nearest_level(
 
 @pytest.mark.parametrize("bits", _BITS)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_both_ends_are_levels(bits: int, dtype: type) -> None:
+def test_both_ends_are_levels(bits, dtype):
     low, high = float(dtype(29.7)), float(dtype(41.3))
     ends = np.array([low, high, -1e9, 1e9], dtype=dtype)
     got = quantize(ends, bits=bits, low=low, high=high)
@@ -309,9 +303,7 @@ def test_both_ends_are_levels(bits: int, dtype: type) -> None:
     ("bits", "low", "high"),
     [(4, 14.3, 48.6), (4, 13.4, 28.8), (6, 5.4, 23.7), (12, 11.9, 29.7), (16, 5.4, 24.2)],
 )
-def test_the_last_level_is_the_end_of_the_range_to_the_bit(
-    bits: int, low: float, high: float
-) -> None:
+def test_the_last_level_is_the_end_of_the_range_to_the_bit(bits, low, high):
     """2^b − 1 rounded steps end below the range here; the level before keeps its place."""
     count = 2**bits - 1
     step = (high - low) / count
@@ -322,7 +314,7 @@ def test_the_last_level_is_the_end_of_the_range_to_the_bit(
     assert got[1] == pytest.approx(float(before), rel=4e-16)
 
 
-def test_number_of_levels() -> None:
+def test_number_of_levels():
     ramp = np.linspace(-3.0, 5.0, 5001)
     for bits in (1, 4, 8):
         got = np.unique(quantize(ramp, bits=bits, low=-3.0, high=5.0))
@@ -333,7 +325,7 @@ def test_number_of_levels() -> None:
     values=st.lists(st.floats(-1e300, 1e300), min_size=1, max_size=20),
     bits=st.integers(0, 64),
 )
-def test_never_worse_than_half_a_step(values: list[float], bits: int) -> None:
+def test_never_worse_than_half_a_step(values, bits):
     samples = np.array(values)
     low, high = float(samples.min()), float(samples.max())
     got = quantize(samples, bits=bits, low=low, high=high)
@@ -344,13 +336,13 @@ def test_never_worse_than_half_a_step(values: list[float], bits: int) -> None:
 
 
 @pytest.mark.parametrize("bits", [32, 64])
-def test_many_bits_alter_nothing_beyond_rounding(bits: int) -> None:
+def test_many_bits_alter_nothing_beyond_rounding(bits):
     samples = np.random.default_rng(3).normal(30.0, 2.0, (41, 3)).astype(np.float32)
     low, high = float(samples.min()), float(samples.max())
     np.testing.assert_array_max_ulp(quantize(samples, bits=bits, low=low, high=high), samples, 1)
 
 
-def test_constant_image_and_zero_bits_change_nothing() -> None:
+def test_constant_image_and_zero_bits_change_nothing():
     flat = np.full((5, 4), 0.1, dtype=np.float32)
     np.testing.assert_array_equal(quantize(flat, bits=8, low=0.1, high=0.1), flat)
     ramp = np.arange(12.0).reshape(3, 4)
@@ -358,7 +350,7 @@ def test_constant_image_and_zero_bits_change_nothing() -> None:
 
 
 @pytest.mark.parametrize("shape", [(), (0,), (1, 1), (1, 70001), (70001, 1), (300, 301)])
-def test_every_shape_in_place_and_strided(shape: tuple[int, ...]) -> None:
+def test_every_shape_in_place_and_strided(shape):
     samples = np.random.default_rng(5).uniform(0.0, 1.0, shape)
     truth = np.rint(samples * 15.0) / 15.0
     np.testing.assert_allclose(quantize(samples, bits=4, low=0.0, high=1.0), truth, atol=1e-15)
@@ -367,7 +359,7 @@ def test_every_shape_in_place_and_strided(shape: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("scale", [1e-30, 1.0, 1e30])
-def test_rms_of_the_difference(scale: float) -> None:
+def test_rms_of_the_difference(scale):
     generator = np.random.default_rng(11)
     before, after = generator.normal(size=(2, 301, 400))
     difference = (before - after).ravel().tolist()
@@ -377,14 +369,14 @@ def test_rms_of_the_difference(scale: float) -> None:
     assert quantization_rms(original=before, quantized=before) == 0.0
 
 
-def test_uniform_samples_have_a_twelfth_of_the_squared_step() -> None:
+def test_uniform_samples_have_a_twelfth_of_the_squared_step():
     per_level = 4000  # midpoints that fill each level's cell: q²/12·(1 − 1/4000²)
     ramp = (np.arange(63 * per_level) + 0.5) / (63 * per_level)
     rms = quantization_rms(original=ramp, quantized=quantize(ramp, bits=6, low=0.0, high=1.0))
     assert rms == pytest.approx(math.sqrt((1.0 - per_level**-2.0) / 12.0) / 63.0, rel=1e-12)
 
 
-def test_what_cannot_be_used_is_refused() -> None:
+def test_what_cannot_be_used_is_refused():
     ramp = np.arange(6.0)
     for given_ in (
         {"bits": 8, "low": 1.0, "high": 0.0},

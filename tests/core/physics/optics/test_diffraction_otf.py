@@ -1,7 +1,5 @@
 """Diffraction over a band against mpmath: chords of shared areas, O'Neill's formula, quadrature."""
 
-from __future__ import annotations
-
 import sys
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Tables of MTF against scipy's PCHIP, and where they begin and end."""
 
-from __future__ import annotations
-
 import cmath
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Zernike polynomials, the defocused disc and the wavelengths of a band."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath
