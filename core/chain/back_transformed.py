@@ -7,19 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain import step_lineage
 from core.chain.band_stack import BandStack, Row, Rows, SteppedBands, stacked, weighted_factors
 from core.chain.filtered_sum import FilteredSum, WavelengthRank, spectral_of
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import (
-    Axis,
-    Blocks,
-    Filtering,
-    Lineage,
-    Linear,
-    PixelSamples,
-    Vector,
-    picture_step,
-)
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Region, Step, in_parts
@@ -87,7 +78,7 @@ class Delivered(Recipe):
     factor_y: int = 1
     mode: BinMode = "mean"
     node: str | None = field(default=None, compare=False)
-    sampled: PixelSamples | None = None
+    sampled: step_lineage.PixelSamples | None = None
     weights: Row | None = None
 
     def _content(self) -> tuple[object, ...]:
@@ -161,11 +152,11 @@ class Delivered(Recipe):
         return (Step.of(transform, self.magnitude.image.recipe, node=self.node),)
 
     @property
-    def lineage(self) -> Lineage | None:
+    def lineage(self) -> step_lineage.Lineage | None:
         """The picture filtered and its pixels combined, where magnitude and phase are of one."""
         if self.magnitude.image is None or not self.one_source:
             return None
-        return Lineage(self._source, Delivery(self))
+        return step_lineage.Lineage(self._source, Delivery(self))
 
     @property
     def _source(self) -> Recipe:
@@ -381,7 +372,7 @@ def sample_pixels(
     """
     recipe = image.recipe
     edges: Edges = image.edges or "reflect"
-    pixels = PixelSamples(image.shape, ratio_x, ratio_y, offset_x, offset_y, edges)
+    pixels = step_lineage.PixelSamples(image.shape, ratio_x, ratio_y, offset_x, offset_y, edges)
     x, y = image.interval_x_mrad, image.interval_y_mrad
     if not (isinstance(recipe, Delivered) and recipe.plain and recipe.edges == edges):
         # Anti-alias Filter mirrors its frame, and leaves a periodic one periodic for what follows.
@@ -421,7 +412,7 @@ def _combined_part(
     return block_combine(work, blocks, factor_x=factor_x, factor_y=factor_y, **how)
 
 
-@picture_step(linear=lambda _, **how: Blocks(**how))
+@step_lineage.picture_step(linear=lambda _, **how: step_lineage.Blocks(**how))
 @in_parts(_combined_part)
 def block_combine(
     work: Work,
@@ -448,25 +439,27 @@ def block_combine(
 
 
 @dataclass(frozen=True)
-class Delivery(Linear):
+class Delivery(step_lineage.Linear):
     """What a delivered image's factors and pixel means do, in one."""
 
     recipe: Delivered
 
     @property
-    def _filtering(self) -> Filtering:
+    def _filtering(self) -> step_lineage.Filtering:
         magnitude, phase = self.recipe.magnitude, self.recipe.phase
         factors: tuple[Factor, ...] = (*magnitude.factors, *phase.factors)
         if self.recipe.weights is not None:
             factors = weighted_factors(factors, self.recipe.bands, self.recipe.weights)
-        return Filtering(factors, magnitude.grid, self.recipe.edges)
+        return step_lineage.Filtering(factors, magnitude.grid, self.recipe.edges)
 
     @property
-    def _pixels(self) -> Blocks | PixelSamples:
+    def _pixels(self) -> step_lineage.Blocks | step_lineage.PixelSamples:
         recipe = self.recipe
         if recipe.sampled is not None:
             return recipe.sampled
-        return Blocks(recipe.factor_x, recipe.factor_y, recipe.mode, recipe.magnitude.grid.shape)
+        return step_lineage.Blocks(
+            recipe.factor_x, recipe.factor_y, recipe.mode, recipe.magnitude.grid.shape
+        )
 
     @property
     def gain(self) -> float:
@@ -499,7 +492,9 @@ class Delivery(Linear):
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return self._pixels.noise(work, self._filtering.noise(work, power))
 
-    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+    def row(
+        self, work: Work, row: step_lineage.Vector, axis: step_lineage.Axis
+    ) -> step_lineage.Vector:
         return self._pixels.row(work, self._filtering.row(work, row, axis), axis)
 
     def _ratios(self, grid: Grid) -> tuple[float, float] | None:

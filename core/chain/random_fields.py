@@ -25,11 +25,7 @@ from core.evaluation.work import Work
 from core.machine import ForEach, in_turn
 from core.physics.optics.veiling_glare import gaussian_mtf
 from core.scratch import Empty, StripArray
-from core.transfer.mirrored import (
-    column_blocks,
-    row_blocks,
-    transform_block,
-)
+from core.transfer import mirrored
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
 _Array = NDArray[Any]
@@ -441,27 +437,27 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
     lines = work.strips((image.shape[0], width))
 
     def spread(rows: slice) -> None:
-        part = transform_block(np.subtract(image[rows], mean, dtype=dtype), "dct", axis=1)
+        part = mirrored.transform_block(np.subtract(image[rows], mean, dtype=dtype), "dct", axis=1)
         lines[rows] = part[:, :width] * across
 
     def blur(block: Array) -> None:
-        values = transform_block(np.ascontiguousarray(block), "dct", axis=0)
+        values = mirrored.transform_block(np.ascontiguousarray(block), "dct", axis=0)
         values[: len(along)] *= along[:, np.newaxis]
         values[len(along) :] = 0
-        block[...] = transform_block(values, "idct", axis=0)
+        block[...] = mirrored.transform_block(values, "idct", axis=0)
 
     def gather(rows: slice) -> None:
         part = np.zeros((len(image[rows]), image.shape[1]), dtype)
         part[:, :width] = lines[rows]
-        part = transform_block(part, "idct", axis=1)
+        part = mirrored.transform_block(part, "idct", axis=1)
         require_finite(part)
         part += dtype.type(mean)
         made[rows] = part
 
-    work.for_each(spread, row_blocks(image.shape))
+    work.for_each(spread, mirrored.row_blocks(image.shape))
     for strip in lines.strips if isinstance(lines, StripArray) else [lines]:
-        work.for_each(blur, column_blocks(strip))
-    work.for_each(gather, row_blocks(image.shape))
+        work.for_each(blur, mirrored.column_blocks(strip))
+    work.for_each(gather, mirrored.row_blocks(image.shape))
     return made
 
 

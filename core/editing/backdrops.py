@@ -5,19 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from core.editing.layout import (
-    Box,
-    Point,
-    Size,
-    Sizes,
-    boxes_of,
-    hull,
-    is_in_reach,
-    placed,
-    shifted,
-    size_of,
-    way_back,
-)
+from core.editing import layout
 from core.editing.operations import ABSENT, Operation, move_nodes, set_network_field, together
 from core.errors import NetworkError, thaw
 from core.network.network import Network, cycles
@@ -71,7 +59,7 @@ def remove(network: Network, index: int) -> Operation:
 
 
 def around(
-    network: Network, names: Iterable[str], sizes: Sizes, title: str = "Backdrop"
+    network: Network, names: Iterable[str], sizes: layout.Sizes, title: str = "Backdrop"
 ) -> Operation:
     """Put a backdrop behind nodes; a `NetworkError` if none of them has a point."""
     boxes = _boxes(network, names, sizes).values()
@@ -81,7 +69,7 @@ def around(
     return add(network, Backdrop(title, left, top, right - left, bottom - top))
 
 
-def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
+def nodes_on(network: Network, index: int, sizes: layout.Sizes) -> tuple[str, ...]:
     """The nodes that lie wholly on a backdrop, and move with it."""
     ground = backdrops_of(network)[index]
     if ground.note:
@@ -94,7 +82,9 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
     )
 
 
-def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Operation | None:
+def following(
+    network: Network, places: Mapping[str, layout.Point], sizes: layout.Sizes
+) -> Operation | None:
     """Let backdrops keep the nodes that lie on them where some are pushed to the right."""
     entries, changed = _entries(network), False
     for index, (place, ground) in enumerate(_indexed(network)):
@@ -110,9 +100,9 @@ def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Op
     return set_network_field(FIELD, entries, "Move backdrops") if changed else None
 
 
-def _boxes(network: Network, names: Iterable[str], sizes: Sizes) -> dict[str, Box]:
+def _boxes(network: Network, names: Iterable[str], sizes: layout.Sizes) -> dict[str, layout.Box]:
     points = {name: network.layout[name] for name in names if name in network.layout}
-    return boxes_of(points, sizes)
+    return layout.boxes_of(points, sizes)
 
 
 def _entries(network: Network) -> list[Any]:
@@ -137,7 +127,7 @@ def _backdrop(entry: Any) -> Backdrop | None:
     if not isinstance(title, str) or not all(_is_number(number) for number in numbers):
         return None
     x, y, width, height = (float(number) for number in numbers if number is not None)
-    if not (width > 0 and height > 0 and is_in_reach(x, y, width, height)):
+    if not (width > 0 and height > 0 and layout.is_in_reach(x, y, width, height)):
         return None
     colour = entry.get("colour")
     tint = colour if isinstance(colour, str) else ""
@@ -165,7 +155,10 @@ _Members = Mapping[int, tuple[str, ...]]
 
 
 def laid_out(
-    network: Network, sizes: Sizes, room: Size | None = None, drawn: Sizes | None = None
+    network: Network,
+    sizes: layout.Sizes,
+    room: layout.Size | None = None,
+    drawn: layout.Sizes | None = None,
 ) -> Operation:
     """Lay all nodes out, those on a backdrop together on it; see `arranged`.
 
@@ -180,13 +173,15 @@ def laid_out(
         key=lambda index: -grounds[index].width * grounds[index].height,
     )
     places, frames = _places(network, sizes, tuple(network.nodes), order, members, room)
-    back = way_back(network, places)
-    places = {name: shifted(at, back) for name, at in places.items()}
+    back = layout.way_back(network, places)
+    places = {name: layout.shifted(at, back) for name, at in places.items()}
     frames = {index: _shifted_box(box, back) for index, box in frames.items()}
     steps: list[Operation] = [move_nodes(places)]
     for index in reversed(order):
         points = {name: places[name] for name in members[index]}
-        left, top, right, bottom = frames.get(index) or _round(boxes_of(points, sizes).values())
+        left, top, right, bottom = frames.get(index) or _round(
+            layout.boxes_of(points, sizes).values()
+        )
         ground = replace(grounds[index], x=left, y=top, width=right - left, height=bottom - top)
         if ground != grounds[index]:
             steps.append(change(network, index, ground))
@@ -196,12 +191,12 @@ def laid_out(
 
 def _places(
     network: Network,
-    sizes: Sizes,
+    sizes: layout.Sizes,
     names: Sequence[str],
     order: Sequence[int],
     members: _Members,
-    room: Size | None,
-) -> tuple[dict[str, Point], dict[int, Box]]:
+    room: layout.Size | None,
+) -> tuple[dict[str, layout.Point], dict[int, layout.Box]]:
     """Points of these nodes, and boxes of the backdrops that some stand on, largest ones first."""
     outer: list[int] = []
     for index in order:
@@ -216,24 +211,24 @@ def _places(
         outer = [index for index in outer if _key(index) not in in_ring]
     # A stage is broken up only where it is far too long for a row of its own.
     wide = None if room is None else (_ROWS_IN_STAGE * room[0], room[1])
-    inside: dict[int, tuple[dict[str, Point], dict[int, Box]]] = {}
-    unit_sizes = {name: size_of(name, sizes) for name in names}
+    inside: dict[int, tuple[dict[str, layout.Point], dict[int, layout.Box]]] = {}
+    unit_sizes = {name: layout.size_of(name, sizes) for name in names}
     for index in outer:
         # Of two that hold the same nodes the larger one holds the other.
         smaller = order[order.index(index) + 1 :]
         within = [other for other in smaller if set(members[other]) <= set(members[index])]
         points, frames = _places(network, sizes, members[index], within, members, wide)
-        frames[index] = _round([*boxes_of(points, sizes).values(), *frames.values()])
+        frames[index] = _round([*layout.boxes_of(points, sizes).values(), *frames.values()])
         inside[index] = points, frames
         left, top, right, bottom = frames[index]
         unit_sizes[_key(index)] = right - left, bottom - top
-    outside = placed(followers, unit_sizes, room)
+    outside = layout.placed(followers, unit_sizes, room)
     places = {unit: at for unit, at in outside.items() if unit in network.nodes}
-    boxes: dict[int, Box] = {}
+    boxes: dict[int, layout.Box] = {}
     for index, (points, frames) in inside.items():
         x, y = outside[_key(index)]
         way = x - frames[index][0], y - frames[index][1]
-        places |= {name: shifted(at, way) for name, at in points.items()}
+        places |= {name: layout.shifted(at, way) for name, at in points.items()}
         boxes |= {other: _shifted_box(box, way) for other, box in frames.items()}
     return places, boxes
 
@@ -247,13 +242,13 @@ def _followers(network: Network, unit_of: Mapping[str, str]) -> dict[str, tuple[
     return {unit: tuple(onward) for unit, onward in targets.items()}
 
 
-def _round(boxes: Iterable[Box]) -> Box:
-    left, top, right, bottom = hull(boxes)
+def _round(boxes: Iterable[layout.Box]) -> layout.Box:
+    left, top, right, bottom = layout.hull(boxes)
     return left - MARGIN, top - MARGIN - HEAD, right + MARGIN, bottom + MARGIN
 
 
-def _shifted_box(box: Box, by: Point) -> Box:
-    return (*shifted(box[:2], by), *shifted(box[2:], by))
+def _shifted_box(box: layout.Box, by: layout.Point) -> layout.Box:
+    return (*layout.shifted(box[:2], by), *layout.shifted(box[2:], by))
 
 
 def _key(index: int) -> str:

@@ -11,16 +11,7 @@ from typing import Any
 from core.errors import NetworkError, ParameterError, close, shown, thaw
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
-from core.network.expressions import (
-    LONGEST,
-    Expression,
-    ExpressionError,
-    Moved,
-    Reference,
-    parse_expression,
-    rewritten,
-    value_of,
-)
+from core.network import expressions
 from core.network.macro import SEPARATOR, expanded
 from core.network.network import EXPRESSION, Network, Node, cycles, reached, topological, way_round
 
@@ -132,17 +123,17 @@ def with_names(node: Node, names: Mapping[str, str]) -> Node:
     return with_references(node, lambda one, parameter: (new_name(one, names), parameter))
 
 
-def with_references(node: Node, moved: Moved) -> Node:
+def with_references(node: Node, moved: expressions.Moved) -> Node:
     """The node with expressions that name other nodes and parameters; errors as `with_names`."""
     changed = {}
     for name in node.linked:
         raw = node.params[name]
         text = raw[EXPRESSION]
-        if isinstance(text, str) and (new := rewritten(text, moved)) != text:
-            if len(new) > LONGEST:
+        if isinstance(text, str) and (new := expressions.rewritten(text, moved)) != text:
+            if len(new) > expressions.LONGEST:
                 raise NetworkError(
-                    f"an expression would become {len(new)} characters long; at most {LONGEST} "
-                    "are allowed"
+                    f"an expression would become {len(new)} characters long; at most "
+                    f"{expressions.LONGEST} are allowed"
                 )
             changed[name] = {**raw, EXPRESSION: new}
     return replace(node, params={**node.params, **changed}) if changed else node
@@ -162,16 +153,16 @@ def _heads(name: str) -> Iterator[str]:
         yield name
 
 
-def references_in(raw: Mapping[str, Any]) -> tuple[Reference, ...]:
+def references_in(raw: Mapping[str, Any]) -> tuple[expressions.Reference, ...]:
     """What an expression names; nothing where it cannot be read."""
     text = raw[EXPRESSION]
     try:
-        return parse_expression(text).references if isinstance(text, str) else ()
-    except ExpressionError:
+        return expressions.parse_expression(text).references if isinstance(text, str) else ()
+    except expressions.ExpressionError:
         return ()
 
 
-def references(network: Network) -> Iterator[tuple[str, str, Reference]]:
+def references(network: Network) -> Iterator[tuple[str, str, expressions.Reference]]:
     """Node and parameter of every expression, with each thing that it names, in order."""
     for node in network.nodes.values():
         for parameter in node.linked:
@@ -205,7 +196,7 @@ class _Survey:
         self.network = network
         self.library = library
         self.nodes = {**network.aside, **network.nodes}
-        self.parsed: dict[_Place, Expression] = {}
+        self.parsed: dict[_Place, expressions.Expression] = {}
         self.values: dict[_Place, Any] = {}
         self.faults: dict[_Place, LinkError] = {}
 
@@ -225,7 +216,7 @@ class _Survey:
                 raw = node.params[name]
                 try:
                     self.parsed[place] = _parsed(raw, parameter)
-                except ExpressionError as error:
+                except expressions.ExpressionError as error:
                     self._refuse(place, error.message)
 
     def refuse_cycles(self) -> None:
@@ -253,13 +244,13 @@ class _Survey:
         parameter = self._parameter(*place)
         assert parameter is not None
         try:
-            value = value_of(
+            value = expressions.value_of(
                 self.parsed[place], unit=parameter.param.unit, lookup=self._value_of_reference
             )
             coerced = parameter.coerce(value)
         except ParameterError:
             self._refuse(place, f"the expression gives {_amount(value, parameter)}")
-        except ExpressionError as error:
+        except expressions.ExpressionError as error:
             self._refuse(place, error.message)
         else:
             self.values[place] = plain(coerced)
@@ -271,40 +262,42 @@ class _Survey:
         raw = self.nodes[node].params[name]
         self.faults[place] = LinkError(parameter, raw, why, node=node)
 
-    def _place(self, reference: Reference) -> _Place:
+    def _place(self, reference: expressions.Reference) -> _Place:
         return self.network.parameter_behind(reference.node, reference.parameter)
 
     def _parameter(self, node: str, name: str) -> Parameter | None:
         module = self.library.get(self.nodes[node].module)
         return declaration(module).parameter(name) if module is not None else None
 
-    def _value_of_reference(self, reference: Reference) -> float:
+    def _value_of_reference(self, reference: expressions.Reference) -> float:
         text = reference.text
         place = name, parameter_name = self._place(reference)
         node = self.nodes.get(name)
         if node is None:
-            raise ExpressionError(self._no_node(reference))
+            raise expressions.ExpressionError(self._no_node(reference))
         if place in self.values:
             return _number(self.values[place], text)
         if place in self.faults or place in self.parsed:
-            raise ExpressionError(f"{text} has no value; correct it first")
+            raise expressions.ExpressionError(f"{text} has no value; correct it first")
         module = self.library.get(node.module)
         if module is None:
-            raise ExpressionError(f"{text} belongs to an unknown module")
+            raise expressions.ExpressionError(f"{text} belongs to an unknown module")
         declared = declaration(module)
         parameter = declared.parameter(parameter_name)
         if parameter is None:
             known = [one.name for one in declared.parameters]
             hint = close(parameter_name, known) or f"; it has {', '.join(known) or 'none'}"
-            raise ExpressionError(f"{declared.title} has no parameter {text}{hint}")
+            raise expressions.ExpressionError(f"{declared.title} has no parameter {text}{hint}")
         if parameter_name not in node.params:
             return _number(None if parameter.required else parameter.default, text)
         try:
             return _number(parameter.coerce(thaw(node.params[parameter_name])), text)
         except ParameterError:
-            raise ExpressionError(f"{text} itself has a value that is not allowed") from None
+            raise expressions.ExpressionError(
+                f"{text} itself has a value that is not allowed"
+            ) from None
 
-    def _no_node(self, reference: Reference) -> str:
+    def _no_node(self, reference: expressions.Reference) -> str:
         name = reference.node
         ports = [port.rpartition(".") for port in self.network.parameter_names]
         own = [parameter for macro, _, parameter in ports if macro == name]
@@ -316,24 +309,26 @@ class _Survey:
         return f"{reference.text} names {shown(name)}, which is not a node{hint}"
 
 
-def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
+def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> expressions.Expression:
     text = raw[EXPRESSION]
     if not isinstance(text, str):
-        raise ExpressionError("an expression must be text")
+        raise expressions.ExpressionError("an expression must be text")
     if len(raw) > 1:
         others = ", ".join(shown(name) for name in raw if name != EXPRESSION)
-        raise ExpressionError(f"remove {others:.80}: only the expression itself is allowed")
+        raise expressions.ExpressionError(
+            f"remove {others:.80}: only the expression itself is allowed"
+        )
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")
-        raise ExpressionError(f"{_ONLY}, but this is {what}: {parameter.allowed()}")
-    return parse_expression(text)
+        raise expressions.ExpressionError(f"{_ONLY}, but this is {what}: {parameter.allowed()}")
+    return expressions.parse_expression(text)
 
 
 def _number(value: Any, text: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         what = "is empty" if value is None else f"is {shown(str(thaw(value)))}"
-        raise ExpressionError(f"{text} {what}; an expression needs numbers")
+        raise expressions.ExpressionError(f"{text} {what}; an expression needs numbers")
     return value
 
 

@@ -12,13 +12,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.numerics import (
-    all_above_zero,
-    all_finite,
-    all_from_zero,
-    broadcast,
-    positive,
-)
+from core.physics import numerics
 
 Vector = NDArray[np.float64]
 _LONGEST = 1e300
@@ -48,10 +42,10 @@ def spatial_share(*, length_mrad: ArrayLike, noise_bandwidth_cyc_per_mrad: float
     have the filters behind the noise under the integral as well: `coloured_share`. The equations'
     numbers could not be checked.
     """
-    bandwidth = positive(
+    bandwidth = numerics.positive(
         "noise_bandwidth_cyc_per_mrad", noise_bandwidth_cyc_per_mrad, unit="cyc/mrad"
     )
-    length = all_from_zero("length_mrad", length_mrad, unit="mrad")
+    length = numerics.all_from_zero("length_mrad", length_mrad, unit="mrad")
     with np.errstate(over="ignore"):
         turns = np.minimum(bandwidth * length, _LONGEST)
     # Below this sinc² is 1 to rounding, and the closed form is 0/0 or next to it.
@@ -92,7 +86,7 @@ def coloured_share(
     Source: Ratches et al. 1975, ECOM-7043, Q(f); Scott and D'Agostino 1992, Proc. SPIE 1689, 194,
     E_h and E_v: both have the noise's filters H_N² = S under the integral.
     """
-    power = all_from_zero("spectrum", spectrum)
+    power = numerics.all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
         shape = f"an array of shape {power.shape}"
         raise ParameterError("spectrum", shape, "two axes, and power above 0")
@@ -107,7 +101,7 @@ def coloured_share(
 
 def _share_of_cells(length_mrad: ArrayLike, bandwidth: float, cells: int) -> Vector:
     """∫ sinc²(L·ξ) dξ over each of the cells, over the bandwidth; shape (lengths, cells)."""
-    length = np.atleast_1d(all_from_zero("length_mrad", length_mrad, unit="mrad"))
+    length = np.atleast_1d(numerics.all_from_zero("length_mrad", length_mrad, unit="mrad"))
     part = np.arange(1, cells + 1) / cells
     with np.errstate(over="ignore"):
         lengths = np.minimum(length[:, np.newaxis] * part, _LONGEST)
@@ -123,14 +117,14 @@ def frames_integrated(*, frame_rate_Hz: float, eye_integration_s: float) -> floa
     temporal integrator of FLIR92, E_t = α_t/(F_R·τ_E), is the inverse, with α_t = 1: independent
     frames. Source: Ratches et al. 1975, ECOM-7043; Scott and D'Agostino 1992.
     """
-    rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
-    time = positive("eye_integration_s", eye_integration_s, unit="s")
+    rate = numerics.positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
+    time = numerics.positive("eye_integration_s", eye_integration_s, unit="s")
     return max(1.0, rate * time)
 
 
 def frame_count(frames: float) -> float:
     """A number of frames averaged, checked: finite, 1 or above."""
-    number = positive("frames", frames)
+    number = numerics.positive("frames", frames)
     if number < 1.0:
         raise ParameterError("frames", frames, "1 or above")
     return number
@@ -166,12 +160,12 @@ def eye_contrast_threshold(
     Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230. Written down from the literature that
     quotes it; the numbers of the equations could not be checked.
     """
-    frequency, luminance, display = broadcast(
-        frequency_cyc_per_deg=all_from_zero(
+    frequency, luminance, display = numerics.broadcast(
+        frequency_cyc_per_deg=numerics.all_from_zero(
             "frequency_cyc_per_deg", frequency_cyc_per_deg, unit="cyc/deg"
         ),
-        luminance_cd_m2=all_above_zero("luminance_cd_m2", luminance_cd_m2, unit="cd/m²"),
-        display_deg=all_above_zero("display_deg", display_deg, unit="°"),
+        luminance_cd_m2=numerics.all_above_zero("luminance_cd_m2", luminance_cd_m2, unit="cd/m²"),
+        display_deg=numerics.all_above_zero("display_deg", display_deg, unit="°"),
     )
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         size = 1.0 + 12.0 / (display * (1.0 + frequency / 3.0) ** 2)
@@ -216,11 +210,11 @@ def system_contrast_threshold(
     2004, report AMSEL-NV-TR-230, where α is fitted to observers. The numbers of the equations
     could not be checked.
     """
-    places, response, noise, magnified = broadcast(
-        frequency=all_from_zero("frequency", frequency, unit="cyc/mrad"),
-        mtf=np.abs(all_finite("mtf", mtf)),
-        relative_noise=all_from_zero("relative_noise", relative_noise, unit="1/√Hz"),
-        magnification=all_above_zero("magnification", magnification),
+    places, response, noise, magnified = numerics.broadcast(
+        frequency=numerics.all_from_zero("frequency", frequency, unit="cyc/mrad"),
+        mtf=np.abs(numerics.all_finite("mtf", mtf)),
+        relative_noise=numerics.all_from_zero("relative_noise", relative_noise, unit="1/√Hz"),
+        magnification=numerics.all_above_zero("magnification", magnification),
     )
     eye = eye_contrast_threshold(
         frequency_cyc_per_deg=places * (CYC_PER_DEG / magnified),

@@ -17,19 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
+from core.physics import numerics
 from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
 from core.physics.acquisition.target_acquisition import resolvable_frequency
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
-from core.physics.numerics import (
-    all_above_zero,
-    all_finite,
-    all_from_zero,
-    gauss_legendre,
-    non_negative,
-    positive,
-    rising,
-    sinc,
-)
 
 Vector = NDArray[np.float64]
 Direction = Literal["horizontal", "vertical"]
@@ -95,10 +86,10 @@ def mrtd_ratches_K(  # noqa: N802
     Opt. Eng. 15, 525. The equation's number could not be checked; the form was derived anew.
     """
     at, transfer = _curve(frequency, mtf)
-    netd = non_negative("netd_K", netd_K, unit="K")
-    line = positive("detector_along_mrad", detector_along_mrad, unit="mrad") / positive(
-        "overscan", overscan
-    )
+    netd = numerics.non_negative("netd_K", netd_K, unit="K")
+    line = numerics.positive(
+        "detector_along_mrad", detector_along_mrad, unit="mrad"
+    ) / numerics.positive("overscan", overscan)
     power = np.ones((1, 1)) if spectrum is None else np.asarray(spectrum, np.float64)
     over_width = coloured_share(
         length_x_mrad=0.5 / at,
@@ -109,7 +100,7 @@ def mrtd_ratches_K(  # noqa: N802
     )
     over_length = line * 2.0 * at / BARS_LENGTH
     left = np.sqrt(over_width * over_length / frame_count(frames))
-    return _threshold(transfer, positive("snr_threshold", snr_threshold) * netd * left)
+    return _threshold(transfer, numerics.positive("snr_threshold", snr_threshold) * netd * left)
 
 
 def mrtd_flir92_K(  # noqa: N802
@@ -187,7 +178,7 @@ def mrtd_flir92_K(  # noqa: N802
             noise_bandwidth_y_cyc_per_mrad=along_cyc_per_mrad,
             spectrum=spectrum,
         )
-    mrtd = _threshold(transfer, positive("snr_threshold", snr_threshold) * np.sqrt(left))
+    mrtd = _threshold(transfer, numerics.positive("snr_threshold", snr_threshold) * np.sqrt(left))
     if sampled:
         mrtd[at >= across_cyc_per_mrad] = np.inf
     return mrtd
@@ -220,7 +211,7 @@ def mrtd_two_dimensional(
     checked.
     """
     curves = [
-        all_from_zero(name, curve, unit="K", infinite=True)
+        numerics.all_from_zero(name, curve, unit="K", infinite=True)
         for name, curve in (("horizontal_K", horizontal_K), ("vertical_K", vertical_K))
     ]
     finite = [curve[np.isfinite(curve)] for curve in curves]
@@ -234,7 +225,7 @@ def mrtd_two_dimensional(
         for curve in curves
     ]
     if high == 0.0:
-        at = rising("frequency", frequency, unit="cyc/mrad")
+        at = numerics.rising("frequency", frequency, unit="cyc/mrad")
         both = np.array([at[0], math.sqrt(float(reached[0][0] * reached[1][0]))])
         return (both, np.zeros(2)) if both[1] > both[0] else (both[:1], np.zeros(1))
     both = np.sqrt(reached[0] * reached[1])
@@ -244,9 +235,9 @@ def mrtd_two_dimensional(
 
 
 def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:
-    at = rising("frequency", frequency, unit="cyc/mrad")
-    positive("frequency[0]", at[0], unit="cyc/mrad")
-    transfer = all_finite("mtf", mtf)
+    at = numerics.rising("frequency", frequency, unit="cyc/mrad")
+    numerics.positive("frequency[0]", at[0], unit="cyc/mrad")
+    transfer = numerics.all_finite("mtf", mtf)
     if transfer.shape != at.shape:
         allowed = f"an array of the same shape as frequency, {at.shape}"
         raise ParameterError("mtf", f"an array of shape {transfer.shape}", allowed)
@@ -278,8 +269,10 @@ def eyeball_mtf(*, frequency_cyc_per_mrad: ArrayLike, luminance_cd_m2: float) ->
     AMSEL-NV-TR-230, has it. Written down from the literature that quotes it; the coefficients could
     not be checked.
     """
-    places = all_from_zero("frequency_cyc_per_mrad", frequency_cyc_per_mrad, unit="cyc/mrad")
-    luminance = positive("luminance_cd_m2", luminance_cd_m2, unit="cd/m²")
+    places = numerics.all_from_zero(
+        "frequency_cyc_per_mrad", frequency_cyc_per_mrad, unit="cyc/mrad"
+    )
+    luminance = numerics.positive("luminance_cd_m2", luminance_cd_m2, unit="cd/m²")
     foot_lamberts = np.log10(luminance / _CD_M2_OF_FOOT_LAMBERT)
     pupil = float(np.clip(-9.011 + 13.23 * np.exp(-foot_lamberts / 21.082), 2.0, 8.0))
     f0 = np.exp(3.663 - 0.0216 * pupil**2 * np.log(pupil))
@@ -322,9 +315,9 @@ def perceived_share(
     Source: Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230: the noise integrals Q_H and Q_V.
     The numbers of the equations could not be checked.
     """
-    places = all_above_zero("frequency", frequency, unit="cyc/mrad")
-    magnified = positive("magnification", magnification)
-    power = np.ones((1, 1)) if spectrum is None else all_from_zero("spectrum", spectrum)
+    places = numerics.all_above_zero("frequency", frequency, unit="cyc/mrad")
+    magnified = numerics.positive("magnification", magnification)
+    power = np.ones((1, 1)) if spectrum is None else numerics.all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
         shape = f"an array of shape {power.shape}"
         raise ParameterError("spectrum", shape, "two axes, and power above 0")
@@ -332,9 +325,9 @@ def perceived_share(
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.
     finer_x, finer_y = max(1, 256 // columns), max(1, 64 // rows)
     power = np.repeat(np.repeat(power, finer_x, axis=1), finer_y, axis=0)
-    x = _nodes(power.shape[1], positive("across_cyc_per_mrad", across_cyc_per_mrad))
-    y = _nodes(power.shape[0], positive("along_cyc_per_mrad", along_cyc_per_mrad))
-    weights = gauss_legendre(_NODES)[1] / 2.0
+    x = _nodes(power.shape[1], numerics.positive("across_cyc_per_mrad", across_cyc_per_mrad))
+    y = _nodes(power.shape[0], numerics.positive("along_cyc_per_mrad", along_cyc_per_mrad))
+    weights = numerics.gauss_legendre(_NODES)[1] / 2.0
 
     def eye(points: Vector) -> Vector:
         return eyeball_mtf(
@@ -349,7 +342,7 @@ def perceived_share(
 
 def _nodes(cells: int, highest: float) -> Vector:
     """Points of each of the equal cells from 0 to the highest frequency, shape (cells, nodes)."""
-    nodes, _ = gauss_legendre(_NODES)
+    nodes, _ = numerics.gauss_legendre(_NODES)
     width = highest / cells
     return np.asarray(width * (np.arange(cells)[:, np.newaxis] + (1.0 + nodes) / 2.0), np.float64)
 
@@ -434,18 +427,18 @@ def mdtd_K(  # noqa: N802
     D'Agostino 1992, Proc. SPIE 1689, 194 (noise in three dimensions). The equations' numbers could
     not be checked, nor which components FLIR92 takes into its MDTD; the form was derived anew.
     """
-    size = all_above_zero("size_mrad", size_mrad, unit="mrad")
-    at = rising("frequency", frequency, unit="cyc/mrad")
+    size = numerics.all_above_zero("size_mrad", size_mrad, unit="mrad")
+    at = numerics.rising("frequency", frequency, unit="cyc/mrad")
     longest = 0.5 / float(at[1])
     if size.size and size.max() > longest:
         allowed = f"at most {longest:g}, half the inverse of the frequency step"
         raise ParameterError("size_mrad", float(size.max()), allowed, unit="mrad")
     limit = math.inf
     if eye_limit_mrad is not None:
-        limit = positive("eye_limit_mrad", eye_limit_mrad, unit="mrad")
+        limit = numerics.positive("eye_limit_mrad", eye_limit_mrad, unit="mrad")
     transfers = []
     for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y)):
-        transfer = all_finite(name, mtf)
+        transfer = numerics.all_finite(name, mtf)
         if transfer.shape != at.shape:
             allowed = f"an array of the same shape as frequency, {at.shape}"
             raise ParameterError(name, f"an array of shape {transfer.shape}", allowed)
@@ -454,7 +447,7 @@ def mdtd_K(  # noqa: N802
     bandwidths = noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad
     left = _variance_left(noise, sides, bandwidths, 1.0 / frame_count(frames), spectrum)
     seen = intensity > 0.0
-    threshold = positive("snr_threshold", snr_threshold) * np.sqrt(left)
+    threshold = numerics.positive("snr_threshold", snr_threshold) * np.sqrt(left)
     with np.errstate(over="ignore"):
         return np.where(seen, threshold / np.where(seen, intensity, 1.0), np.inf)
 
@@ -501,13 +494,13 @@ def _blurred(
     powers = [steps * np.square(transfer) for transfer in transfers]
     rows = []
     for length in size.ravel():
-        square = sinc(length * at)
+        square = numerics.sinc(length * at)
         sides, intensity = [], 1.0
         for amplitude, power in zip(amplitudes, powers, strict=True):
             side = length if window == "target" else _image_width(square, power)
             # Of a target of which nothing is left the image has no width; any will do.
             side = min(side, limit) if side < math.inf else length
-            averaged = square if side == length else sinc(side * at)
+            averaged = square if side == length else numerics.sinc(side * at)
             intensity *= length * float(np.dot(square * averaged, amplitude))
             sides.append(side)
         rows.append((*sides, intensity))

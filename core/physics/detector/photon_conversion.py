@@ -10,31 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics import numerics
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.numerics import (
-    brent_root,
-    chebyshev_coefficients,
-    chebyshev_sum,
-    positive,
-    within,
-)
-from core.physics.radiometry.planck import (
-    ELEMENTARY_CHARGE_C,
-    PLANCK_J_S,
-    SECOND_RADIATION_CONSTANT_M_K,
-    SECOND_RADIATION_CONSTANT_UM_K,
-    SPEED_OF_LIGHT_M_S,
-    band_nodes,
-    band_photon_radiance,
-    band_photon_radiance_derivative,
-    band_radiance,
-    band_radiance_derivative,
-    brightness_temperature,
-    spectral_radiance,
-)
+from core.physics.radiometry import planck
 
 FloatArray = NDArray[np.float64]
-PHOTON_ENERGY_J_UM = PLANCK_J_S * SPEED_OF_LIGHT_M_S * 1e6
+PHOTON_ENERGY_J_UM = planck.PLANCK_J_S * planck.SPEED_OF_LIGHT_M_S * 1e6
 """Energy of a photon times its wavelength, J µm."""
 
 _LARGEST_X = 700.0
@@ -48,9 +29,9 @@ def efficiency_of_responsivity(
     The current includes the charge gain G.
     Source: Rogalski 2011, Infrared Detectors, 2nd ed., chapter 3, R = G·η·q·λ/(hc).
     """
-    wavelength = positive("responsivity_um", wavelength_um, unit="µm")
-    most = gain * ELEMENTARY_CHARGE_C * wavelength / PHOTON_ENERGY_J_UM
-    efficiency = positive("responsivity_A_per_W", responsivity_A_per_W, unit="A/W") / most
+    wavelength = numerics.positive("responsivity_um", wavelength_um, unit="µm")
+    most = gain * planck.ELEMENTARY_CHARGE_C * wavelength / PHOTON_ENERGY_J_UM
+    efficiency = numerics.positive("responsivity_A_per_W", responsivity_A_per_W, unit="A/W") / most
     if efficiency > 1.0:
         allowed = f"at most {most:.4g} at {wavelength:g} µm, where every photon gives one electron"
         raise ParameterError("responsivity_A_per_W", responsivity_A_per_W, allowed, unit="A/W")
@@ -71,11 +52,11 @@ class QuantumEfficiency:
     points: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        positive("cut_on_um", self.cut_on_um, unit="µm")
+        numerics.positive("cut_on_um", self.cut_on_um, unit="µm")
         if not self.cut_on_um < self.cut_off_um < np.inf:
             allowed = f"above cut_on_um = {self.cut_on_um:g} µm"
             raise ParameterError("cut_off_um", self.cut_off_um, allowed, unit="µm")
-        within("quantum_efficiency", self.value, 0.0, 1.0)
+        numerics.within("quantum_efficiency", self.value, 0.0, 1.0)
         if self.points and len(self._places()[0]) == 0:
             first, last = self.points[0][0], self.points[-1][0]
             raise ParameterError(
@@ -97,10 +78,12 @@ class QuantumEfficiency:
         temperature = np.asarray(temperature_K, np.float64)
         if not self.points:
             band = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
-            return np.asarray(self.value * band_photon_radiance(temperature_K=temperature, **band))
+            return np.asarray(
+                self.value * planck.band_photon_radiance(temperature_K=temperature, **band)
+            )
         wavelength, weight = self._places()
         flat = temperature.reshape(-1, 1)
-        photons = spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
+        photons = planck.spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
         return np.asarray((photons @ weight).reshape(temperature.shape))
 
     def photon_radiance_slope(self, temperature_K: ArrayLike) -> FloatArray:
@@ -108,13 +91,13 @@ class QuantumEfficiency:
         temperature = np.asarray(temperature_K, np.float64)
         if not self.points:
             band = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
-            slope = band_photon_radiance_derivative(temperature_K=temperature, **band)
+            slope = planck.band_photon_radiance_derivative(temperature_K=temperature, **band)
             return np.asarray(self.value * slope)
         wavelength, weight = self._places()
         flat = temperature.reshape(-1, 1)
-        x = SECOND_RADIATION_CONSTANT_M_K * 1e6 / (wavelength * flat)
+        x = planck.SECOND_RADIATION_CONSTANT_M_K * 1e6 / (wavelength * flat)
         x = np.minimum(x, _LARGEST_X)  # beyond, the radiance is zero anyway
-        photons = spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
+        photons = planck.spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
         slope = photons * x / -np.expm1(-x) / flat
         return np.asarray((slope @ weight).reshape(temperature.shape))
 
@@ -139,7 +122,7 @@ class QuantumEfficiency:
         low, high = max(self.cut_on_um, known[0]), min(self.cut_off_um, known[-1])
         if not low < high:
             return np.empty(0), np.empty(0)
-        wavelength, weight = band_nodes(float(low), float(high), known.tolist())
+        wavelength, weight = planck.band_nodes(float(low), float(high), known.tolist())
         efficiency = np.interp(wavelength, known, [value for _, value in self.points])
         return wavelength, weight * efficiency
 
@@ -230,9 +213,9 @@ class FilteredBody:
         wavelength, weight = weighted
         temperature = np.asarray(temperature_K, np.float64)
         flat = temperature.reshape(-1, 1)
-        light = spectral_radiance(wavelength, flat)
+        light = planck.spectral_radiance(wavelength, flat)
         if slope:
-            x = SECOND_RADIATION_CONSTANT_UM_K / (wavelength * flat)
+            x = planck.SECOND_RADIATION_CONSTANT_UM_K / (wavelength * flat)
             x = np.minimum(x, _LARGEST_X)  # beyond, the radiance is zero anyway
             light = light * x / -np.expm1(-x) / flat
         return np.asarray((light @ weight).reshape(temperature.shape))
@@ -245,7 +228,7 @@ class FilteredBody:
             | {place for place, _ in self.efficiency.points}
             | {self.efficiency.cut_on_um, self.efficiency.cut_off_um}
         )
-        nodes = [band_nodes(*window, places) for window in self.windows]
+        nodes = [planck.band_nodes(*window, places) for window in self.windows]
         wavelength = np.concatenate([place for place, _ in nodes])
         weight = np.concatenate([width for _, width in nodes])
         for response in self.responses:
@@ -344,7 +327,7 @@ class PhotonWeights:
                 f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K gives {mean:.6g} "
                 "photons/s/m²/sr"
             )
-        return math.exp(brent_root(above, low=low, high=high))
+        return math.exp(numerics.brent_root(above, low=low, high=high))
 
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of that light, or of those photons, by the temperature."""
@@ -354,17 +337,17 @@ class PhotonWeights:
             return float(self.efficiency.photon_radiance_slope(temperature_K))
         if self.responses:
             return float(self._dimmed.radiance_slope(temperature_K))
-        return float(band_radiance_derivative(temperature_K=temperature_K, **self._band))
+        return float(planck.band_radiance_derivative(temperature_K=temperature_K, **self._band))
 
     def _temperatures(self, radiance: Any) -> Any:
         if self.responses:
             return self._dimmed.temperature(radiance)
-        return brightness_temperature(radiance=radiance, **self._band)
+        return planck.brightness_temperature(radiance=radiance, **self._band)
 
     def _radiance(self, temperature_K: float) -> Any:
         if self.responses:
             return self._dimmed.radiance(temperature_K)
-        return band_radiance(temperature_K=temperature_K, **self._band)
+        return planck.band_radiance(temperature_K=temperature_K, **self._band)
 
     def _photons(self, temperature_K: Any) -> FloatArray:
         if self._by_windows:
@@ -446,7 +429,7 @@ class SmoothRatio:
         else:
             places *= number(1.0 / self.half)
             np.clip(places, -1.0, 1.0, out=places)
-            total = chebyshev_sum(self.coefficients.astype(values.dtype), places)
+            total = numerics.chebyshev_sum(self.coefficients.astype(values.dtype), places)
         total *= values
         return np.asarray(total)
 
@@ -457,18 +440,20 @@ class SmoothRatio:
             ratio = float(self.coefficients[0])
             return SmoothRatio(np.array([1.0 / ratio if ratio > 0.0 else 0.0]), 0.0, 0.0)
         ends = np.array([-1.0, 1.0])
-        logs = self.middle + self.half * ends + np.log(chebyshev_sum(self.coefficients, ends))
+        logs = (
+            self.middle + self.half * ends + np.log(numerics.chebyshev_sum(self.coefficients, ends))
+        )
         target_middle, target_half = float(logs.mean()), float(logs[1] - logs[0]) / 2.0
 
         def ratio_at(places: FloatArray) -> FloatArray:
             target = target_middle + target_half * places
             scaled = places
             for _ in range(_STEPS):  # each leaves less than a half of the error
-                logs = target - np.log(chebyshev_sum(self.coefficients, scaled))
+                logs = target - np.log(numerics.chebyshev_sum(self.coefficients, scaled))
                 before, scaled = scaled, np.clip((logs - self.middle) / self.half, -1.0, 1.0)
                 if np.abs(scaled - before).max() < _FLAT:
                     break
-            return np.asarray(1.0 / chebyshev_sum(self.coefficients, scaled))
+            return np.asarray(1.0 / numerics.chebyshev_sum(self.coefficients, scaled))
 
         return SmoothRatio(_fit(ratio_at, _FINEST), target_middle, target_half)
 
@@ -508,7 +493,7 @@ def conversion_between(
 
 def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:
     for size in _FIT_SIZES:
-        coefficients = chebyshev_coefficients(function, size)
+        coefficients = numerics.chebyshev_coefficients(function, size)
         floor = 0.1 * tolerance * abs(coefficients[0])
         if np.abs(coefficients[-3:]).max() <= floor:
             break

@@ -7,25 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.found_edge import (
-    EdgeSamples,
-    FoundEdge,
-    clear_of,
-    edge_samples,
-    missing_samples,
-    rectangle_samples,
-    why_clipped,
-    why_no_picture,
-    without_those_at,
-)
-from core.physics.measurement.ridges import (
-    SMOOTHING,
-    Piece,
-    ridge_points,
-    rough_noise,
-    spread_out,
-    straight_pieces,
-)
+from core.physics.measurement import found_edge, ridges
 from core.physics.measurement.spread_fit import SpreadFit, fit_spread
 
 Vector = NDArray[np.float64]
@@ -64,7 +46,7 @@ def find_edges(
     clip_levels: tuple[float, float] | None = None,
     interpolated_too: bool = False,
     check: Callable[[], None] = lambda: None,
-) -> tuple[FoundEdge, ...]:
+) -> tuple[found_edge.FoundEdge, ...]:
     """Find straight, isolated, unclipped steps of a picture.
 
     Parameters
@@ -95,17 +77,17 @@ def find_edges(
     (step test in each row, other edges masked, steps isolated in natural scenes).
     """
     picture = np.asarray(picture)
-    missing = missing_samples(picture=picture)
+    missing = found_edge.missing_samples(picture=picture)
     clear = None
     if missing is not None:
-        clear = clear_of(missing=missing, farthest=_LARGEST_REACH + _BEYOND + 2)
+        clear = found_edge.clear_of(missing=missing, farthest=_LARGEST_REACH + _BEYOND + 2)
         picture = np.where(missing, np.median(picture[~missing]), picture)
     share = 0.0 if missing is None else float(missing.mean())
-    noise = rough_noise(picture=picture, missing=share)
+    noise = ridges.rough_noise(picture=picture, missing=share)
     check()
-    points = ridge_points(picture=picture, noise_sigma=noise, check=check)
-    steep = noise / (_BLURRED * SMOOTHING * math.sqrt(2.0 * math.pi))
-    pieces = straight_pieces(
+    points = ridges.ridge_points(picture=picture, noise_sigma=noise, check=check)
+    steep = noise / (_BLURRED * ridges.SMOOTHING * math.sqrt(2.0 * math.pi))
+    pieces = ridges.straight_pieces(
         points=points,
         shape=picture.shape,
         least_length=_LEAST_LENGTH,
@@ -117,7 +99,7 @@ def find_edges(
     extremes = (float(picture.min()), float(picture.max()))
     enough = min(max(_LEAST_EXAMINED, picture.size // _SAMPLES_EXAMINED), _MOST_EXAMINED)
     waiting = _in_turn(pieces, picture.shape)
-    found: list[FoundEdge] = []
+    found: list[found_edge.FoundEdge] = []
     used = 0
     while len(found) < min(enough, len(pieces)) and used < _ENOUGH_USED:
         check()
@@ -127,12 +109,12 @@ def find_edges(
             found = without_soft(edges=found)
             used = sum(edge.used for edge in found)
     if clip_levels is None:
-        found = without_those_at(edges=found, picture=picture, extremes=extremes)
+        found = found_edge.without_those_at(edges=found, picture=picture, extremes=extremes)
     reason = _enough(used, len(found))
     found.extend(replace(_rough(piece, noise), why_not=reason) for piece in waiting[len(found) :])
     reason = ""
     if any(edge.used for edge in found):
-        reason = why_no_picture(picture=picture, interpolated_too=interpolated_too)
+        reason = found_edge.why_no_picture(picture=picture, interpolated_too=interpolated_too)
     if reason:
         found = [replace(edge, used=False, why_not=reason) if edge.used else edge for edge in found]
     found.sort(key=lambda edge: (not edge.used, -edge.length * edge.contrast))
@@ -141,12 +123,12 @@ def find_edges(
 
 def _examined(
     picture: NDArray[np.floating],
-    piece: Piece,
+    piece: ridges.Piece,
     noise: float,
     clip_levels: tuple[float, float] | None,
     extremes: tuple[float, float],
     clear: Matrix | None,
-) -> FoundEdge:
+) -> found_edge.FoundEdge:
     """A piece as an edge, used or not."""
     rough = _rough(piece, noise)
     least = rough.contrast
@@ -160,7 +142,7 @@ def _examined(
     reach = min(float(room.max()), float(_LARGEST_REACH + _BEYOND))
     if reach < _LEAST_REACH:
         return replace(rough, why_not=f"too close to the frame's border: {reach:.1f} samples")
-    samples = rectangle_samples(
+    samples = found_edge.rectangle_samples(
         picture=picture,
         middle=(piece.x, piece.y),
         angle_deg=piece.angle_deg,
@@ -172,23 +154,23 @@ def _examined(
     return edge if edge.why_not else _settled(picture, edge, clip_levels, extremes)
 
 
-def _rough(piece: Piece, noise: float) -> FoundEdge:
-    return FoundEdge(
+def _rough(piece: ridges.Piece, noise: float) -> found_edge.FoundEdge:
+    return found_edge.FoundEdge(
         x=piece.x,
         y=piece.y,
         angle_deg=_turned(piece.angle_deg),
         length=piece.length,
         reach=float(_LEAST_REACH),
         low=0.0,
-        high=piece.strength * SMOOTHING * math.sqrt(2.0 * math.pi),
+        high=piece.strength * ridges.SMOOTHING * math.sqrt(2.0 * math.pi),
         noise_sigma=noise,
         used=False,
         bend=piece.bend,
     )
 
 
-def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
-    order = spread_out(
+def _in_turn(pieces: Sequence[ridges.Piece], shape: tuple[int, ...]) -> list[ridges.Piece]:
+    order = ridges.spread_out(
         x=np.array([piece.x for piece in pieces]),
         y=np.array([piece.y for piece in pieces]),
         angle_deg=np.array([piece.angle_deg for piece in pieces]),
@@ -214,7 +196,7 @@ def _turned(angle_deg: float) -> float:
     return 180.0 - (180.0 - angle_deg) % 360.0
 
 
-def _part_of(edge: FoundEdge, start: float, end: float) -> FoundEdge:
+def _part_of(edge: found_edge.FoundEdge, start: float, end: float) -> found_edge.FoundEdge:
     """The part of an edge from one place along it to another, on its own tangent."""
     across_x, across_y = edge.normal
     middle, half = (start + end) / 2.0, edge.length / 2.0
@@ -232,12 +214,12 @@ def _part_of(edge: FoundEdge, start: float, end: float) -> FoundEdge:
 
 def _settled(
     picture: NDArray[np.floating],
-    edge: FoundEdge,
+    edge: found_edge.FoundEdge,
     clip_levels: tuple[float, float] | None,
     extremes: tuple[float, float],
-) -> FoundEdge:
+) -> found_edge.FoundEdge:
     """The edge on its fitted course, used if nothing speaks against it."""
-    samples = edge_samples(picture=picture, edge=edge)
+    samples = found_edge.edge_samples(picture=picture, edge=edge)
     half_length = edge.length / 2.0
     fit = fit_spread(
         samples=samples, reach=edge.reach, half_length=half_length, coarse_turns=2, fine_turns=0
@@ -245,7 +227,7 @@ def _settled(
     edge = _on_course(edge, fit)
     away = samples.along / half_length
     distance = samples.distance - fit.turn * away - fit.bend * away**2
-    reason = why_clipped(
+    reason = found_edge.why_clipped(
         value=samples.value, distance=distance, extremes=extremes, clip_levels=clip_levels
     )
     if reason:
@@ -276,7 +258,7 @@ def _settled(
     return replace(edge, used=True)
 
 
-def _on_course(edge: FoundEdge, fit: SpreadFit) -> FoundEdge:
+def _on_course(edge: found_edge.FoundEdge, fit: SpreadFit) -> found_edge.FoundEdge:
     """The edge turned, bent and moved as the fit has it, through the middle of the step."""
     across_x, across_y = edge.normal
     place = np.linspace(-edge.reach, edge.reach, 801)
@@ -304,7 +286,7 @@ def _cells_along(length: float) -> int:
     return max(3, round(length / _CELL))
 
 
-def _frame_reach(piece: Piece, shape: tuple[int, ...], clear: Matrix | None) -> Vector:
+def _frame_reach(piece: ridges.Piece, shape: tuple[int, ...], clear: Matrix | None) -> Vector:
     """Samples on both sides of each cell along a piece to the frame's border, or to missing ones.
 
     `clear` is how far each sample of the frame is from missing ones.
@@ -331,8 +313,8 @@ def _frame_reach(piece: Piece, shape: tuple[int, ...], clear: Matrix | None) -> 
 
 
 def _within_surroundings(
-    edge: FoundEdge, samples: EdgeSamples, reach: float, room: Vector
-) -> FoundEdge:
+    edge: found_edge.FoundEdge, samples: found_edge.EdgeSamples, reach: float, room: Vector
+) -> found_edge.FoundEdge:
     """The edge over the length and reach within which it is one step between level sides.
 
     `samples` fill its length and `reach`, `room` is beside each cell of it to the frame's border.
@@ -501,7 +483,7 @@ _FAINTER = 3.0  # times less contrast than an edge of another direction, where n
 _COMPARABLE = 0.5  # of an edge's contrast over its noise, that a sharper one must have
 
 
-def without_soft(*, edges: Sequence[FoundEdge]) -> list[FoundEdge]:
+def without_soft(*, edges: Sequence[found_edge.FoundEdge]) -> list[found_edge.FoundEdge]:
     """Refuse edges that are far wider than the sharpest ones.
 
     Notes
@@ -516,7 +498,9 @@ def without_soft(*, edges: Sequence[FoundEdge]) -> list[FoundEdge]:
     return [_judged(edge, used) if edge.used else edge for edge in edges]
 
 
-def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
+def _judged(
+    edge: found_edge.FoundEdge, others: Sequence[found_edge.FoundEdge]
+) -> found_edge.FoundEdge:
     surer = [
         other
         for other in others
@@ -540,10 +524,10 @@ def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
     return edge
 
 
-def _clarity(edge: FoundEdge) -> float:
+def _clarity(edge: found_edge.FoundEdge) -> float:
     return edge.contrast / max(edge.noise_sigma, 1e-12 * abs(edge.contrast))
 
 
-def _between(one: FoundEdge, other: FoundEdge) -> float:
+def _between(one: found_edge.FoundEdge, other: found_edge.FoundEdge) -> float:
     turn = np.abs(one.angle_deg - other.angle_deg) % 180.0
     return float(min(turn, 180.0 - turn))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from core.errors import DataError
+from core.physics.measurement import sample_noise
 from core.physics.measurement.flat_blocks import (
     FINE,
     SIDE,
@@ -23,16 +24,6 @@ from core.physics.measurement.flat_blocks import (
     flat_blocks,
     picture_blocks,
     variance_line,
-)
-from core.physics.measurement.sample_noise import (
-    SampleNoise,
-    clipped_ends,
-    compressed_in_blocks,
-    gain_and_read_noise,
-    level_variances,
-    rounding_step,
-    samples_that_count,
-    withheld,
 )
 from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
 
@@ -73,7 +64,7 @@ class LineNoise:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PictureNoise(SampleNoise):
+class PictureNoise(sample_noise.SampleNoise):
     """What a picture shows of its noise."""
 
     # offsets of rows, and of columns, that hold across the picture; None with too few flat areas
@@ -123,16 +114,16 @@ def noise_of_picture(
             f"{_SMALLEST:g} and {_LARGEST:g}, not {largest:.3g}: give the picture in another "
             "unit"
         )
-    low, high = clipped_ends(picture=picture)
-    good = samples_that_count(picture=picture, avoid=avoid, low=low, high=high)
+    low, high = sample_noise.clipped_ends(picture=picture)
+    good = sample_noise.samples_that_count(picture=picture, avoid=avoid, low=low, high=high)
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
     if avoid is not None and avoid.all():
         return _nothing("no samples are left to measure", math.nan, None)
     mean = float(picture.mean() if avoid is None else picture[~avoid].mean())
-    step = rounding_step(picture=picture)
+    step = sample_noise.rounding_step(picture=picture)
     check()
-    if compressed_in_blocks(picture=picture):
+    if sample_noise.compressed_in_blocks(picture=picture):
         return _nothing(_COMPRESSED, mean, step)
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
@@ -199,7 +190,9 @@ def _measured(
         return _nothing(refusal, mean, step)
     remarks = []
     if flat.even:
-        figures = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
+        figures = sample_noise.gain_and_read_noise(
+            line=line, level=level, rounding=rounding, offset=offset
+        )
     else:
         reason = "the noise varies across the picture by more than the signal level explains"
         remarks.append(
@@ -225,7 +218,7 @@ def _measured(
         step=step,
         sigma=sigma,
         sigma_error=error / (2.0 * sigma),
-        levels=level_variances(level=level, variance=variance),
+        levels=sample_noise.level_variances(level=level, variance=variance),
         rows=rows,
         columns=columns,
         remarks=tuple(remarks),
@@ -274,7 +267,7 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
 
 
 def _nothing(reason: str, mean: float, step: float | None) -> PictureNoise:
-    return PictureNoise(mean_level=mean, step=step, **withheld(reason))
+    return PictureNoise(mean_level=mean, step=step, **sample_noise.withheld(reason))
 
 
 # What whole rows, or columns, of a picture have of their own.
@@ -362,7 +355,7 @@ _MOST_GROUPS = 16  # of levels
 
 
 @dataclass(frozen=True, kw_only=True)
-class FramesNoise(SampleNoise):
+class FramesNoise(sample_noise.SampleNoise):
     """What changes from frame to frame, without what whole rows, columns and frames share."""
 
     components: MeasuredNoise  # the seven of 3-D noise; the fixed ones hold the scene
@@ -414,8 +407,8 @@ class SceneFrames:
         # Of that, what went into the means of rows and columns.
         share = self._still_squares / np.maximum(self._squares, np.finfo(np.float64).tiny)
         variance = _with_means(variance, variance * share)
-        low, high = clipped_ends(picture=self._first)
-        step = rounding_step(picture=self._first)
+        low, high = sample_noise.clipped_ends(picture=self._first)
+        step = sample_noise.rounding_step(picture=self._first)
         level, power = _blocks(self._first), _blocks(variance)
         freedom = (n - 1) * SIDE * SIDE
         rounding = 0.0 if step is None else step**2 / 12.0
@@ -425,7 +418,7 @@ class SceneFrames:
             reason = "rounding hides the noise" if step else "the frames have no temporal noise"
         if line is None or reason:
             return FramesNoise(
-                mean_level=mean, step=step, components=components, **withheld(reason)
+                mean_level=mean, step=step, components=components, **sample_noise.withheld(reason)
             )
         at_mean, error = line.bounded(offset).at(mean)
         level, power = level[chosen], power[chosen]
@@ -434,9 +427,11 @@ class SceneFrames:
             step=step,
             sigma=math.sqrt(at_mean),
             sigma_error=error / (2.0 * math.sqrt(at_mean)),
-            levels=level_variances(level=level, variance=power),
+            levels=sample_noise.level_variances(level=level, variance=power),
             components=components,
-            **gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset),
+            **sample_noise.gain_and_read_noise(
+                line=line, level=level, rounding=rounding, offset=offset
+            ),
         )
 
 

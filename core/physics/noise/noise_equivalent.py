@@ -5,11 +5,7 @@ from collections.abc import Sequence
 from math import hypot, inf, pi, sqrt
 
 from core.errors import DataError, ParameterError
-from core.physics.detector.focal_plane_array import (
-    Irradiance,
-    inverse_sin_squared,
-    open_share,
-)
+from core.physics.detector import focal_plane_array
 from core.physics.radiometry.planck import band_radiance_derivative
 
 
@@ -19,7 +15,7 @@ def g_number(
     filter_transmission: float,
     optics_transmission: float,
     obscuration_ratio: float = 0.0,
-    irradiance: Irradiance = "disc",
+    irradiance: focal_plane_array.Irradiance = "disc",
 ) -> float:
     """Throughput number G#: radiance of the scene per irradiance of the detector.
 
@@ -44,9 +40,9 @@ def g_number(
     ):
         if not 0.0 < value <= 1.0:
             raise ParameterError(name, value, "must be above 0 and at most 1")
-    cone = inverse_sin_squared(f_number=f_number, irradiance=irradiance)
+    cone = focal_plane_array.inverse_sin_squared(f_number=f_number, irradiance=irradiance)
     light = filter_transmission * optics_transmission * pi
-    return cone / (light * open_share(obscuration_ratio=obscuration_ratio))
+    return cone / (light * focal_plane_array.open_share(obscuration_ratio=obscuration_ratio))
 
 
 def detector_area_cm2(
