@@ -17,10 +17,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from core.arrays import Array
 from core.errors import FileError
 from core.machine import amount_text
 
-Array = NDArray[Any]
 _TRIM_EVERY_S = 0.01
 _ZEROS = 1 << 23  # bytes written at a time where a file cannot be reserved
 _SHARE_MAPPED = 8  # of the budget, that mapped pages may take before they are let go of

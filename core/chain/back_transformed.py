@@ -5,8 +5,8 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain import step_lineage
 from core.chain.band_stack import BandStack, Row, Rows, SteppedBands, stacked, weighted_factors
 from core.chain.filtered_sum import FilteredSum, WavelengthRank, spectral_of
@@ -21,7 +21,6 @@ from core.transfer.periodic import crossed_spectrum, periodic_filter, periodic_s
 from core.transfer.planar_blocks import Axes, axes_of, known_planes
 from core.transfer.sampled_waves import sampled_filter
 
-Array = NDArray[Any]
 BinMode = Literal["mean", "sum"]
 
 

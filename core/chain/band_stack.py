@@ -13,15 +13,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.step_lineage import LevelChange, Linear, picture_step
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, content_key, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.transfer.factors import Factor, Law, Planar
 
-Array = NDArray[Any]
 Row = tuple[float, ...]
 """A weight for every band."""
 Rows = tuple[Row, ...]

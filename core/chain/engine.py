@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.band_stack import BandStack
 from core.chain.wires import Curve, Image, Phase, SampledTransfer, SpectrumWire, Table, Transfer
 from core.errors import ImagechainError, NetworkError, ParameterError, UnconnectedError
@@ -401,8 +401,6 @@ class TransferAt(Recipe):
 
 
 # Making arrays of what is on a wire, in the form that a viewer or a file needs.
-
-Array = NDArray[Any]
 
 
 def realize(value: Any, work: Work, region: Region | None = None) -> Any:

@@ -18,8 +18,8 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.band_stack import BandStack, Row
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
@@ -29,7 +29,6 @@ from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from core.transfer.planar_blocks import Axes, Planes
 
-Array = NDArray[Any]
 RADII = 1537
 """Places along the radius on which radial functions are fitted and, between them, judged."""
 ACROSS = 49

@@ -14,19 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from core.arrays import Array, Matrix, Vector
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import Moments
 from core.transfer.factors import Factor, Grid, Product, nyquist_lines
 from core.transfer.planar_blocks import Axes, axes_of
 
-Array = NDArray[Any]
-Matrix = NDArray[np.float64]
 Operator = Callable[[Array], Array]
 
 
@@ -301,7 +298,6 @@ def _block_mean(factor: int) -> Operator:
 
 # Spectrum of a picture's noise in equal cells of frequency, whatever waves it is known on.
 
-Vector = NDArray[np.float64]
 CELLS = 48  # filters of sensors are smooth: more change no share of a noise by 1e-3
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.random import Generator, Philox
 from numpy.typing import DTypeLike, NDArray
 
+from core.arrays import Array
 from core.errors import DataError, ParameterError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Region, runs
@@ -28,8 +29,7 @@ from core.scratch import Empty, StripArray
 from core.transfer import mirrored
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
-_Array = NDArray[Any]
-_Draw = Callable[[Generator, _Array], None]
+_Draw = Callable[[Generator, Array], None]
 _Work = Callable[[Generator, slice], None]
 
 BLOCK = 1 << 17
@@ -87,7 +87,7 @@ def normal_field(
     *,
     dtype: DTypeLike = np.float64,
     for_each: ForEach = in_turn,
-) -> _Array:
+) -> Array:
     """Standard normal deviates.
 
     Parameters
@@ -119,7 +119,7 @@ def normal_part(
     *,
     dtype: DTypeLike = np.float64,
     for_each: ForEach = in_turn,
-) -> _Array:
+) -> Array:
     """A region of the `normal_field` of that shape; no block outside it is drawn."""
     draw = _box_muller if _is_single(dtype) else _ziggurat
     (rows, columns), key, part = shape, stream.key, np.empty(region.shape, dtype)
@@ -145,7 +145,7 @@ def uniform_field(
     *,
     dtype: DTypeLike = np.float64,
     for_each: ForEach = in_turn,
-) -> _Array:
+) -> Array:
     """Deviates uniform in [0, 1); parameters as in `normal_field`."""
     _is_single(dtype)
     return _drawn(stream, np.empty(shape, dtype), _uniform, for_each)
@@ -213,7 +213,7 @@ def _generator(key: int, block: int) -> Generator:
     return Generator(Philox(key=key, counter=[0, 0, block, 0]))
 
 
-def _drawn(stream: Stream, out: _Array, draw: _Draw, for_each: ForEach) -> _Array:
+def _drawn(stream: Stream, out: Array, draw: _Draw, for_each: ForEach) -> Array:
     flat = out.reshape(out.size)
     _for_each_block(
         stream, flat.size, lambda generator, block: draw(generator, flat[block]), for_each
@@ -230,20 +230,20 @@ def _for_each_block(stream: Stream, size: int, work: _Work, for_each: ForEach) -
     for_each(one, range(-(-size // BLOCK)))
 
 
-def _ziggurat(generator: Generator, out: _Array) -> None:
+def _ziggurat(generator: Generator, out: Array) -> None:
     generator.standard_normal(out=out)
 
 
-def _uniform(generator: Generator, out: _Array) -> None:
+def _uniform(generator: Generator, out: Array) -> None:
     generator.random(out=out, dtype=out.dtype.type)
 
 
-def _box_muller(generator: Generator, out: _Array) -> None:
+def _box_muller(generator: Generator, out: Array) -> None:
     for start in range(0, out.size, 2 * _AT_ONCE):
         _box_muller_pairs(generator, out[start : start + 2 * _AT_ONCE])
 
 
-def _box_muller_pairs(generator: Generator, out: _Array) -> None:
+def _box_muller_pairs(generator: Generator, out: Array) -> None:
     half = (out.size + 1) // 2
     words = _words(generator, half).view(np.uint32)
     # Nothing is set aside for radii and angles: that costs as much as what is done to them.
@@ -269,7 +269,7 @@ def _words(generator: Generator, count: int) -> NDArray[np.uint64]:
     return words
 
 
-def _poisson(generator: Generator, mean: _Array, counts: _Array) -> None:
+def _poisson(generator: Generator, mean: Array, counts: Array) -> None:
     largest = float(mean.max())
     if largest == 0.0:
         counts[:] = 0.0
@@ -281,7 +281,7 @@ def _poisson(generator: Generator, mean: _Array, counts: _Array) -> None:
         _poisson_or_normal(generator, mean, counts)
 
 
-def _thinned(generator: Generator, mean: _Array, largest: float, counts: _Array) -> None:
+def _thinned(generator: Generator, mean: Array, largest: float, counts: Array) -> None:
     counts[:] = 0.0
     bits = max((mean.size - 1).bit_length(), 1)
     places = 1 << bits  # those beyond the block's end have mean 0
@@ -299,7 +299,7 @@ def _thinned(generator: Generator, mean: _Array, largest: float, counts: _Array)
         np.add.at(counts, place, accepted.astype(counts.dtype))
 
 
-def _poisson_or_normal(generator: Generator, mean: _Array, counts: _Array) -> None:
+def _poisson_or_normal(generator: Generator, mean: Array, counts: Array) -> None:
     means = mean.astype(np.float64)
     exact = generator.poisson(np.minimum(means, NORMAL_LIMIT)).astype(np.float64)
     normal = np.rint(means + np.sqrt(means) * generator.standard_normal(means.size))
@@ -330,7 +330,6 @@ class FrameNumber:
 # Source: Kingman 1993, Poisson Processes, section 5.1 (displacement theorem); Lewis and Shedler
 # 1979 (thinning).
 
-Array = NDArray[Any]
 
 EVENTS_BLOCK = 1 << 20
 """Samples whose events come from one counter; part of what defines a field."""

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Floats
 from core.errors import ParameterError
 
 
@@ -49,10 +50,8 @@ def _checked(
 
 # Checks of numbers or arrays of them: each gives float64 or raises `ParameterError`.
 
-Values = NDArray[np.float64]
 
-
-def all_finite(parameter: str, values: ArrayLike, *, unit: str = "") -> Values:
+def all_finite(parameter: str, values: ArrayLike, *, unit: str = "") -> Floats:
     """Finite numbers."""
     numbers = _numbers(parameter, values, "finite numbers", unit)
     return _all_of(parameter, numbers, np.isfinite(numbers), "finite numbers", unit)
@@ -60,7 +59,7 @@ def all_finite(parameter: str, values: ArrayLike, *, unit: str = "") -> Values:
 
 def all_from_zero(
     parameter: str, values: ArrayLike, *, unit: str = "", infinite: bool = False
-) -> Values:
+) -> Floats:
     """Numbers of zero or above; `infinite` lets infinity pass, never NaN."""
     allowed = "zero or above" if infinite else "finite, zero or above"
     numbers = _numbers(parameter, values, allowed, unit)
@@ -68,14 +67,14 @@ def all_from_zero(
     return _all_of(parameter, numbers, fit, allowed, unit)
 
 
-def all_above_zero(parameter: str, values: ArrayLike, *, unit: str = "") -> Values:
+def all_above_zero(parameter: str, values: ArrayLike, *, unit: str = "") -> Floats:
     """Finite numbers above zero."""
     numbers = _numbers(parameter, values, "finite, above zero", unit)
     fit = (numbers > 0.0) & (numbers < np.inf)
     return _all_of(parameter, numbers, fit, "finite, above zero", unit)
 
 
-def rising(parameter: str, values: ArrayLike, *, unit: str = "") -> Values:
+def rising(parameter: str, values: ArrayLike, *, unit: str = "") -> Floats:
     """One row of at least two finite numbers, zero or above, each above the one before."""
     numbers = all_from_zero(parameter, values, unit=unit)
     if numbers.ndim != 1 or len(numbers) < 2:
@@ -91,7 +90,7 @@ def rising(parameter: str, values: ArrayLike, *, unit: str = "") -> Values:
     return numbers
 
 
-def broadcast(**named: Values) -> tuple[Values, ...]:
+def broadcast(**named: Floats) -> tuple[Floats, ...]:
     """The arrays at one common shape."""
     try:
         return tuple(np.broadcast_arrays(*named.values()))
@@ -101,7 +100,7 @@ def broadcast(**named: Values) -> tuple[Values, ...]:
         raise ParameterError(", ".join(named), shapes, allowed) from cause
 
 
-def _numbers(parameter: str, values: ArrayLike, allowed: str, unit: str) -> Values:
+def _numbers(parameter: str, values: ArrayLike, allowed: str, unit: str) -> Floats:
     try:
         given = np.asarray(values)
         if given.dtype.kind in "biuf":
@@ -112,8 +111,8 @@ def _numbers(parameter: str, values: ArrayLike, allowed: str, unit: str) -> Valu
 
 
 def _all_of(
-    parameter: str, numbers: Values, fit: NDArray[np.bool_], allowed: str, unit: str
-) -> Values:
+    parameter: str, numbers: Floats, fit: NDArray[np.bool_], allowed: str, unit: str
+) -> Floats:
     if not fit.all():
         first = np.unravel_index(int(np.argmin(fit)), numbers.shape)
         where = f"[{', '.join(str(int(k)) for k in first)}]" if numbers.ndim else ""
@@ -137,15 +136,14 @@ def gauss_legendre(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]
 
 # Chebyshev fits of smooth functions, for arrays too large for the direct formula.
 
-FloatArray = NDArray[np.float64]
 
 _FIT_SIZES = (24, 48, 96)
 _FIT_TOLERANCE = 4e-16
 
 
 def chebyshev_fit(
-    function: Callable[[FloatArray], FloatArray], *, middle: float = 0.0, half: float = 1.0
-) -> FloatArray:
+    function: Callable[[Floats], Floats], *, middle: float = 0.0, half: float = 1.0
+) -> Floats:
     """Coefficients of a smooth function on middle ± half, as many as double precision can use.
 
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 3 and 8.
@@ -160,16 +158,16 @@ def chebyshev_fit(
     return coefficients[:length]
 
 
-def chebyshev_coefficients(function: Callable[[FloatArray], FloatArray], size: int) -> FloatArray:
+def chebyshev_coefficients(function: Callable[[Floats], Floats], size: int) -> Floats:
     """So many coefficients, from as many values at the Chebyshev nodes."""
     angles = np.pi * (np.arange(size) + 0.5) / size
     values = function(np.cos(angles))
-    coefficients: FloatArray = 2.0 / size * (np.cos(np.outer(np.arange(size), angles)) @ values)
+    coefficients: Floats = 2.0 / size * (np.cos(np.outer(np.arange(size), angles)) @ values)
     coefficients[0] /= 2.0
     return coefficients
 
 
-def chebyshev_sum(coefficients: FloatArray, places: FloatArray) -> FloatArray:
+def chebyshev_sum(coefficients: Floats, places: Floats) -> Floats:
     """Sum of Chebyshev polynomials at `places` in [-1, 1], by Clenshaw's recurrence.
 
     Source: Clenshaw 1955, Mathematics of Computation 9, 118.
@@ -292,7 +290,7 @@ _PARTS = 17
 
 
 def range_for_probability(
-    *, probability_at: Callable[[Values], ArrayLike], probability: float
+    *, probability_at: Callable[[Floats], ArrayLike], probability: float
 ) -> float | None:
     """Range up to which a probability is at least the one wanted, in m, to 1e-13 relative.
 
@@ -308,7 +306,7 @@ def range_for_probability(
     if not wanted < 1.0:
         raise ParameterError("probability", probability, "above 0 and below 1")
 
-    def reached(ranges_m: Values) -> int:
+    def reached(ranges_m: Floats) -> int:
         """How many of these ranges, in order, come before the first that is too far."""
         values = np.broadcast_to(np.asarray(probability_at(ranges_m), np.float64), ranges_m.shape)
         wrong = np.flatnonzero(~((values >= 0.0) & (values <= 1.0)))

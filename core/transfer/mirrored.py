@@ -14,12 +14,12 @@ kernel that is the frame in the middles of the blocks.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Region, ends_lineage
 from core.evaluation.work import Work
@@ -27,7 +27,6 @@ from core.scratch import StripArray
 from core.transfer.factors import Grid, Product
 from core.transfer.planar_blocks import Planes
 
-Array = NDArray[Any]
 # Of the spectrum, that a block of rows is made of. In smaller ones two threads wait for each other
 # between the calls: 4.2 ms in 2^17, 3.6 in 2^18 for the Kodak optics.
 BLOCK_SAMPLES = 1 << 18

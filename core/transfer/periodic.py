@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Region, ends_lineage
 from core.evaluation.work import Work
@@ -21,8 +21,6 @@ from core.scratch import StripArray
 from core.transfer.factors import Grid, Product
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, column_blocks, row_blocks
 from core.transfer.planar_blocks import Planes
-
-Array = NDArray[Any]
 
 
 @ends_lineage

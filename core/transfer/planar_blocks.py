@@ -2,18 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.transfer.factors import Grid, Planar, Product
 
 # A function of the radial frequency, tabulated for linear interpolation.
 
-Array = NDArray[Any]
 Function = Callable[[Array], Array]  # values at radii, shape (radii,)
 
 INTERVALS = (1 << 8, 1 << 11, 1 << 13)  # tried in turn

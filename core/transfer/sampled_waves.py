@@ -6,19 +6,15 @@ each axis takes the place of the inverse transform: as exact as that, for any ra
 It takes samples × places multiplications a line.
 """
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array, Vector
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
 from core.transfer.factors import Edges, Grid, Product
 from core.transfer.mirrored import MeanFree, MirroredTerms
 from core.transfer.periodic import PeriodicResponse
 
-Array = NDArray[Any]
-Vector = NDArray[np.float64]
 _BLOCK_SAMPLES = 1 << 18
 
 

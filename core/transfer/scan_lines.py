@@ -12,8 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
+from core.arrays import Array, Vector
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
 from core.physics.sampling.platform_motion import scale_nodes_mrad, scale_weights
@@ -21,7 +22,6 @@ from core.transfer.factors import Edges, Grid, Product, Separable
 from core.transfer.periodic import fourier
 from core.transfer.planar_blocks import Axes, Planes, thin_product
 
-Array = NDArray[Any]
 Parts = tuple[Array, ...]
 
 
@@ -214,8 +214,6 @@ class PeriodicLines(ScanLines):
 
 
 # A chain's transfer function as a line scanner meets it: along the scan, in flight, and both.
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Vector
 from core.errors import ParameterError
 from core.physics import numerics
 
-Vector = NDArray[np.float64]
 _LONGEST = 1e300
 
 

@@ -12,8 +12,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Vector
 from core.errors import ParameterError
 from core.physics.numerics import all_above_zero, all_from_zero, broadcast, gauss_legendre, positive
 
@@ -226,7 +227,6 @@ def _checked(
 
 # Response to an edge that a transfer function gives: how steep it is, how far it overshoots.
 
-Vector = NDArray[np.float64]
 _NODES = 8  # of a panel
 _PANELS_PER_CYCLE = 8  # of the sampling frequency: the furthest place has 3 periods in it
 _ENDS = (32, 1024)  # of the sums, in sampling frequencies

@@ -14,15 +14,15 @@ import math
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Vector
 from core.errors import ParameterError
 from core.physics import numerics
 from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
 from core.physics.acquisition.target_acquisition import resolvable_frequency
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 
-Vector = NDArray[np.float64]
 Direction = Literal["horizontal", "vertical"]
 BARS_LENGTH = 7.0  # widths of a bar
 HARMONIC = math.pi**2 / 8.0

@@ -11,9 +11,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Floats
 from core.errors import ParameterError
 from core.physics.numerics import (
-    Values,
     all_above_zero,
     all_finite,
     all_from_zero,
@@ -64,7 +64,7 @@ def ttp_probability(*, value: ArrayLike, v50: ArrayLike) -> Any:
     )
 
 
-def _logistic(amount: Values, half: Values, constant: float, slope: float) -> Any:
+def _logistic(amount: Floats, half: Floats, constant: float, slope: float) -> Any:
     """r^E/(1 + r^E) as the logistic function of E·ln r: exact at r = 0, 1 and infinity."""
     amount, half = broadcast(amount=amount, half=half)
     with np.errstate(over="ignore", divide="ignore", under="ignore"):
@@ -132,7 +132,7 @@ def resolvable_frequency(*, frequency: ArrayLike, mrtd_K: ArrayLike, apparent_K:
     return np.where(last < 0, 0.0, crossing)[()]
 
 
-def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Values, Values]:
+def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Floats, Floats]:
     """Frequencies and MRTD, checked, from the first finite sample to the next infinite one."""
     places = rising("frequency", frequency, unit="cyc/mrad")
     curve = all_from_zero("mrtd_K", mrtd_K, unit="K", infinite=True)
@@ -184,7 +184,7 @@ def resolvable_cycles(
     return target_cycles(resolved, size, distance)[()]
 
 
-def target_cycles(per_mrad: Values, size_m: Values, range_m: Values) -> Values:
+def target_cycles(per_mrad: Floats, size_m: Floats, range_m: Floats) -> Floats:
     """Cycles per mrad times the target's angle in mrad; infinite beyond the largest number."""
     with np.errstate(over="ignore", under="ignore"):
         angle = np.minimum(1000.0 * (size_m / range_m), np.finfo(np.float64).max)
@@ -196,7 +196,7 @@ def target_cycles(per_mrad: Values, size_m: Values, range_m: Values) -> Values:
 # Unlike Johnson's cycles, which depend only on the highest frequency resolved, it sums at all
 # frequencies how far the target's contrast is above the contrast threshold of sensor and eye.
 
-Threshold = Callable[[Values], Values]
+Threshold = Callable[[Floats], Floats]
 _NODES = 12  # of a panel
 _PARTS, _ROUNDS = 16, 15  # of a panel in which contrast and threshold cross: 2^−60 of it
 
@@ -264,7 +264,7 @@ class TtpThreshold:
         )
         return target_cycles(self._summed(level), np.sqrt(area), distance)[()]
 
-    def _summed(self, contrast: Values) -> Values:
+    def _summed(self, contrast: Floats) -> Floats:
         """∫√(C/CTF) df where C > CTF, of the shape of `contrast`."""
         places, levels = self._places, contrast.ravel()
         seen = self._levels < levels[:, np.newaxis]
@@ -277,7 +277,7 @@ class TtpThreshold:
         return np.asarray((np.sqrt(levels) * inside).reshape(contrast.shape), np.float64)
 
 
-def _panels(ctf: Threshold, low: Values, high: Values) -> Values:
+def _panels(ctf: Threshold, low: Floats, high: Floats) -> Floats:
     """∫CTF^(−1/2) df in each panel."""
     nodes, weights = gauss_legendre(_NODES)
     # The share of the panel squared: a threshold that rises from zero costs no accuracy.
@@ -290,8 +290,8 @@ def _panels(ctf: Threshold, low: Values, high: Values) -> Values:
 
 
 def _crossings(
-    ctf: Threshold, level: Values, low: Values, high: Values, seen_low: NDArray[np.bool_]
-) -> Values:
+    ctf: Threshold, level: Floats, low: Floats, high: Floats, seen_low: NDArray[np.bool_]
+) -> Floats:
     """Where C = CTF in panels that are seen at one end only."""
     if not len(level):
         return low
@@ -310,7 +310,7 @@ def _crossings(
 # A contrast threshold between its samples.
 
 
-def interpolated(*, frequency: Values, ctf: Values) -> Threshold:
+def interpolated(*, frequency: Floats, ctf: Floats) -> Threshold:
     """The function through samples of a contrast threshold, of the third order in their step.
 
     The threshold is above zero or infinite, at frequency zero also zero; between a finite and an
@@ -331,7 +331,7 @@ def interpolated(*, frequency: Values, ctf: Values) -> Threshold:
     secant = np.diff(level) / step
     slope = _slopes(step, secant)
 
-    def threshold(at: Values) -> Values:
+    def threshold(at: Floats) -> Floats:
         k = np.clip(np.searchsorted(frequency, at, side="right") - 1, 0, len(step) - 1)
         share = (at - frequency[k]) / step[k]
         rest = 1.0 - share
@@ -346,7 +346,7 @@ def interpolated(*, frequency: Values, ctf: Values) -> Threshold:
     return threshold
 
 
-def _towards_zero(frequency: Values, level: Values) -> float:
+def _towards_zero(frequency: Floats, level: Floats) -> float:
     """The parabola, line or constant through up to three samples, at frequency zero."""
     known = np.isfinite(level)
     count = len(level) if known.all() else int(np.argmin(known))
@@ -357,7 +357,7 @@ def _towards_zero(frequency: Values, level: Values) -> float:
     return total
 
 
-def _slopes(step: Values, secant: Values) -> Values:
+def _slopes(step: Floats, secant: Floats) -> Floats:
     """Slope at each sample: of the parabola through it and two neighbours, or of the one secant."""
     known = np.isfinite(secant)
     left = np.concatenate([[np.nan], secant])

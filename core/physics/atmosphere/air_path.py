@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Floats
 from core.errors import DataError, ParameterError
 from core.physics.numerics import finite, non_negative, positive, within
 from core.physics.radiometry.planck import (
@@ -24,7 +25,6 @@ from core.physics.radiometry.planck import (
 )
 from core.physics.radiometry.spectra import SUN_SHARE, SUNLIGHT_K
 
-FloatArray = NDArray[np.float64]
 Points = tuple[tuple[float, float], ...]
 Band = tuple[float, float]
 
@@ -115,7 +115,7 @@ class AirPath:
             return False
         return self._grey_depth() == 0.0
 
-    def depth(self, wavelength_um: ArrayLike) -> FloatArray:
+    def depth(self, wavelength_um: ArrayLike) -> Floats:
         """Optical depth of the path at wavelengths, µm; infinite where nothing passes."""
         wavelength = np.asarray(wavelength_um, np.float64)
         if self.points:
@@ -127,13 +127,13 @@ class AirPath:
             return np.full(wavelength.shape, grey)
         return np.asarray(grey * (VISIBLE_UM / wavelength) ** self.angstrom_q)
 
-    def depth_per_m(self, wavelength_um: ArrayLike) -> FloatArray:
+    def depth_per_m(self, wavelength_um: ArrayLike) -> Floats:
         """The same of a metre of it, where the range is known for which the transmission holds."""
         if self.range_m is None:
             raise _no_range()
         return self.depth(wavelength_um) / self.range_m
 
-    def added(self, wavelength_um: ArrayLike) -> FloatArray:
+    def added(self, wavelength_um: ArrayLike) -> Floats:
         """Path radiance at wavelengths, W/m²/sr/µm."""
         wavelength = np.asarray(wavelength_um, np.float64)
         if self.radiance:
@@ -197,7 +197,7 @@ class AirPath:
         """Wavelengths at which its tables bend."""
         return tuple(sorted({place for place, _ in (*self.points, *self.radiance)}))
 
-    def _nodes(self, low: float, high: float) -> tuple[FloatArray, FloatArray]:
+    def _nodes(self, low: float, high: float) -> tuple[Floats, Floats]:
         return band_nodes(low, high, self.places_um)
 
 
@@ -295,7 +295,7 @@ def transmission_at_ranges(
     return _passed(depth, weight / total, distance)
 
 
-def _passed(depth_per_m: FloatArray, weight: FloatArray, distance: FloatArray) -> Any:
+def _passed(depth_per_m: Floats, weight: Floats, distance: Floats) -> Any:
     """Σ w·exp(−depth·R) for each range; all passes over no distance."""
     opaque = np.isinf(depth_per_m)
     ranges = distance.reshape(-1, 1)
@@ -330,7 +330,7 @@ SUN_SR = math.pi * SUN_SHARE
 
 
 @lru_cache(maxsize=1)
-def standard_sun() -> tuple[FloatArray, FloatArray]:
+def standard_sun() -> tuple[Floats, Floats]:
     """Wavelengths of the standard solar spectrum, 0.28 to 4 µm, and its irradiance, W/m²/µm.
 
     Source: ASTM G173-03, extraterrestrial column (Gueymard 2004, Solar Energy 76, 423), as
@@ -341,7 +341,7 @@ def standard_sun() -> tuple[FloatArray, FloatArray]:
     return wavelength, irradiance
 
 
-def standard_sun_irradiance(wavelength_um: ArrayLike) -> FloatArray:
+def standard_sun_irradiance(wavelength_um: ArrayLike) -> Floats:
     """Irradiance of the Sun above the air, at one astronomical unit, by the standard spectrum.
 
     Parameters
@@ -390,7 +390,7 @@ _EYE = (
 )  # fmt: skip
 
 
-def luminous_efficiency(wavelength_um: ArrayLike) -> FloatArray:
+def luminous_efficiency(wavelength_um: ArrayLike) -> Floats:
     """V(λ): sensitivity of the light-adapted eye, 1 at 0.555 µm, 0 outside 0.38 to 0.78 µm.
 
     Source: CIE 018 (2019), table of V(λ), straight between its points.
@@ -451,7 +451,7 @@ class Sunlight:
         for _, value in self.points:
             non_negative("solar_irradiance", value, unit="W/m²/µm")
 
-    def on_surface(self, wavelength_um: ArrayLike) -> FloatArray:
+    def on_surface(self, wavelength_um: ArrayLike) -> Floats:
         """Irradiance of a horizontal surface at wavelengths, W/m²/µm."""
         scale = 1.0
         if self.illuminance_lux is not None:
@@ -476,7 +476,7 @@ class Sunlight:
         seen = luminous_efficiency(wavelength) * self._unscaled(wavelength)
         return LUMENS_PER_WATT * float(width @ seen)
 
-    def _unscaled(self, wavelength_um: ArrayLike) -> FloatArray:
+    def _unscaled(self, wavelength_um: ArrayLike) -> Floats:
         wavelength = np.asarray(wavelength_um, np.float64)
         if self.points:
             known, values = np.array(self.points).T

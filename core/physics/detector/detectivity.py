@@ -8,8 +8,9 @@ from math import degrees, isfinite, pi, radians, sin, sqrt
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Floats
 from core.errors import DataError, ParameterError
 from core.physics.numerics import positive, within
 from core.physics.radiometry.planck import (
@@ -28,8 +29,7 @@ from core.physics.radiometry.planck import (
 )
 from core.physics.radiometry.spectra import Material
 
-FloatArray = NDArray[np.float64]
-SpectralFunction = Callable[[FloatArray], FloatArray]
+SpectralFunction = Callable[[Floats], Floats]
 
 STANDARD_HALF_ANGLE_DEG = 30.0
 """Half of the 60° field of view that makers state D* for."""
@@ -40,7 +40,7 @@ _PANEL_X = 2.0
 _PANEL_RATIO = 1.5
 
 
-def quantum_efficiency(wavelength_um: ArrayLike, *, material: Material) -> FloatArray:
+def quantum_efficiency(wavelength_um: ArrayLike, *, material: Material) -> Floats:
     """Electrons per incident photon of a material, 0 beyond its cut-off.
 
     Source: ideal photon detector (Rogalski 2011, Infrared Detectors, chapter 3); Schottky
@@ -65,7 +65,7 @@ def d_star(
     material: Material,
     background_K: float = 300.0,
     half_angle_deg: float = STANDARD_HALF_ANGLE_DEG,
-) -> FloatArray:
+) -> Floats:
     """Specific detectivity of a material that sees a blackbody background through a cone.
 
     D*(λ) = ηλ/(hc) / √(m·∫ηE dλ + m·J/q + 4kT/(q²RA)) with E the background's photons, J the dark
@@ -176,7 +176,7 @@ def _noise_events(material: Material, background_K: float, half_angle_deg: float
             "half_angle_deg", half_angle_deg, "must be above 0 and at most 90", unit="°"
         )
 
-    def efficiency(wavelength_um: FloatArray) -> FloatArray:
+    def efficiency(wavelength_um: Floats) -> Floats:
         return quantum_efficiency(wavelength_um, material=material)
 
     scaled = _planck_mean(efficiency, None, material.cut_off_um, background_K, power=2)
@@ -281,7 +281,7 @@ class ResponseCurve:
             return self.ends_um
         return tuple(np.linspace(*self.ends_um, _PIECES + 1).tolist())
 
-    def at(self, wavelength_um: ArrayLike) -> FloatArray:
+    def at(self, wavelength_um: ArrayLike) -> Floats:
         """Response at wavelengths, µm."""
         wavelength = np.asarray(wavelength_um, np.float64)
         if self.shape == "file":

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import exprel
 
+from core.arrays import Floats
 from core.errors import ParameterError
 from core.physics.numerics import all_from_zero, finite, non_negative, positive, sinc, within
 
@@ -265,7 +266,6 @@ def first_zero_cyc_per_mrad(*, effective_ifov_mrad: float) -> float:
 # Camera Systems, chapter 10.
 
 Side = Literal["front", "back"]
-Floats = NDArray[np.float64]
 
 
 def diffusion_mtf(

@@ -9,6 +9,7 @@ import scipy
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Array
 from core.errors import DataError, ParameterError
 from core.physics.numerics import non_negative, positive, within
 from core.physics.radiometry.planck import (
@@ -375,7 +376,6 @@ def dark_factor(*, detector_K: float, reference_K: float, doubling_K: float) -> 
 
 # Correction of the unlike gains and offsets of detector elements by uniform references.
 
-Array = NDArray[Any]
 LEAST_RESPONSE = 0.1
 """Of the mean response; an element of less is taken for bad, and its gain is left as it is."""
 

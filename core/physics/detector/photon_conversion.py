@@ -7,14 +7,14 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Array, Floats
 from core.errors import DataError, ParameterError
 from core.physics import numerics
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.radiometry import planck
 
-FloatArray = NDArray[np.float64]
 PHOTON_ENERGY_J_UM = planck.PLANCK_J_S * planck.SPEED_OF_LIGHT_M_S * 1e6
 """Energy of a photon times its wavelength, J µm."""
 
@@ -65,7 +65,7 @@ class QuantumEfficiency:
                 f"points that overlap the band, {self.cut_on_um:g} to {self.cut_off_um:g} µm",
             )
 
-    def at(self, wavelength_um: ArrayLike) -> FloatArray:
+    def at(self, wavelength_um: ArrayLike) -> Floats:
         """Efficiency at wavelengths, µm."""
         wavelength = np.asarray(wavelength_um, np.float64)
         inside = (wavelength >= self.cut_on_um) & (wavelength <= self.cut_off_um)
@@ -73,7 +73,7 @@ class QuantumEfficiency:
             return np.where(inside, self.value, 0.0)
         return np.where(inside, ResponseCurve("file", points=self.points).at(wavelength), 0.0)
 
-    def photon_radiance(self, temperature_K: ArrayLike) -> FloatArray:
+    def photon_radiance(self, temperature_K: ArrayLike) -> Floats:
         """∫ QE·L_q dλ of black bodies, s⁻¹ m⁻² sr⁻¹."""
         temperature = np.asarray(temperature_K, np.float64)
         if not self.points:
@@ -86,7 +86,7 @@ class QuantumEfficiency:
         photons = planck.spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
         return np.asarray((photons @ weight).reshape(temperature.shape))
 
-    def photon_radiance_slope(self, temperature_K: ArrayLike) -> FloatArray:
+    def photon_radiance_slope(self, temperature_K: ArrayLike) -> Floats:
         """Derivative of `photon_radiance` by temperature, s⁻¹ m⁻² sr⁻¹ K⁻¹."""
         temperature = np.asarray(temperature_K, np.float64)
         if not self.points:
@@ -116,7 +116,7 @@ class QuantumEfficiency:
             return self.value
         return float(self._places()[1].sum() / (self.cut_off_um - self.cut_on_um))
 
-    def _places(self) -> tuple[FloatArray, FloatArray]:
+    def _places(self) -> tuple[Floats, Floats]:
         """Nodes of a quadrature between the points within the band, and weights with QE."""
         known = np.array([place for place, _ in self.points])
         low, high = max(self.cut_on_um, known[0]), min(self.cut_off_um, known[-1])
@@ -135,7 +135,6 @@ class QuantumEfficiency:
 # logarithm that lies between the efficiencies at the ends of the band: one Chebyshev sum serves all
 # samples.
 
-Array = NDArray[Any]
 Weighting = Literal["scene", "source", "middle", "spectrum"]
 WEIGHTINGS: tuple[Weighting, ...] = ("scene", "source", "middle")
 SHORTEST_THERMAL_UM = 2.5
@@ -163,11 +162,11 @@ class FilteredBody:
     efficiency: QuantumEfficiency
     responses: tuple[ResponseCurve, ...] = ()
 
-    def photons(self, temperature_K: ArrayLike) -> FloatArray:
+    def photons(self, temperature_K: ArrayLike) -> Floats:
         """∫ QE·R·L_q dλ, s⁻¹ m⁻² sr⁻¹."""
         return self._sum(temperature_K, self._counting, slope=False)
 
-    def photons_slope(self, temperature_K: ArrayLike) -> FloatArray:
+    def photons_slope(self, temperature_K: ArrayLike) -> Floats:
         """Derivative of `photons` by the temperature."""
         return self._sum(temperature_K, self._counting, slope=True)
 
@@ -176,15 +175,15 @@ class FilteredBody:
         """∫ QE·R·λ/(hc) dλ: photons counted of 1 W/m²/sr/µm at all wavelengths."""
         return float(self._counting[1].sum())
 
-    def radiance(self, temperature_K: ArrayLike) -> FloatArray:
+    def radiance(self, temperature_K: ArrayLike) -> Floats:
         """∫ R·L dλ, W/m²/sr."""
         return self._sum(temperature_K, self._passing, slope=False)
 
-    def radiance_slope(self, temperature_K: ArrayLike) -> FloatArray:
+    def radiance_slope(self, temperature_K: ArrayLike) -> Floats:
         """Derivative of `radiance` by the temperature."""
         return self._sum(temperature_K, self._passing, slope=True)
 
-    def temperature(self, radiance: ArrayLike) -> FloatArray:
+    def temperature(self, radiance: ArrayLike) -> Floats:
         """Temperatures whose `radiance` is this; by Newton's steps in ln L over 1/T."""
         wanted = np.asarray(radiance, np.float64)
         target = np.log(wanted)
@@ -208,8 +207,8 @@ class FilteredBody:
         return np.asarray(1.0 / inverse)
 
     def _sum(
-        self, temperature_K: ArrayLike, weighted: tuple[FloatArray, FloatArray], *, slope: bool
-    ) -> FloatArray:
+        self, temperature_K: ArrayLike, weighted: tuple[Floats, Floats], *, slope: bool
+    ) -> Floats:
         wavelength, weight = weighted
         temperature = np.asarray(temperature_K, np.float64)
         flat = temperature.reshape(-1, 1)
@@ -221,7 +220,7 @@ class FilteredBody:
         return np.asarray((light @ weight).reshape(temperature.shape))
 
     @cached_property
-    def _passing(self) -> tuple[FloatArray, FloatArray]:
+    def _passing(self) -> tuple[Floats, Floats]:
         """Nodes of a quadrature over the windows, and weights with the responses."""
         places = sorted(
             {place for response in self.responses for place in response.bends_um}
@@ -236,7 +235,7 @@ class FilteredBody:
         return wavelength, weight
 
     @cached_property
-    def _counting(self) -> tuple[FloatArray, FloatArray]:
+    def _counting(self) -> tuple[Floats, Floats]:
         """The same with the photons of a watt that are counted."""
         wavelength, weight = self._passing
         counted = self.efficiency.at(wavelength) * wavelength / PHOTON_ENERGY_J_UM
@@ -285,9 +284,7 @@ class PhotonWeights:
     def _band(self) -> dict[str, float]:
         return {"cut_on_um": self.band_um[0], "cut_off_um": self.band_um[1]}
 
-    def per_radiance(
-        self, radiance: FloatArray, *, temperature_K: FloatArray | None = None
-    ) -> FloatArray:
+    def per_radiance(self, radiance: Floats, *, temperature_K: Floats | None = None) -> Floats:
         """∫ QE·L_q dλ over L, s⁻¹ W⁻¹, for radiances above 0.
 
         `temperature_K`: their brightness temperatures, where known.
@@ -349,7 +346,7 @@ class PhotonWeights:
             return self._dimmed.radiance(temperature_K)
         return planck.band_radiance(temperature_K=temperature_K, **self._band)
 
-    def _photons(self, temperature_K: Any) -> FloatArray:
+    def _photons(self, temperature_K: Any) -> Floats:
         if self._by_windows:
             return self._counted.photons(temperature_K)
         return self.efficiency.photon_radiance(temperature_K)
@@ -405,7 +402,7 @@ class SmoothRatio:
     Chebyshev's polynomials have the coefficients; `half` is 0 where the ratio is one number.
     """
 
-    coefficients: FloatArray
+    coefficients: Floats
     middle: float
     half: float
 
@@ -445,7 +442,7 @@ class SmoothRatio:
         )
         target_middle, target_half = float(logs.mean()), float(logs[1] - logs[0]) / 2.0
 
-        def ratio_at(places: FloatArray) -> FloatArray:
+        def ratio_at(places: Floats) -> Floats:
             target = target_middle + target_half * places
             scaled = places
             for _ in range(_STEPS):  # each leaves less than a half of the error
@@ -458,7 +455,7 @@ class SmoothRatio:
         return SmoothRatio(_fit(ratio_at, _FINEST), target_middle, target_half)
 
     @cached_property
-    def _powers(self) -> FloatArray:
+    def _powers(self) -> Floats:
         """Coefficients of the powers of the logarithm less its middle."""
         powers = np.polynomial.chebyshev.cheb2poly(self.coefficients)
         return np.asarray(powers / self.half ** np.arange(len(powers)))
@@ -482,7 +479,7 @@ def conversion_between(
     ends = np.log([max(low, high * _DEEPEST), high])
     middle, half = float(ends.mean()), float(ends[1] - ends[0]) / 2.0
 
-    def forward(places: FloatArray) -> FloatArray:
+    def forward(places: Floats) -> Floats:
         radiance = np.exp(middle + half * places)
         return np.asarray(electrons_per_photon * weights.per_radiance(radiance))
 
@@ -491,7 +488,7 @@ def conversion_between(
     return SmoothRatio(_fit(forward, tolerance), middle, half)
 
 
-def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:
+def _fit(function: Callable[[Floats], Floats], tolerance: float) -> Floats:
     for size in _FIT_SIZES:
         coefficients = numerics.chebyshev_coefficients(function, size)
         floor = 0.1 * tolerance * abs(coefficients[0])

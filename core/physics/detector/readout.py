@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Array, Vector
 from core.errors import ParameterError
 from core.machine import ForEach, in_turn
 from core.physics.numerics import (
@@ -24,8 +25,6 @@ from core.physics.numerics import (
     within,
 )
 
-Array = NDArray[Any]
-Vector = NDArray[np.float64]
 REACH = 8  # samples to either side of a place
 _KAISER = 7.0  # waves of up to 0.35 cycles/sample are exact within 6e-4
 

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Complex, Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.found_edge import EdgeSamples, FoundEdge, edge_samples
 from core.physics.measurement.slanted_edge import falls_to
@@ -15,14 +16,10 @@ from core.physics.measurement.spread_fit import (
     TAIL,
     TAIL_ASSUMED,
     TAIL_WIDTH,
-    Complex,
     SpreadFit,
     fit_spread,
     line_transform,
 )
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _GROUPS = 24  # pieces of the edge, whose differences enter the error
 _ALIKE = 8  # neighbouring pieces, over which texture may hang together

@@ -7,11 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Matrix, Vector
 from core.physics.measurement import found_edge, ridges
 from core.physics.measurement.spread_fit import SpreadFit, fit_spread
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _LARGEST_REACH = 20
 _BEYOND = 2  # samples beyond the reach that are looked at, for a neighbour's blur

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from core.arrays import Mask, Matrix, Vector
+
 # Noise variance over level: a straight line through blocks, its gain and its read noise.
 #
 # Shot noise adds an electron of variance for each electron: σ² = σ_read² + (level − offset)/K in
 # digital numbers, K electrons of one.
 
-Vector = NDArray[np.float64]
 _LINE_ROUNDS = 6
 _SURE = 0.04  # standard error over slope
 _LEAST = 0.05  # of the mean variance, below which no level counts for more
@@ -149,8 +150,6 @@ def variance_line(*, level: Vector, variance: Vector) -> VarianceLine:
 # of normal noise are independent. So the blocks can be chosen by some coefficients, and the noise
 # measured in others: the choice leaves no bias (Ponomarenko et al. 2007).
 
-Matrix = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 SIDE = 8
 _STRIP = 64  # rows of blocks at a time

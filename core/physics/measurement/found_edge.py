@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Vector
 from core.physics.measurement.sample_noise import compressed_in_blocks
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -255,7 +254,6 @@ def _noise_of_step(
 
 # Signs that a picture was made so that no edge of it shows the camera's blur.
 
-Matrix = NDArray[np.float64]
 
 _STRIPS = 16  # parts of a picture, whose differences give the doubt
 _SURE_SIGN = 6.0  # standard errors

@@ -304,7 +304,6 @@ def prnu_percent(
     return 100.0 * math.sqrt(max(square, 0.0))
 
 
-Vector = NDArray[np.float64]
 _USED = 0.7  # of saturation, up to which the curve is taken for straight (EMVA 1288)
 _COLLAPSED = 0.5  # of the largest variance; what has less beyond it is saturated
 _ROUNDS = 5

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from core.arrays import Mask, Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement import sample_noise
 from core.physics.measurement.flat_blocks import (
@@ -26,10 +27,6 @@ from core.physics.measurement.flat_blocks import (
     variance_line,
 )
 from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
-
-Matrix = NDArray[np.float64]
-Vector = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _COMPRESSED = (
     f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does, so the "
@@ -347,9 +344,7 @@ def _common_variance(square: Vector, chance: Vector) -> tuple[float, float]:
 
 _KEPT = 0.999  # of the blocks of noise alone that count
 _MOVED = 0.3  # of the blocks with more, beyond which the scene moves
-_STILL_DEVIATIONS = (
-    6.0  # deviations of what differs from the first frame, beyond which something moves
-)
+_MOVES = 6.0  # deviations of what differs from the first frame, beyond which something moves
 _TRIM_ROUNDS = 10
 _MOST_GROUPS = 16  # of levels
 
@@ -441,7 +436,7 @@ def _still_samples(away: Matrix) -> NDArray[np.bool_]:
     spread = _NORMAL * float(np.median(from_most))
     if not spread > 0.0:
         return np.ones(away.shape, bool)
-    return np.asarray(from_most <= _STILL_DEVIATIONS * spread)
+    return np.asarray(from_most <= _MOVES * spread)
 
 
 def _means(away: Matrix, still: NDArray[np.bool_], axis: int) -> Matrix:

@@ -7,8 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
-Index = NDArray[np.intp]
+from core.arrays import Index, Vector
 
 _SECTOR_DEG = 40.0
 _LARGEST_TURN_DEG = 25.0  # between neighbours

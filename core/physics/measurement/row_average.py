@@ -4,13 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from core.arrays import Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.slanted_edge import Target, jackknife_error
-
-Matrix = NDArray[np.float64]
-Vector = NDArray[np.float64]
 
 LEAST_SAMPLES = 8
 _GROUPS = 24

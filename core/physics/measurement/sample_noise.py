@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Mask, Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.flat_blocks import SIDE, VarianceLine
 
 # What digitising leaves in a picture: clipping, rounding steps, blocks of compression.
 
-Matrix = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _LEAST = 64  # samples at the end of the values that make a pile
 
@@ -129,7 +128,6 @@ def _block_steps(picture: NDArray[np.floating], period: int) -> float:
 
 # Variance of blocks over the level: by steps, and the gain and read noise of its line.
 
-Vector = NDArray[np.float64]
 
 _LEVELS = 16
 _LEAST_IN_LEVEL = 12

@@ -8,13 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Complex, Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.found_edge import why_clipped
 from core.physics.numerics import sinc
 
-Matrix = NDArray[np.float64]
-Vector = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Target = Literal["edge", "line"]
 Window = Literal["tukey", "hamming", "none"]
 

@@ -3,14 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Complex, Index, Matrix, Vector
 from core.physics.measurement.found_edge import EdgeSamples
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 
 _QUADRATURE = 6  # points an interval: exact to 1e-9 for two radians
 _FINE = 2.5  # samples from the middle to where intervals begin to widen

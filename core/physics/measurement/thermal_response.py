@@ -15,12 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Mask, Vector
 from core.errors import DataError
 from core.physics.measurement.photon_transfer import FlatField
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise
-
-Vector = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _OF_TIME = ("tvh", "tv", "th", "t")
 _LEAST_RISE = 5.0  # standard errors of the slope

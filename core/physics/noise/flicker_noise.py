@@ -13,16 +13,15 @@ with the frequencies drawn at random within their strata.
 import math
 from dataclasses import dataclass
 from math import ceil, log, log2, sqrt
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Array
 from core.errors import DataError, ParameterError
 from core.physics.numerics import finite, non_negative, positive, within
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Vector
 from core.errors import DataError, ParameterError
 
 
@@ -130,8 +131,6 @@ def components_of_moments(
 
 
 # The seven noise components of a sequence of frames, by unbiased estimates, frame after frame.
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Vector
 from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import chebyshev_sum, gauss_legendre, positive
@@ -28,7 +29,6 @@ from core.physics.optics.polychromatic import (
     panel_wavelengths,
 )
 
-Vector = NDArray[np.float64]
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 FINEST_TOLERANCE = 1e-13
 USUAL_WITH_DEFOCUS = 1e-10  # each of its OTFs is an integral itself: a third of the time

@@ -4,13 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import scipy
 from numpy.polynomial.polynomial import polyder, polyroots, polyval
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Array
 from core.physics.numerics import all_from_zero, positive, within
 from core.physics.optics.measured_otf import tabulated_mtf
 
@@ -113,7 +114,6 @@ def microlens_response(
 
 # Distortion of a lens: the rays that land at places of its picture, and samples along them.
 
-Array = NDArray[Any]
 _STEPS = 16  # of Newton; each doubles the digits, but for rays close to the fold
 _RESIDUAL, _ENOUGH = 1e-11, 1e-14
 _TAPS = np.arange(-3, 5)

@@ -2,17 +2,16 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Array
 from core.errors import DataError
 from core.physics.numerics import positive
 
 # MTF and PTF of a table of points: monotone between them, nothing beyond the last.
 
-Array = NDArray[Any]
 Column = tuple[float, ...]
 ROUNDED = 1e-3  # by which a table's MTF(0) may differ from 1: three decimals, as tables have
 _SLACK = 1e-12  # of the last frequency: one in another unit is the last one too

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Floats, Mask
 from core.errors import DataError, ParameterError
-
-Floats = NDArray[np.float64]
 
 
 def arc_half_angle(*, radius: ArrayLike, disc_radius: ArrayLike, distance: ArrayLike) -> Floats:
@@ -223,8 +222,6 @@ def half_disc_overlap_area(*, radius: float, lag_x: ArrayLike, lag_y: ArrayLike)
 # Places count across and along the band, from the centre of the disc that rests; the moved one is
 # at (across, along), neither negative.
 
-Bools = NDArray[np.bool_]
-
 
 @dataclass(frozen=True)
 class Lens:
@@ -237,7 +234,7 @@ class Lens:
 
     fixed: float
     moved: float
-    meet: Bools
+    meet: Mask
     kite: Floats
     own: Floats
     other: Floats
@@ -259,7 +256,7 @@ class Lens:
         arrays = self.meet, self.kite, self.other, self.own
         return Lens(self.moved, self.fixed, *arrays, self.nested)
 
-    def chosen(self, points: Bools | tuple[slice, slice]) -> "Lens":
+    def chosen(self, points: Mask | tuple[slice, slice]) -> "Lens":
         """At some of the lags."""
         if self.nested:
             return self
@@ -395,7 +392,7 @@ def lens_in_band(part: Lens, band: Band, cut: Cut) -> Floats:
     return area
 
 
-def _between_edges(part: Lens, band: Band, points: Bools) -> Floats:
+def _between_edges(part: Lens, band: Band, points: Mask) -> Floats:
     across, along, low = (
         np.broadcast_to(values, points.shape)[points]
         for values in (band.across, band.along, band.low)

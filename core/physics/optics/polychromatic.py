@@ -11,12 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Vector
 from core.errors import ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import gauss_legendre, positive
 from core.physics.radiometry.planck import SECOND_RADIATION_CONSTANT_M_K
 
-Vector = NDArray[np.float64]
 SpectralWeighting = Literal["photons", "energy", "uniform"]
 
 

@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Array, Floats, Mask
 from core.errors import DataError
 from core.physics.numerics import positive
 from core.physics.optics.diffraction_otf import annular_defocus_otf
@@ -42,9 +42,7 @@ from core.physics.optics.wavefront import sampled_otf
 # where a dash is the moved one. The single sums are lenses within bands. In the double sum a strip
 # and itself make a narrower band, two others a parallelogram that is nearly always whole or hidden.
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Index = Bools | tuple[slice, slice]
+Index = Mask | tuple[slice, slice]
 
 
 def strips_add_up(*, pupil: StripPupil) -> bool:
@@ -98,7 +96,7 @@ def strip_sum_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats
 
 
 def _cut_area(
-    pupil: StripPupil, crossing: "Crossing", points: Bools, lag_x: Floats, lag_y: Floats
+    pupil: StripPupil, crossing: "Crossing", points: Mask, lag_x: Floats, lag_y: Floats
 ) -> Floats:
     """Area of the parallelogram of two strips in both annuli."""
     x, y = (np.broadcast_to(lag, points.shape)[points] for lag in (lag_x, lag_y))
@@ -196,7 +194,7 @@ def _beyond_hole(rings: Rings, band: Band, pupil: StripPupil) -> Floats:
     return np.where(band.along < pupil.radius - reach, 0.5 * area, 0.0)
 
 
-def _where(wanted: Bools, shape: tuple[int, ...]) -> Index | None:
+def _where(wanted: Mask, shape: tuple[int, ...]) -> Index | None:
     """Rows and columns that hold the wanted points, or these alone where they depend on both."""
     if not wanted.any():
         return None
@@ -265,7 +263,7 @@ class Crossing:
         """How far its corners are from its centre."""
         return math.hypot(self.extent, self.half)
 
-    def overlap(self, across: tuple[Floats, Floats], *, same_side: bool) -> tuple[Floats, Bools]:
+    def overlap(self, across: tuple[Floats, Floats], *, same_side: bool) -> tuple[Floats, Mask]:
         """Area in both annuli of a strip's crossing with the moved other, and where none is known.
 
         The parallelogram's centre lies the lag's component across the second strip over the sine
@@ -317,9 +315,6 @@ def _in_disc(corners: list[tuple[Floats, float]], radius: float) -> Floats:
         angle += np.arctan2(inside[0], away) - np.arctan2(start, away)
         twice += distance * (inside[1] - inside[0]) + radius**2 * np.copysign(angle, distance)
     return 0.5 * twice
-
-
-Array = NDArray[Any]
 
 
 def geometric_pupil_otf(

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Floats
 from core.errors import ParameterError
 
 SHAPES = ("clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider")
@@ -237,7 +238,6 @@ def _held(points: NDArray[np.float64]) -> Circle:
 
 # Pointwise functions evaluated piece by piece, so that what they need stays in the cache.
 
-Floats = NDArray[np.float64]
 
 # Points of a tile. Smaller ones would be quicker on one thread, but two threads then wait for each
 # other: half the points take half as long again.

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Array, Complex
 from core.errors import DataError, ParameterError
 
 HIGHEST_NOLL_INDEX = 861  # 40 radial orders; beyond, samples of a pupil do not resolve them
@@ -145,14 +145,12 @@ def _clear(empty: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
 
 # OTF of a sampled exit pupil: autocorrelation, interpolation and an estimate of the error.
 
-Array = NDArray[Any]
-Complexes = NDArray[np.complex128]
 Indices = NDArray[np.int64]
 Corner = Callable[[int, int], Array]  # of the cells: (0 near or 1 far along, likewise across)
 INTERPOLATIONS = ("linear", "bilinear")
 
 
-def complex_pupil(*, transmission: ArrayLike, wavefront_waves: ArrayLike = 0.0) -> Complexes:
+def complex_pupil(*, transmission: ArrayLike, wavefront_waves: ArrayLike = 0.0) -> Complex:
     """Amplitude transmission of a pupil with a wavefront error in waves: t · exp(2πi W).
 
     The wavefront is of the same shape or a scalar, and ignored where nothing is transmitted.
@@ -162,7 +160,7 @@ def complex_pupil(*, transmission: ArrayLike, wavefront_waves: ArrayLike = 0.0) 
     return np.asarray(amplitude * np.exp(2j * np.pi * waves), dtype=np.complex128)
 
 
-def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complexes:
+def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complex:
     """Raw autocorrelation of a sampled pupil at integer lags, 1 at zero lag.
 
     Parameters
@@ -197,8 +195,8 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complexe
     return np.asarray(raw, dtype=np.complex128)
 
 
-def _checked(pupil: ArrayLike) -> Complexes:
-    samples: Complexes = np.asarray(pupil, dtype=np.complex128)
+def _checked(pupil: ArrayLike) -> Complex:
+    samples: Complex = np.asarray(pupil, dtype=np.complex128)
     if samples.ndim != 2 or samples.size == 0:
         raise DataError(f"a pupil must be an array (rows, columns), not of shape {samples.shape}")
     if not np.all(np.isfinite(samples)):

@@ -15,6 +15,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Floats
 from core.errors import DataError, ParameterError
 from core.physics.numerics import chebyshev_fit, chebyshev_sum, gauss_legendre, positive
 
@@ -41,14 +42,13 @@ STEFAN_BOLTZMANN_W_M2_K4 = (
 
 # Planck's law: spectral and band radiance, its slope, and the temperature of a radiance.
 
-FloatArray = NDArray[np.float64]
 FloatOrArray = TypeVar("FloatOrArray", float, NDArray[np.float64])
 
 _SHORTEST_UM, _LONGEST_UM = 1e-30, 1e30  # keeps λ⁻⁵ a finite number
 _HOTTEST_K = 1e30  # keeps T⁴ a finite number
 
 
-def spectral_radiance(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> FloatArray:
+def spectral_radiance(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Floats:
     """Spectral radiance of a blackbody.
 
     Parameters
@@ -199,12 +199,12 @@ def _evaluated(integral: "BandIntegral", temperature_K: FloatOrArray) -> FloatOr
     return result
 
 
-def _as_given(values: FloatArray) -> Any:
+def _as_given(values: Floats) -> Any:
     """A float for a 0-d array: what a scalar argument became."""
     return values[()]
 
 
-def _temperatures(temperature_K: ArrayLike) -> FloatArray:
+def _temperatures(temperature_K: ArrayLike) -> Floats:
     values = np.asarray(temperature_K, dtype=float)
     allowed = (values >= 0.0) & (values <= _HOTTEST_K)
     if not np.all(allowed):
@@ -213,7 +213,7 @@ def _temperatures(temperature_K: ArrayLike) -> FloatArray:
     return values
 
 
-def _require_wavelengths(values: FloatArray, name: str) -> None:
+def _require_wavelengths(values: Floats, name: str) -> None:
     allowed = (values >= _SHORTEST_UM) & (values <= _LONGEST_UM)
     if not np.all(allowed):
         first = float(values[~allowed].flat[0])
@@ -234,7 +234,7 @@ _WIDEST_RATIO = 1.06  # of the ends of a piece: Planck's law is a polynomial of 
 _NODES, _FEW_NODES, _MANY_PIECES = 24, 8, 100
 
 
-def band_nodes(low: float, high: float, places: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+def band_nodes(low: float, high: float, places: Sequence[float]) -> tuple[Floats, Floats]:
     """Wavelengths and widths of a quadrature over a band, which breaks at the places in it."""
     positive("cut_on_um", low, unit="µm")
     if not low < high < math.inf:
@@ -286,7 +286,7 @@ class BandIntegral:
     power: int
     order: int
 
-    def __call__(self, temperature_K: FloatArray) -> FloatArray:
+    def __call__(self, temperature_K: Floats) -> Floats:
         """Values for temperatures of any shape, 0 K included."""
         flat = temperature_K.ravel()
         if flat.size <= DIRECT_SIZE:
@@ -296,9 +296,9 @@ class BandIntegral:
         x_off = reduced(self.cut_off_um, flat)
         with np.errstate(under="ignore"):
             values = self.scale * flat**self.temperature_power * np.exp(logs - x_off)
-        return cast(FloatArray, values.reshape(temperature_K.shape))
+        return cast(Floats, values.reshape(temperature_K.shape))
 
-    def scaled(self, temperature_K: FloatArray) -> FloatArray:
+    def scaled(self, temperature_K: Floats) -> Floats:
         """The integral times e^(x_off): neither zero nor infinite at any temperature."""
         x_off = reduced(self.cut_off_um, temperature_K)
         # from the difference of the wavelengths, which is exact where the band is narrow
@@ -310,9 +310,9 @@ class BandIntegral:
         ratio = x / -np.expm1(-x)
         with np.errstate(under="ignore"):
             values = np.exp(-step) * x ** (self.power - self.order) * ratio**self.order
-        return cast(FloatArray, width * (values @ weights))
+        return cast(Floats, width * (values @ weights))
 
-    def log(self, temperature_K: FloatArray, scaled: FloatArray | None = None) -> FloatArray:
+    def log(self, temperature_K: Floats, scaled: Floats | None = None) -> Floats:
         """Natural logarithm of the value, also where the value itself would be zero.
 
         `scaled`: what the method of that name gives there, where it is known.
@@ -320,9 +320,9 @@ class BandIntegral:
         scaled = self.scaled(temperature_K) if scaled is None else scaled
         front = np.log(self.scale) + self.temperature_power * np.log(temperature_K)
         x_off = reduced(self.cut_off_um, temperature_K)
-        return cast(FloatArray, front + (np.log(scaled) - x_off))
+        return cast(Floats, front + (np.log(scaled) - x_off))
 
-    def _logs_by_octaves(self, temperature_K: FloatArray) -> FloatArray:
+    def _logs_by_octaves(self, temperature_K: Floats) -> Floats:
         coldest = SECOND_RADIATION_CONSTANT_UM_K / (self.cut_off_um * _ZERO_X)
         warm = np.maximum(temperature_K, coldest)
         _, (first, last) = np.frexp([warm.min(), warm.max()])
@@ -336,13 +336,13 @@ class BandIntegral:
 
 
 def _by_fits(
-    function: Callable[[FloatArray], FloatArray],
-    values: FloatArray,
-    edges: FloatArray,
-    piece_of: Callable[[FloatArray], NDArray[np.intp]],
-) -> FloatArray:
+    function: Callable[[Floats], Floats],
+    values: Floats,
+    edges: Floats,
+    piece_of: Callable[[Floats], NDArray[np.intp]],
+) -> Floats:
     """A smooth function of many values, by one Chebyshev fit between every two edges."""
-    fits: dict[int, FloatArray] = {}
+    fits: dict[int, Floats] = {}
     result = np.empty(values.size)
     for start in range(0, values.size, _BLOCK):
         block, part = values[start : start + _BLOCK], result[start : start + _BLOCK]
@@ -359,7 +359,7 @@ def _by_fits(
     return result
 
 
-def reduced(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> FloatArray:
+def reduced(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Floats:
     """X = c2/(λT), capped where e⁻ˣ is zero anyway, so that 0 K is no special case."""
     product = np.multiply(wavelength_um, temperature_K)
     smallest = SECOND_RADIATION_CONSTANT_UM_K / _LARGEST_X
@@ -367,15 +367,13 @@ def reduced(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> FloatArray:
 
 
 @lru_cache(maxsize=1)
-def unit_rule() -> tuple[FloatArray, FloatArray]:
+def unit_rule() -> tuple[Floats, Floats]:
     """Gauss-Legendre nodes and weights on [0, 1]."""
     places, weights = gauss_legendre(NODES)
     return (places + 1.0) / 2.0, weights / 2.0
 
 
-def temperature_from_log(
-    radiance: BandIntegral, logs: FloatArray, *, fitted: bool = False
-) -> FloatArray:
+def temperature_from_log(radiance: BandIntegral, logs: Floats, *, fitted: bool = False) -> Floats:
     """Temperatures at which ln `radiance` takes the values of a flat array.
 
     `fitted`: by the fits of large arrays in any case, so that each value's temperature is the same
@@ -396,7 +394,7 @@ def temperature_from_log(
     )
 
 
-def _solve(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
+def _solve(radiance: BandIntegral, logs: Floats) -> Floats:
     """Newton in 1/T, where ln L is convex: from the hot side it never passes the root."""
     slope = BandIntegral(
         radiance.cut_on_um,
@@ -424,7 +422,7 @@ def _solve(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
     return 1.0 / inverse
 
 
-def _first_guess(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
+def _first_guess(radiance: BandIntegral, logs: Floats) -> Floats:
     """1/T of the radiance taken as monochromatic at the band's long end."""
     span = radiance.cut_off_um - radiance.cut_on_um
     c2 = SECOND_RADIATION_CONSTANT_UM_K
@@ -432,4 +430,4 @@ def _first_guess(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
     front = np.log(radiance.scale) + 4.0 * np.log(c2) - 5.0 * np.log(radiance.cut_off_um)
     ratio = front + np.log(span) - logs
     x = np.logaddexp(0.0, ratio)  # ln(1 + e^ratio)
-    return cast(FloatArray, np.maximum(x, 1e-300) * radiance.cut_off_um / c2)
+    return cast(Floats, np.maximum(x, 1e-300) * radiance.cut_off_um / c2)

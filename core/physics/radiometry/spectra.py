@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Floats
 from core.errors import DataError, ParameterError
 from core.physics.radiometry.planck import (
     STEFAN_BOLTZMANN_W_M2_K4,
@@ -181,7 +182,6 @@ def white_surface_radiance(
 
 # Spectra given at a few wavelengths, straight between them, and their means over a band.
 
-FloatArray = NDArray[np.float64]
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -196,7 +196,7 @@ class CoarseSpectrum:
         if not wavelengths or not np.all(np.diff(wavelengths) > 0.0):
             raise ParameterError("points", wavelengths, "one or more, in ascending order")
 
-    def at(self, wavelength_um: ArrayLike) -> FloatArray:
+    def at(self, wavelength_um: ArrayLike) -> Floats:
         """Values at wavelengths [µm]."""
         wavelengths, values = np.array(self.points).T
         return np.asarray(np.interp(np.asarray(wavelength_um, float), wavelengths, values))
@@ -204,7 +204,7 @@ class CoarseSpectrum:
 
 def mean_by_planck(
     *spectra: CoarseSpectrum, cut_on_um: float, cut_off_um: float, temperature_K: ArrayLike
-) -> FloatArray:
+) -> Floats:
     """Mean of a spectrum, or of a product of several, by the light of black bodies in a band.
 
     ∫ s(λ)·L(λ, T) dλ / ∫ L(λ, T) dλ by Gauss's rule between the points: with the band's radiance,
@@ -229,7 +229,7 @@ def mean_by_planck(
 _OFFSETS_K = {"K": 0.0, "kelvin": 0.0, "°C": 273.15, "C": 273.15, "degC": 273.15}
 
 
-def in_kelvin(samples: NDArray[Any], *, unit: str) -> FloatArray:
+def in_kelvin(samples: NDArray[Any], *, unit: str) -> Floats:
     """Temperatures in a unit as kelvin."""
     values, unit = np.asarray(samples, np.float64), unit.strip()
     if unit == "mK":
@@ -248,7 +248,7 @@ def grey_radiance(
     surroundings_K: float | None,
     cut_on_um: float,
     cut_off_um: float,
-) -> FloatArray:
+) -> Floats:
     """Band radiance of opaque surfaces: emitted, and reflected from the surroundings.
 
     Parameters
@@ -282,7 +282,7 @@ def grey_temperature(
     surroundings_K: float | None,
     cut_on_um: float,
     cut_off_um: float,
-) -> FloatArray:
+) -> Floats:
     """Temperature of opaque surfaces that give a band radiance: the inverse of `grey_radiance`."""
     band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
     share = _emissivity(emissivity)
@@ -305,7 +305,7 @@ def grey_radiance_slope(
     return emissivity * float(band_radiance_derivative(temperature_K=temperature_K, **band))
 
 
-def _emissivity(values: ArrayLike) -> FloatArray:
+def _emissivity(values: ArrayLike) -> Floats:
     share = np.asarray(values, np.float64)
     wrong = ~((share >= 0.0) & (share <= 1.0))
     if np.any(wrong):

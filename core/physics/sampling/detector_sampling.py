@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Complex, Floats, Index, Vector
 from core.errors import DataError, ParameterError
 from core.physics.numerics import positive, within
-from core.physics.optics.wavefront import Complexes, autocorrelation
+from core.physics.optics.wavefront import autocorrelation
 
 # Far below any optics, and so far above the least number that frequencies have squares.
 LEAST_FIELD_DEG = 1e-30
@@ -73,7 +74,6 @@ def _count(samples: int) -> int:
 
 # How far the OTF of a sampled pupil may be from that of the aperture it stands for.
 
-Floats = NDArray[np.float64]
 # An edge that comes off by d moves the overlap by up to 2d per length and the pupil's own area by
 # d; over all lags and the shapes of this library their quotient changes by at most 1.5 d per area.
 _STRAIGHT_EDGE_FACTOR = 1.5
@@ -83,7 +83,7 @@ _STAIR_FACTOR = 1.2
 
 
 def error_estimate(
-    pupil: ArrayLike, *, correlation: Complexes, edge_uncertainty_samples: float = 0.5
+    pupil: ArrayLike, *, correlation: Complex, edge_uncertainty_samples: float = 0.5
 ) -> float:
     """Estimate that covers the largest error of a sampled pupil's OTF over all lags.
 
@@ -130,7 +130,7 @@ def _edge_runs(amplitude: Floats) -> Floats:
     return np.asarray(lengths[signs[ends[:-1]] != 0.0], dtype=np.float64)
 
 
-def _half_resolution_spread(samples: Complexes, correlation: Complexes) -> float:
+def _half_resolution_spread(samples: Complex, correlation: Complex) -> float:
     """Largest difference at even lags from the pupil with every other row and column."""
     rows, columns = samples.shape
     largest = 0.0
@@ -149,7 +149,7 @@ def _half_resolution_spread(samples: Complexes, correlation: Complexes) -> float
     return largest
 
 
-def _curvature(correlation: Complexes) -> float:
+def _curvature(correlation: Complex) -> float:
     """Largest second difference across, over 8; the cusp on the axis is a node."""
     columns = correlation.shape[1]
     if columns < 5:
@@ -159,8 +159,6 @@ def _curvature(correlation: Complexes) -> float:
 
 
 # Transfer functions of resampling: means of pixels, and interpolation between them.
-
-Vector = NDArray[np.float64]
 
 
 def block_mean_mtf(*, frequency: ArrayLike, interval_mrad: float, samples: int) -> Vector:
@@ -272,15 +270,13 @@ def cubic_weights(t: Any) -> tuple[tuple[int, Any], ...]:
 
 # What samples made of other samples do to a wave, on average over where they lie.
 
-Indices = NDArray[np.intp]
-
 
 def resampling_response(
     *,
     frequency: Vector,
     places: Vector,
-    base: Indices,
-    further: Sequence[tuple[Indices, Vector]],
+    base: Index,
+    further: Sequence[tuple[Index, Vector]],
     share: Vector | None = None,
 ) -> Vector:
     """Modulus of the mean response of samples made of others, 1 at zero.

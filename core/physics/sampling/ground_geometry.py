@@ -21,13 +21,13 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from core.arrays import Vector
 from core.errors import DataError, ParameterError
 from core.physics.numerics import non_negative, positive
 from core.physics.sampling.platform_motion import view_angles_rad
 
-Vector = NDArray[np.float64]
 Kind = Literal["line", "pushbroom", "framing"]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core.arrays import Vector
 from core.errors import ParameterError
 from core.physics.numerics import finite, gauss_legendre, non_negative, positive, sinc
 
@@ -97,8 +98,6 @@ def line_motion_mtf(
 #
 # Source: Tantalo 1996, section 2 and figure 2.3a, which treats the whole frame at one scale and
 # leaves the comparison to later work.
-
-Vector = NDArray[np.float64]
 
 
 def view_angles_rad(*, columns: int, interval_mrad: float, look_angle_rad: float = 0.0) -> Vector:
