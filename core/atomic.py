@@ -1,4 +1,4 @@
-"""Files that are either the old ones or the new ones, never half of each."""
+"""Files written whole or not at all, locks on them, and what dead processes have left."""
 
 import contextlib
 import functools

@@ -4,9 +4,9 @@ Transfer functions and noises of a picture are read off its recipe, step by step
 back to its source. Of a step six things are needed:
 
 1. Which input is the picture that goes on?              `picture`, by its name in the function
-2. Which linear change is made of it?                    `linear`, see `core.chain.step_lineage`:
+2. Which linear change is made of it?                    `linear`, see `Linear`:
    its transfer function, the sampling before, a noise behind it, a row of an edge behind it
-3. Which noises are added, of which power and colour?    `noise`, see `core.chain.step_lineage`
+3. Which noises are added, of which power and colour?    `noise`, see `Noise`
 4. The values of which inputs do these make?             `looks_at`, by their names
 5. What is the picture with those at their mean?         `noise_free`; if not given, the picture
 6. If a picture begins here: are its samples means over

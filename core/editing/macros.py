@@ -1,4 +1,4 @@
-"""Changes of nodes inside of macros, and of the parameters that a macro shows."""
+"""Macros: nodes grouped and ungrouped, changes inside, and the parameters that one shows."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Links: why one cannot be made, in one line, and which ways they lead."""
+"""Links: why one cannot be made, which ways they lead, and those that follow from an edit."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence

@@ -157,7 +157,7 @@ class Recipe(ABC):
     def lineage(self) -> Any:
         """What becomes of a picture in it; None where nothing behind it can be followed.
 
-        Its vocabulary is that of `core.lineage`, and not known here.
+        Its vocabulary is that of `core.chain.step_lineage`, and not known here.
         """
         return None
 
@@ -373,7 +373,7 @@ def ends_lineage(function: F) -> F:
     """Mark a step's function that carries no picture on.
 
     It makes figures, curves or patterns, or a picture of which no transfer function is known.
-    Functions that do carry one on are marked in the words of `core.lineage`.
+    Functions that do carry one on are marked in the words of `core.chain.step_lineage`.
     """
     return marked(lineage=_ended)(function)
 

@@ -1,4 +1,4 @@
-"""Units that a number may be written in, by what they measure."""
+"""Expressions that a parameter follows, and the units that their numbers may be written in."""
 
 import math
 import operator

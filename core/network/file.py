@@ -1,4 +1,4 @@
-"""From the text of a network file to the document: types and structure, not yet its meaning."""
+"""Network files: reading, bringing up to date, writing; types and structure, not the meaning."""
 
 import difflib
 import json

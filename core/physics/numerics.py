@@ -1,4 +1,6 @@
-"""Checks of parameters and arrays: the value as a float or an array, or a `ParameterError`.
+"""Checks of parameters and arrays, quadrature, Chebyshev series, roots, sinc.
+
+A check gives the value as a float or an array, or raises a `ParameterError`.
 
 Every function of `core.physics` refuses values out of range, names that it does not know and shapes
 that do not fit by a `ParameterError`; its docstring says so only where there is more to it.

@@ -1,4 +1,4 @@
-"""What reading a detector does to its picture: skew, smear, blooming, trails and lag.
+"""Reading a detector: skew, smear, blooming, trails and lag; its amplifier and converter.
 
 Charges have any unit that is proportional to electrons.
 """

@@ -1,7 +1,7 @@
-"""Physical constants, the exact values of the SI.
+"""Physical constants, and Planck's law: radiance of a wavelength, of a band, and temperature.
 
-Source: CODATA 2018 recommended values (Tiesinga, Mohr, Newell, Taylor 2021); h, c, k and e are
-exact by definition of the SI since 2019.
+Source of the constants: CODATA 2018 recommended values (Tiesinga, Mohr, Newell, Taylor 2021); h, c,
+k and e are exact by definition of the SI since 2019.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Blur from motion during one exposure: a straight smear."""
+"""Motion of the line of sight during an exposure: smear, scan, vibration, random motion."""
 
 import math
 import sys
