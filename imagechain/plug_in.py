@@ -1,6 +1,6 @@
 """Import from here what your own modules need.
 
-    from imagechain.plug_in import Context, Magnitude, MtfModule, MtfOutputs, NodeContext, Param
+    from imagechain.plug_in import Context, Magnitude, MtfModule, MtfOutputs, NodeContext, param
 
 The names here are stable; names in the layers below may change.
 """
@@ -13,7 +13,7 @@ from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.parameters import Caution, Formula, Param, Section
+from core.modules.parameters import Caution, Formula, Param, Section, param
 from core.transfer.factors import Law, Planar, Separable
 from nodes.shared.deviates import SeededModule
 from nodes.shared.factors import radial, separable
@@ -64,6 +64,7 @@ __all__ = [
     "in_blocks",
     "in_parts",
     "normal_field",
+    "param",
     "picture_step",
     "pointwise",
     "radial",

@@ -3,15 +3,16 @@
     class JitterMTF(Module, key="jitter_mtf", title="Jitter MTF", group="Motion"):
         '''Blur from random line-of-sight motion within one exposure (Gaussian).'''
 
-        sigma_mrad: Annotated[float, Param("rms motion per axis", unit="mrad", low=0)] = 0.02
+        sigma_mrad: float = param(0.02, "rms motion per axis", low=0)
 
         def run(self, context: Context, magnitude: Magnitude) -> MtfOutputs: ...
 
 Parameters are the annotated fields, input ports the arguments of `run`, output ports the fields of
 the named tuple it returns, read-outs the methods marked with `readout`, warnings those marked with
-`warning`. The class attribute `panel` groups the parameters where they are many, `preview` makes
-what is drawn on top of the panel where it is not the curve of an `mtf` or `ptf` output, `formulas`
-are those of the module's page in the handbook.
+`warning`. A parameter that several modules share, or without a default, is
+`Annotated[type, Param(text, …)]`. The class attribute `panel` groups the parameters where they are
+many, `preview` makes what is drawn on top of the panel where it is not the curve of an `mtf` or
+`ptf` output, `formulas` are those of the module's page in the handbook.
 """
 
 from __future__ import annotations
@@ -47,13 +48,15 @@ from core.modules.parameters import (
     Section,
     coerce_all,
     complete,
+    param,
 )
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe, Step
 
 __all__ = [  # what a module is declared with; the rest is for those who read declarations
-    "Caution", "Formula", "Module", "NodeContext", "Param", "Section", "readout", "warning",
+    "Caution", "Formula", "Module", "NodeContext", "Param", "Section", "param", "readout",
+    "warning",
 ]  # fmt: skip
 
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
@@ -277,11 +280,12 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
     hints = get_type_hints(module, include_extras=True)
     parameters = []
     for field in dataclasses.fields(module):  # type: ignore[arg-type]
-        hint = hints[field.name]
-        if get_origin(hint) is not Annotated:
-            raise TypeError(f"{module.__name__}.{field.name} needs Annotated[type, Param(...)]")
-        base, param = get_args(hint)[:2]
-        kind, choices, empty = _kind(base, param)
+        base, own = hints[field.name], field.metadata.get("param")
+        if own is None and get_origin(base) is not Annotated:
+            allowed = "param(default, text), or Annotated[type, Param(...)]"
+            raise TypeError(f"{module.__name__}.{field.name} needs {allowed}")
+        base, own = (base, own) if own is not None else get_args(base)[:2]
+        kind, choices, empty = _kind(base, own)
         parameters.append(
             Parameter(
                 name=field.name,
@@ -289,7 +293,7 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
                 default=... if field.default is dataclasses.MISSING else field.default,
                 choices=choices,
                 empty=empty,
-                param=param if param.unit else replace(param, unit=unit_of(field.name)),
+                param=own if own.unit else replace(own, unit=unit_of(field.name)),
             )
         )
     return tuple(parameters)

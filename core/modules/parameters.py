@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -38,6 +36,13 @@ class Param:
     slider: tuple[float, float] | None = None  # the part of the range a slider should cover
     zero_is_empty: bool = True  # for a number that may be empty: whether 0 means empty
     choices: tuple[Any, ...] = ()  # where a `Literal` would list derived ones again
+
+
+def param(default: Any, text: str, bounds: tuple[float, float] | None = None, **more: Any) -> Any:
+    """A parameter of a module with its default; `bounds`: low, high; `more` as for `Param`."""
+    if bounds is not None:
+        more |= {"low": bounds[0], "high": bounds[1]}
+    return field(default=default, metadata={"param": Param(text, **more)})
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from core.chain.wires import Curve, CurveData, Header, Image, Series, Table, Tab
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
+from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
 from core.modules.preview import Axis, Plot, Preview, brief, pair
 from core.modules.preview import Curve as DrawnCurve
 from core.physics.sampling.footprint_means import (
@@ -162,76 +162,55 @@ class Ground:
 
 
 class CameraSettings(Module):
-    kind: Annotated[
-        Kind, Param("line scanner, pushbroom, or framing camera (exposes all lines at once)")
-    ] = "line"
-    altitude_m: Annotated[
-        float, Param("height above the ground", low=0, above=True, slider=(100, 10000))
-    ] = 1000.0
-    ground_interval_m: Annotated[
-        float | None,
-        Param(
-            "sampling interval of the scene on the ground; empty: angular interval × altitude",
-            low=0,
-            slider=(0.1, 10),
-        ),
-    ] = None
-    ground_interval_y_m: Annotated[
-        float | None,
-        Param(
-            "sampling interval of the scene down the picture; empty: equal to ground_interval_m",
-            low=0,
-        ),
-    ] = None
-    columns: Annotated[
-        int | None,
-        Param("samples per line; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
-    ] = None
-    rows: Annotated[
-        int | None,
-        Param("number of lines; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
-    ] = None
-    fov_x_deg: Annotated[
-        float | None,
-        Param(
-            "field of view across the track; empty: columns × pitch / focal length",
-            low=0,
-            high=180,
-            below=True,
-        ),
-    ] = 20.0
-    pitch_x_um: Annotated[
-        float | None, Param("pixel pitch across the track", low=0, slider=(1, 1000))
-    ] = None
-    pitch_y_um: Annotated[
-        float | None,
-        Param("pixel pitch along the track; empty: equal to pitch_x_um", low=0, slider=(1, 1000)),
-    ] = None
-    focal_length_mm: Annotated[float | None, Param("focal length", low=0, slider=(10, 1000))] = None
-    velocity_m_per_s: Annotated[
-        float | None,
-        Param("ground speed; empty: consecutive lines touch at nadir", low=0),
-    ] = None
-    line_rate_Hz: Annotated[
-        float | None,
-        Param("lines per second; empty: consecutive lines touch at nadir", low=0),
-    ] = None
-    roll_deg: Annotated[
-        float, Param("look angle to the right", low=-89, high=89, slider=(-45, 45))
-    ] = 0.0
-    pitch_deg: Annotated[float, Param("look angle ahead", low=-89, high=89, slider=(-45, 45))] = 0.0
-    yaw_deg: Annotated[
-        float,
-        Param("heading, clockwise from straight down the picture", low=-180, high=180),
-    ] = 0.0
-    offset_x_m: Annotated[
-        float,
-        Param("distance of the camera to the right of the scene's centre", slider=(-500, 500)),
-    ] = 0.0
-    offset_y_m: Annotated[
-        float,
-        Param("distance of the camera below the scene's centre", slider=(-500, 500)),
-    ] = 0.0
+    kind: Kind = param(
+        "line", "line scanner, pushbroom, or framing camera (exposes all lines at once)"
+    )
+    altitude_m: float = param(
+        1000.0, "height above the ground", low=0, above=True, slider=(100, 10000)
+    )
+    ground_interval_m: float | None = param(
+        None,
+        "sampling interval of the scene on the ground; empty: angular interval × altitude",
+        low=0,
+        slider=(0.1, 10),
+    )
+    ground_interval_y_m: float | None = param(
+        None,
+        "sampling interval of the scene down the picture; empty: equal to ground_interval_m",
+        low=0,
+    )
+    columns: int | None = param(
+        None, "samples per line; empty: as in the scene", (1, 65536), slider=(16, 2048)
+    )
+    rows: int | None = param(
+        None, "number of lines; empty: as in the scene", (1, 65536), slider=(16, 2048)
+    )
+    fov_x_deg: float | None = param(
+        20.0,
+        "field of view across the track; empty: columns × pitch / focal length",
+        (0, 180),
+        below=True,
+    )
+    pitch_x_um: float | None = param(None, "pixel pitch across the track", low=0, slider=(1, 1000))
+    pitch_y_um: float | None = param(
+        None, "pixel pitch along the track; empty: equal to pitch_x_um", low=0, slider=(1, 1000)
+    )
+    focal_length_mm: float | None = param(None, "focal length", low=0, slider=(10, 1000))
+    velocity_m_per_s: float | None = param(
+        None, "ground speed; empty: consecutive lines touch at nadir", low=0
+    )
+    line_rate_Hz: float | None = param(
+        None, "lines per second; empty: consecutive lines touch at nadir", low=0
+    )
+    roll_deg: float = param(0.0, "look angle to the right", (-89, 89), slider=(-45, 45))
+    pitch_deg: float = param(0.0, "look angle ahead", (-89, 89), slider=(-45, 45))
+    yaw_deg: float = param(0.0, "heading, clockwise from straight down the picture", (-180, 180))
+    offset_x_m: float = param(
+        0.0, "distance of the camera to the right of the scene's centre", slider=(-500, 500)
+    )
+    offset_y_m: float = param(
+        0.0, "distance of the camera below the scene's centre", slider=(-500, 500)
+    )
 
     def camera(self, image: Image) -> Camera:
         columns, rows = self.columns or image.columns, self.rows or image.rows
@@ -352,16 +331,14 @@ class CameraGeometry(
         ),
     )
 
-    interpolation: Annotated[
-        Between,
-        Param("interpolation between scene samples: constant, linear, or parabolic"),
-    ] = "area"
-    strips: Annotated[int, Param("number of strips per oblique footprint", low=1, high=64)] = 4
-    outside: Annotated[
-        Literal["refuse", "fill"],
-        Param("footprints beyond the scene: an error (refuse), or fill_value (fill)"),
-    ] = "refuse"
-    fill_value: Annotated[float, Param("value beyond the scene, in the scene's unit")] = 0.0
+    interpolation: Between = param(
+        "area", "interpolation between scene samples: constant, linear, or parabolic"
+    )
+    strips: int = param(4, "number of strips per oblique footprint", (1, 64))
+    outside: Literal["refuse", "fill"] = param(
+        "refuse", "footprints beyond the scene: an error (refuse), or fill_value (fill)"
+    )
+    fill_value: float = param(0.0, "value beyond the scene, in the scene's unit")
 
     preview_lines = 10.5
     panel = (

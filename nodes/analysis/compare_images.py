@@ -1,7 +1,7 @@
 """Compare Images: how far a picture is from a reference, and the MTF between them."""
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -11,7 +11,7 @@ from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param
+from core.modules.declaration import Formula, Module, NodeContext, param
 from core.transfer.factors import Array, Edges, Grid
 from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
@@ -50,14 +50,13 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         ),
     )
 
-    average: Annotated[
-        Literal["axes", "radial"],
-        Param("MTF ratio along both frequency axes, or averaged in rings"),
-    ] = "axes"
-    edges: Annotated[
-        Edges,
-        Param("how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT"),
-    ] = "reflect"
+    average: Literal["axes", "radial"] = param(
+        "axes", "MTF ratio along both frequency axes, or averaged in rings"
+    )
+    edges: Edges = param(
+        "reflect",
+        "how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT",
+    )
 
     def run(self, image: Image, reference: Image, here: NodeContext) -> CompareOutputs:
         if image.shape != reference.shape:

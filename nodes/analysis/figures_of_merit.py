@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mrtd import Window
 from core.physics.atmosphere.air_path import AirPath
@@ -124,143 +124,125 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         Formula(r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r", when="TTP"),
     )
 
-    model: Annotated[
-        Model, Param("temporal noise only, or three-dimensional noise with a sampling limit")
-    ] = "flir92"
-    scanning: Annotated[
-        Scanning,
-        Param(
-            "how the picture is scanned; automatic: from Init & Trans's platform (line: "
-            "serial, push: parallel, array: staring)"
-        ),
-    ] = "automatic"
+    model: Model = param(
+        "flir92", "temporal noise only, or three-dimensional noise with a sampling limit"
+    )
+    scanning: Scanning = param(
+        "automatic",
+        "how the picture is scanned; automatic: from Init & Trans's platform (line: "
+        "serial, push: parallel, array: staring)",
+    )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    background_K: Annotated[
-        float | None,
-        Param("background temperature; empty: brightness temperature of the picture's mean", low=0),
-    ] = None
-    snr_threshold: Annotated[
-        float,
-        Param(
-            "SNR at which half of the observers resolve the bars or detect the target",
-            low=0, high=1000, above=True, slider=(1, 5),
-        ),
-    ] = 2.5  # fmt: skip
-    frame_rate_Hz: Annotated[
-        float | None,
-        Param("frames per second; empty: a single still frame", low=0, slider=(0, 120)),
-    ] = 30.0
-    eye_integration_s: Annotated[
-        float,
-        Param("time over which the eye averages frames", low=0, high=10, above=True),
-    ] = 0.2
-    mdtd_window: Annotated[
-        Window, Param("MDTD: whether the eye averages over the target or over its blurred image")
-    ] = "target"
-    eye_limit_mrad: Annotated[
-        float | None,
-        Param(
-            "MDTD: largest angle in the scene over which the eye averages; empty: no limit",
-            low=0, slider=(0, 100),
-        ),
-    ] = None  # fmt: skip
-    target_size_m: Annotated[
-        float,
-        Param(
-            "size of the target: the square root of its area",
-            low=0, above=True, high=1e6, slider=(0.1, 10),
-        ),
-    ] = 2.3  # fmt: skip
-    target_delta_K: Annotated[
-        float,
-        Param(
-            "temperature difference between target and background",
-            low=-10000,
-            high=10000,
-            slider=(0, 10),
-        ),
-    ] = 2.0
-    extinction_per_km: Annotated[
-        float,
-        Param(
-            "extinction of the air in the band, used if there is no Atmospheric Path",
-            low=0,
-            high=1e6,
-            slider=(0, 2),
-        ),
-    ] = 0.2
-    n50_detection: Annotated[
-        float,
-        Param(
-            "cycles for 50 % detection; use 1 with the MRTD in one direction",
-            low=0, above=True, high=1000, slider=(0.1, 10),
-        ),
-    ] = 0.75  # fmt: skip
-    n50_recognition: Annotated[
-        float,
-        Param(
-            "cycles for 50 % recognition; use 4 with the MRTD in one direction",
-            low=0, above=True, high=1000, slider=(0.1, 10),
-        ),
-    ] = 3.0  # fmt: skip
-    n50_identification: Annotated[
-        float,
-        Param(
-            "cycles for 50 % identification; use 6.4 with the MRTD in one direction",
-            low=0, above=True, high=1000, slider=(0.1, 10),
-        ),
-    ] = 6.0  # fmt: skip
-    ttp_threshold: Annotated[
-        TtpForm,
-        Param(
-            "TTP: contrast threshold from the eye and the MRTD, or the published "
-            "threshold from MTF and noise"
-        ),
-    ] = "mrtd"
-    v50: Annotated[
-        float,
-        Param(
-            "TTP value for 50 % success; use published values with system_contrast_threshold",
-            low=0, above=True, high=10000, slider=(1, 40),
-        ),
-    ] = 18.8  # fmt: skip
-    scene_contrast_K: Annotated[
-        float,
-        Param(
-            "TTP: temperature difference that corresponds to the mean luminance of the display",
-            low=0, above=True, high=1e4, slider=(0.5, 20),
-        ),
-    ] = 5.0  # fmt: skip
-    display_cd_m2: Annotated[
-        float,
-        Param(
-            "TTP: mean luminance of the display",
-            unit="cd/m²", low=0, above=True, high=1e6, slider=(1, 300),
-        ),
-    ] = 34.0  # fmt: skip
-    display_deg: Annotated[
-        float,
-        Param(
-            "TTP: angle that the display subtends at the eye",
-            low=0, above=True, high=180, slider=(1, 60),
-        ),
-    ] = 15.0  # fmt: skip
-    magnification: Annotated[
-        float | None,
-        Param(
-            "TTP: magnification, angle on the display / angle in the scene; empty: the picture "
-            "fills the display",
-            low=0, slider=(0, 20),
-        ),
-    ] = None  # fmt: skip
-    range_max_km: Annotated[
-        float | None,
-        Param(
-            "longest range on the curve; empty: where detection becomes unlikely",
-            low=0, high=1e6, slider=(0, 20),
-        ),
-    ] = None  # fmt: skip
+    background_K: float | None = param(
+        None, "background temperature; empty: brightness temperature of the picture's mean", low=0
+    )
+    snr_threshold: float = param(
+        2.5,
+        "SNR at which half of the observers resolve the bars or detect the target",
+        (0, 1000),
+        above=True,
+        slider=(1, 5),
+    )
+    frame_rate_Hz: float | None = param(
+        30.0, "frames per second; empty: a single still frame", low=0, slider=(0, 120)
+    )
+    eye_integration_s: float = param(
+        0.2, "time over which the eye averages frames", (0, 10), above=True
+    )
+    mdtd_window: Window = param(
+        "target", "MDTD: whether the eye averages over the target or over its blurred image"
+    )
+    eye_limit_mrad: float | None = param(
+        None,
+        "MDTD: largest angle in the scene over which the eye averages; empty: no limit",
+        low=0,
+        slider=(0, 100),
+    )
+    target_size_m: float = param(
+        2.3,
+        "size of the target: the square root of its area",
+        (0, 1e6),
+        above=True,
+        slider=(0.1, 10),
+    )
+    target_delta_K: float = param(
+        2.0, "temperature difference between target and background", (-10000, 10000), slider=(0, 10)
+    )
+    extinction_per_km: float = param(
+        0.2,
+        "extinction of the air in the band, used if there is no Atmospheric Path",
+        (0, 1e6),
+        slider=(0, 2),
+    )
+    n50_detection: float = param(
+        0.75,
+        "cycles for 50 % detection; use 1 with the MRTD in one direction",
+        (0, 1000),
+        above=True,
+        slider=(0.1, 10),
+    )
+    n50_recognition: float = param(
+        3.0,
+        "cycles for 50 % recognition; use 4 with the MRTD in one direction",
+        (0, 1000),
+        above=True,
+        slider=(0.1, 10),
+    )
+    n50_identification: float = param(
+        6.0,
+        "cycles for 50 % identification; use 6.4 with the MRTD in one direction",
+        (0, 1000),
+        above=True,
+        slider=(0.1, 10),
+    )
+    ttp_threshold: TtpForm = param(
+        "mrtd",
+        "TTP: contrast threshold from the eye and the MRTD, or the published "
+        "threshold from MTF and noise",
+    )
+    v50: float = param(
+        18.8,
+        "TTP value for 50 % success; use published values with system_contrast_threshold",
+        (0, 10000),
+        above=True,
+        slider=(1, 40),
+    )
+    scene_contrast_K: float = param(
+        5.0,
+        "TTP: temperature difference that corresponds to the mean luminance of the display",
+        (0, 1e4),
+        above=True,
+        slider=(0.5, 20),
+    )
+    display_cd_m2: float = param(
+        34.0,
+        "TTP: mean luminance of the display",
+        (0, 1e6),
+        unit="cd/m²",
+        above=True,
+        slider=(1, 300),
+    )
+    display_deg: float = param(
+        15.0,
+        "TTP: angle that the display subtends at the eye",
+        (0, 180),
+        above=True,
+        slider=(1, 60),
+    )
+    magnification: float | None = param(
+        None,
+        "TTP: magnification, angle on the display / angle in the scene; empty: the picture "
+        "fills the display",
+        low=0,
+        slider=(0, 20),
+    )
+    range_max_km: float | None = param(
+        None,
+        "longest range on the curve; empty: where detection becomes unlikely",
+        (0, 1e6),
+        slider=(0, 20),
+    )
 
     panel = (
         Section("", ("model", "scanning", "snr_threshold"), page="Sensor"),

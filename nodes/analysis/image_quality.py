@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from core.chain.wires import Context, Curve, CurveData, Image, Series, Table, Ta
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
@@ -103,51 +103,45 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         ),
     )
 
-    range_m: Annotated[
-        float | None,
-        Param("range to the ground along the line of sight; empty: from Init & Trans", low=0),
-    ] = None
-    gsd_m: Annotated[
-        float | None,
-        Param("ground sample distance normal to the line of sight, if you know it; empty: from the "
-              "picture's interval and the range", low=0, slider=(0.1, 10)),
-    ] = None  # fmt: skip
-    elevation_deg: Annotated[
-        float | None,
-        Param("elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or "
-              "from Camera's orbit if off_nadir_deg is 0", low=0, high=90, slider=(5, 90)),
-    ] = None  # fmt: skip
-    off_nadir_deg: Annotated[
-        float,
-        Param(
-            "look angle off nadir, along the track over flat ground; used if elevation_deg "
-            "is empty",
-            low=0, high=89, slider=(0, 60),
-        ),
-    ] = 0.0  # fmt: skip
-    snr: Annotated[
-        float | None,
-        Param("SNR, if you know it; empty: signal divided by temporal noise", low=0),
-    ] = None
-    snr_of: Annotated[
-        Literal["contrast", "mean"],
-        Param("signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean"),
-    ] = "contrast"
-    rer_x: Annotated[
-        float | None,
-        Param("horizontal RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
-    ] = None
-    rer_y: Annotated[
-        float | None,
-        Param("vertical RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
-    ] = None
-    overshoot: Annotated[
-        float | None,
-        Param("overshoot H, if you know it; empty: from the chain", low=0, slider=(0.8, 2)),
-    ] = None
-    noise_gain: Annotated[
-        float, Param("noise gain G of the sharpening", low=0, high=1e6, slider=(0, 20))
-    ] = 1.0
+    range_m: float | None = param(
+        None, "range to the ground along the line of sight; empty: from Init & Trans", low=0
+    )
+    gsd_m: float | None = param(
+        None,
+        "ground sample distance normal to the line of sight, if you know it; empty: from the "
+        "picture's interval and the range",
+        low=0,
+        slider=(0.1, 10),
+    )
+    elevation_deg: float | None = param(
+        None,
+        "elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or "
+        "from Camera's orbit if off_nadir_deg is 0",
+        (0, 90),
+        slider=(5, 90),
+    )
+    off_nadir_deg: float = param(
+        0.0,
+        "look angle off nadir, along the track over flat ground; used if elevation_deg is empty",
+        (0, 89),
+        slider=(0, 60),
+    )
+    snr: float | None = param(
+        None, "SNR, if you know it; empty: signal divided by temporal noise", low=0
+    )
+    snr_of: Literal["contrast", "mean"] = param(
+        "contrast", "signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean"
+    )
+    rer_x: float | None = param(
+        None, "horizontal RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)
+    )
+    rer_y: float | None = param(
+        None, "vertical RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)
+    )
+    overshoot: float | None = param(
+        None, "overshoot H, if you know it; empty: from the chain", low=0, slider=(0.8, 2)
+    )
+    noise_gain: float = param(1.0, "noise gain G of the sharpening", (0, 1e6), slider=(0, 20))
 
     panel = (
         Section("View", ("range_m", "gsd_m", "elevation_deg", "off_nadir_deg")),

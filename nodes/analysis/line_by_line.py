@@ -1,7 +1,7 @@
 """Line by Line: a line scanner's mixed sampling, beside the whole-image way."""
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from core.chain.wires import (
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
 from core.transfer.factors import Array, Edges, Factor, Grid, Product
 from core.transfer.scan_lines import MOST_NODES, Filtered, Method, ScanChain, filter_mixed
@@ -183,61 +183,42 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ),
     )
 
-    scan: Annotated[Scan, Param("axis of the frame along which a line is scanned")] = "x"
-    look_angle_deg: Annotated[
-        float,
-        Param(
-            "view angle from nadir at the middle of the frame",
-            low=-90,
-            high=90,
-            above=True,
-            below=True,
-        ),
-    ] = 0.0
-    nadir_column: Annotated[
-        float | None,
-        Param(
-            "index of the scan line's sample at nadir, counted from 0; empty: from the look angle",
-            unit="px",
-            low=-65536,
-            high=131072,
-            slider=(0, 2048),
-            zero_is_empty=False,
-        ),
-    ] = None
-    spacing: Annotated[
-        Literal["frame", "flight", "typed"],
-        Param(
-            "line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate "
-            "(one line per turn), or line_spacing_m"
-        ),
-    ] = "frame"
-    line_spacing_m: Annotated[
-        float | None,
-        Param("distance between scan lines on the ground", low=0, slider=(0.1, 10)),
-    ] = None
-    altitude_m: Annotated[
-        float | None,
-        Param("altitude; empty: from Init & Trans", low=0, slider=(10, 10000)),
-    ] = None
-    method: Annotated[
-        Method,
-        Param(
-            "non-separable factors: interpolated between a few sampling intervals, or summed "
-            "exactly for each interval"
-        ),
-    ] = "nodes"
-    nodes: Annotated[
-        int | None,
-        Param(
-            "number of intervals to interpolate between; empty: as many as the tolerance requires",
-            low=0,
-            high=MOST_NODES,
-        ),
-    ] = None
-    tolerance: Annotated[
-        float, Param("largest interpolation error allowed in the transfer function", low=0, high=1)
-    ] = 1e-5
+    scan: Scan = param("x", "axis of the frame along which a line is scanned")
+    look_angle_deg: float = param(
+        0.0, "view angle from nadir at the middle of the frame", (-90, 90), above=True, below=True
+    )
+    nadir_column: float | None = param(
+        None,
+        "index of the scan line's sample at nadir, counted from 0; empty: from the look angle",
+        (-65536, 131072),
+        unit="px",
+        slider=(0, 2048),
+        zero_is_empty=False,
+    )
+    spacing: Literal["frame", "flight", "typed"] = param(
+        "frame",
+        "line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate "
+        "(one line per turn), or line_spacing_m",
+    )
+    line_spacing_m: float | None = param(
+        None, "distance between scan lines on the ground", low=0, slider=(0.1, 10)
+    )
+    altitude_m: float | None = param(
+        None, "altitude; empty: from Init & Trans", low=0, slider=(10, 10000)
+    )
+    method: Method = param(
+        "nodes",
+        "non-separable factors: interpolated between a few sampling intervals, or summed "
+        "exactly for each interval",
+    )
+    nodes: int | None = param(
+        None,
+        "number of intervals to interpolate between; empty: as many as the tolerance requires",
+        (0, MOST_NODES),
+    )
+    tolerance: float = param(
+        1e-5, "largest interpolation error allowed in the transfer function", (0, 1)
+    )
 
     panel = (
         Section("Scan", ("scan", "look_angle_deg", "nadir_column")),

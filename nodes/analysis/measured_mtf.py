@@ -1,6 +1,6 @@
 """Measured MTF: from an edge or a line in any picture."""
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from core.chain.wires import Curve, CurveData, CurveMark, Image, Series, Table, 
 from core.errors import ParameterError
 from core.evaluation.recipes import Region, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.measurement.slanted_edge import Target, Window
 from nodes.analysis.mtf_measuring import (
     Direction,
@@ -171,63 +171,44 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         ),
     )
 
-    method: Annotated[
-        Literal["slanted_edge", "row_average"],
-        Param("ISO 12233 for a slanted edge, or the thesis's method for a vertical edge"),
-    ] = "slanted_edge"
-    target: Annotated[
-        Target, Param("feature in the region: an edge, or a line (its width counts as blur)")
-    ] = "edge"
-    direction: Annotated[
-        Direction,
-        Param(
-            "direction of the measurement: horizontal (for a vertical edge), vertical, or "
-            "automatic: the direction of the larger change"
-        ),
-    ] = "automatic"
-    region_x: Annotated[
-        int, Param("first column of the region", unit="px", low=0, slider=_PIXELS)
-    ] = 0
-    region_y: Annotated[int, Param("first row of the region", unit="px", low=0, slider=_PIXELS)] = 0
-    region_width: Annotated[
-        int | None,
-        Param("number of columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
-    ] = None
-    region_height: Annotated[
-        int | None,
-        Param("number of rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
-    ] = None
-    window: Annotated[
-        Window, Param("window on the line spread; tukey: flat over its middle half")
-    ] = "tukey"
-    samples: Annotated[
-        int, Param("number of points on the curve", low=2, high=4096, slider=(32, 1024))
-    ] = 129
-    clip_left_px: Annotated[
-        int | None,
-        Param(
-            "first sample of the edge, in the direction of the measurement; empty: found "
-            "automatically",
-            low=0,
-            zero_is_empty=False,
-        ),
-    ] = None
-    clip_right_px: Annotated[
-        int | None,
-        Param(
-            "last sample of the edge, in the direction of the measurement; empty: found "
-            "automatically",
-            low=0,
-            zero_is_empty=False,
-        ),
-    ] = None
-    axis: Annotated[
-        Axis,
-        Param(
-            "unit of the frequency axis; always cycles per pixel if the picture has "
-            "no sampling interval"
-        ),
-    ] = "cyc_per_mrad"
+    method: Literal["slanted_edge", "row_average"] = param(
+        "slanted_edge", "ISO 12233 for a slanted edge, or the thesis's method for a vertical edge"
+    )
+    target: Target = param(
+        "edge", "feature in the region: an edge, or a line (its width counts as blur)"
+    )
+    direction: Direction = param(
+        "automatic",
+        "direction of the measurement: horizontal (for a vertical edge), vertical, or "
+        "automatic: the direction of the larger change",
+    )
+    region_x: int = param(0, "first column of the region", low=0, unit="px", slider=_PIXELS)
+    region_y: int = param(0, "first row of the region", low=0, unit="px", slider=_PIXELS)
+    region_width: int | None = param(
+        None, "number of columns; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
+    )
+    region_height: int | None = param(
+        None, "number of rows; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
+    )
+    window: Window = param("tukey", "window on the line spread; tukey: flat over its middle half")
+    samples: int = param(129, "number of points on the curve", (2, 4096), slider=(32, 1024))
+    clip_left_px: int | None = param(
+        None,
+        "first sample of the edge, in the direction of the measurement; empty: found automatically",
+        low=0,
+        zero_is_empty=False,
+    )
+    clip_right_px: int | None = param(
+        None,
+        "last sample of the edge, in the direction of the measurement; empty: found automatically",
+        low=0,
+        zero_is_empty=False,
+    )
+    axis: Axis = param(
+        "cyc_per_mrad",
+        "unit of the frequency axis; always cycles per pixel if the picture has "
+        "no sampling interval",
+    )
 
     panel = (
         Section("", ("method", "target", "direction")),

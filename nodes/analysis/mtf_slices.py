@@ -1,7 +1,7 @@
 """MTF Slices: every stage's transfer function and their product, along lines."""
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from core.chain.wires import (
 )
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
+from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
 from core.transfer.factors import Grid, Part
 from nodes.analysis.lineage import (
     HORIZONTAL,
@@ -52,18 +52,12 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
         ),
     )
 
-    direction: Annotated[
-        Literal["horizontal", "vertical", "angle", "both"],
-        Param("direction of the slice; both: horizontal and vertical"),
-    ] = "horizontal"
-    angle_deg: Annotated[
-        float,
-        Param("angle of the slice: 0 horizontal, 90 vertical", low=-360, high=360),
-    ] = 45.0
-    samples: Annotated[
-        int, Param("number of points on each curve", low=2, high=65536, slider=(32, 1024))
-    ] = 257
-    stages: Annotated[bool, Param("show every stage, not only the total")] = True
+    direction: Literal["horizontal", "vertical", "angle", "both"] = param(
+        "horizontal", "direction of the slice; both: horizontal and vertical"
+    )
+    angle_deg: float = param(45.0, "angle of the slice: 0 horizontal, 90 vertical", (-360, 360))
+    samples: int = param(257, "number of points on each curve", (2, 65536), slider=(32, 1024))
+    stages: bool = param(True, "show every stage, not only the total")
 
     panel = (
         Section("Direction in the frequency plane", ("direction",)),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, 
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.stored_bytes import readable_file
@@ -61,24 +61,19 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         ),
     )
 
-    frames: Annotated[
-        int,
-        Param(
-            "number of frames to simulate; 0: prediction only; with path, all frames of the file "
-            "are measured",
-            low=0,
-            high=100000,
-            slider=(0, 200),
-        ),
-    ] = 16
-    path: Annotated[
-        Path | None,
-        Param(
-            "file of frames to measure instead of simulated frames: .npy (frames, rows, "
-            "columns), TIFF with a page per frame, or ENVI with a band per frame; empty: "
-            "simulate"
-        ),
-    ] = None
+    frames: int = param(
+        16,
+        "number of frames to simulate; 0: prediction only; with path, all frames of the file "
+        "are measured",
+        (0, 100000),
+        slider=(0, 200),
+    )
+    path: Path | None = param(
+        None,
+        "file of frames to measure instead of simulated frames: .npy (frames, rows, "
+        "columns), TIFF with a page per frame, or ENVI with a band per frame; empty: "
+        "simulate",
+    )
 
     panel = (Section("Measurement", ("frames", "path")),)
 

@@ -1,9 +1,9 @@
 """Noise Budget: which source makes how much of a picture's noise, which stage of its blur."""
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from core.chain.wires import Curve, Image, Table
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from nodes.analysis import budget_shares
 from nodes.analysis.budget_shares import Kind, Show
 from nodes.analysis.lineage import NoiseOf, transfer_of
@@ -40,24 +40,22 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
         ),
     )
 
-    frequency: Annotated[
-        float,
-        Param(
-            "frequency at which the blur is budgeted, as a fraction of the picture's Nyquist "
-            "frequency",
-            unit="Nyquist", low=0, high=1, above=True, slider=(0.05, 1),
-        ),
-    ] = 0.5  # fmt: skip
-    noise: Annotated[
-        Kind, Param("all noise, noise that changes from frame to frame, or fixed patterns")
-    ] = "all"
-    show: Annotated[
-        Show,
-        Param(
-            "length of the bars: share in percent, or amount (standard deviation of the noise, "
-            "−ln of the MTF for the blur)"
-        ),
-    ] = "share"
+    frequency: float = param(
+        0.5,
+        "frequency at which the blur is budgeted, as a fraction of the picture's Nyquist frequency",
+        (0, 1),
+        unit="Nyquist",
+        above=True,
+        slider=(0.05, 1),
+    )
+    noise: Kind = param(
+        "all", "all noise, noise that changes from frame to frame, or fixed patterns"
+    )
+    show: Show = param(
+        "share",
+        "length of the bars: share in percent, or amount (standard deviation of the noise, "
+        "−ln of the MTF for the blur)",
+    )
 
     panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -17,7 +17,7 @@ from core.errors import DataError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.scratch import is_on_disk
 from core.transfer.factors import Edges, Factor, Grid, Product
 from nodes.shared.context_defaults import one_source
@@ -61,24 +61,17 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         ),
     )
 
-    truncation: Annotated[
-        Truncation,
-        Param(
-            "where kernels are truncated: at half_width_px, where the error reaches `error`, or "
-            "at the frame's size"
-        ),
-    ] = "half_width"
-    half_width_px: Annotated[
-        int, Param("kernel samples kept on each side", low=0, high=65536, slider=(0, 64))
-    ] = 16
-    error: Annotated[
-        float,
-        Param(
-            "largest error allowed, as a fraction of the scene's largest deviation from its mean",
-            low=0,
-            high=1,
-        ),
-    ] = 0.001
+    truncation: Truncation = param(
+        "half_width",
+        "where kernels are truncated: at half_width_px, where the error reaches `error`, or "
+        "at the frame's size",
+    )
+    half_width_px: int = param(16, "kernel samples kept on each side", (0, 65536), slider=(0, 64))
+    error: float = param(
+        0.001,
+        "largest error allowed, as a fraction of the scene's largest deviation from its mean",
+        (0, 1),
+    )
 
     panel = (
         Section("Kernels", ("truncation",)),

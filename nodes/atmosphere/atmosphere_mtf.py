@@ -1,6 +1,6 @@
 """Atmosphere MTF: turbulence and turbidity."""
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.atmosphere.air_path import VISIBLE_UM
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
@@ -74,90 +74,68 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         ),
     )
 
-    turbulence: Annotated[
-        Literal["gaussian", "long_exposure", "short_exposure", "none"], Param("turbulence model")
-    ] = "gaussian"
-    fwhm_mrad: Annotated[
-        float, Param("full width at half maximum of the blur", low=0, slider=(0, 5))
-    ] = 0.0
-    fried_r0_m: Annotated[
-        float | None, Param("Fried's r0; empty: from Cn²", low=0, slider=(0.005, 1))
-    ] = None
-    wavelength_um: Annotated[
-        float | None,
-        Param(
-            "wavelength of the blur; empty: the middle of the band, or of each band of a cube",
-            low=0,
-        ),
-    ] = None
-    r0_wavelength_um: Annotated[
-        float | None,
-        Param(
-            "wavelength for which r0 is given, often 0.5 µm; empty: the wavelength of the blur",
-            low=0,
-        ),
-    ] = None
-    aperture_mm: Annotated[
-        float | None, Param("aperture diameter, for a short exposure; empty: from Camera", low=0)
-    ] = None
-    alpha: Annotated[
-        float,
-        Param(
-            "α for a short exposure, 1 in the near field and 0.5 in the far field", low=0, high=1
-        ),
-    ] = 0.5
-    cn2: Annotated[
-        float | None,
-        Param(
-            "Cn² along a horizontal path, or at the ground for a vertical path",
-            unit="m^(-2/3)",
-            low=0,
-        ),
-    ] = None
-    turbidity: Annotated[
-        Literal["none", "low", "moderate", "high", "custom"],
-        Param(
-            "aerosol level; custom: from scatter_depth, or from scattering_per_km along the path"
-        ),
-    ] = "none"
-    scatter_depth: Annotated[
-        float | None,
-        Param(
-            "optical depth τ, used when turbidity is custom; empty: from scattering_per_km", low=0
-        ),
-    ] = None
-    turbidity_cutoff_cyc_per_mrad: Annotated[
-        float,
-        Param("cutoff frequency: particle radius over wavelength", low=0, above=True),
-    ] = 0.001
-    particle_radius_um: Annotated[
-        float | None,
-        Param("particle radius, which sets the cutoff (radius over wavelength); empty: from "
-              "turbidity_cutoff_cyc_per_mrad", low=0, high=1e6, slider=(0.1, 20)),
-    ] = None  # fmt: skip
-    view: Annotated[
-        Literal["horizontal", "vertical", "up"],
-        Param(
-            "line of sight, used with scattering_per_km and Cn²; vertical: looking down from a "
-            "height; up: looking up to a height"
-        ),
-    ] = "horizontal"
-    absorption_per_km: Annotated[
-        float,
-        Param(
-            "absorption coefficient, which has no effect here: absorption dims the scene without "
-            "blurring it; use Atmospheric Path",
-            low=0,
-        ),
-    ] = 0.0
-    scattering_per_km: Annotated[
-        float, Param("scattering coefficient, used when turbidity is custom", low=0)
-    ] = 0.0
+    turbulence: Literal["gaussian", "long_exposure", "short_exposure", "none"] = param(
+        "gaussian", "turbulence model"
+    )
+    fwhm_mrad: float = param(0.0, "full width at half maximum of the blur", low=0, slider=(0, 5))
+    fried_r0_m: float | None = param(None, "Fried's r0; empty: from Cn²", low=0, slider=(0.005, 1))
+    wavelength_um: float | None = param(
+        None,
+        "wavelength of the blur; empty: the middle of the band, or of each band of a cube",
+        low=0,
+    )
+    r0_wavelength_um: float | None = param(
+        None,
+        "wavelength for which r0 is given, often 0.5 µm; empty: the wavelength of the blur",
+        low=0,
+    )
+    aperture_mm: float | None = param(
+        None, "aperture diameter, for a short exposure; empty: from Camera", low=0
+    )
+    alpha: float = param(
+        0.5, "α for a short exposure, 1 in the near field and 0.5 in the far field", (0, 1)
+    )
+    cn2: float | None = param(
+        None,
+        "Cn² along a horizontal path, or at the ground for a vertical path",
+        low=0,
+        unit="m^(-2/3)",
+    )
+    turbidity: Literal["none", "low", "moderate", "high", "custom"] = param(
+        "none",
+        "aerosol level; custom: from scatter_depth, or from scattering_per_km along the path",
+    )
+    scatter_depth: float | None = param(
+        None, "optical depth τ, used when turbidity is custom; empty: from scattering_per_km", low=0
+    )
+    turbidity_cutoff_cyc_per_mrad: float = param(
+        0.001, "cutoff frequency: particle radius over wavelength", low=0, above=True
+    )
+    particle_radius_um: float | None = param(
+        None,
+        "particle radius, which sets the cutoff (radius over wavelength); empty: from "
+        "turbidity_cutoff_cyc_per_mrad",
+        (0, 1e6),
+        slider=(0.1, 20),
+    )
+    view: Literal["horizontal", "vertical", "up"] = param(
+        "horizontal",
+        "line of sight, used with scattering_per_km and Cn²; vertical: looking down from a "
+        "height; up: looking up to a height",
+    )
+    absorption_per_km: float = param(
+        0.0,
+        "absorption coefficient, which has no effect here: absorption dims the scene without "
+        "blurring it; use Atmospheric Path",
+        low=0,
+    )
+    scattering_per_km: float = param(
+        0.0, "scattering coefficient, used when turbidity is custom", low=0
+    )
 
-    scale_height_km: Annotated[
-        float,
-        Param("scale height of the aerosol, used when looking down or up", low=0, above=True),
-    ] = 1.0
+    scale_height_km: float = param(
+        1.0, "scale height of the aerosol, used when looking down or up", low=0, above=True
+    )
 
     panel = (
         Section("", ("apply",)),

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from core.chain.wires import Context, Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.atmosphere.air_path import (
     AirPath,
@@ -90,52 +90,50 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         ),
     )
 
-    model: Annotated[
-        Literal["transmission", "extinction_per_km", "visibility_km", "modtran", "modtran_tables"],
-        Param("model of the air: a transmission, an extinction, a visibility, a MODTRAN file, or "
-              "pyBSM's MODTRAN tables"),
-    ] = "transmission"  # fmt: skip
-    transmission: Annotated[float, Param("transmission of the path", low=0, high=1)] = 1.0
-    path: Annotated[
-        Path | None,
-        Param("CSV of wavelength (µm) and transmission, used instead of `transmission`; for "
-              "modtran: a tape7, JSON or CSV"),
-    ] = None  # fmt: skip
-    extinction_per_km: Annotated[
-        float,
-        Param("extinction: the sum of absorption and scattering", low=0, high=1e6, slider=(0, 2)),
-    ] = 0.2
-    visibility_km: Annotated[
-        float,
-        Param("visibility (2 % contrast)", low=0, above=True, high=1e6, slider=(1, 50)),
-    ] = 23.0
-    angstrom_q: Annotated[
-        float,
-        Param(
-            "Ångström exponent q: the extinction is proportional to wavelength^−q",
-            low=-5,
-            high=5,
-            slider=(0, 2),
-        ),
-    ] = 0.0
-    haze: Annotated[
-        Literal["rural_23_km", "rural_5_km"], Param("haze type and visibility of MODTRAN's tables")
-    ] = "rural_23_km"
-    altitude_m: Annotated[
-        float | None,
-        Param("height of the camera above the ground, for MODTRAN's tables; empty: from Camera's "
-              "orbit", low=0, high=1e8, slider=(2, 20000)),
-    ] = None  # fmt: skip
-    range_m: Annotated[
-        float | None,
-        Param("length of the path; empty: from a Camera before this node, or from Init & Trans if "
-              "context is connected", low=0, high=1e9, slider=(10, 20000)),
-    ] = None  # fmt: skip
-    air_K: Annotated[
-        float | None,
-        Param("temperature of the air; empty: the air adds no radiance", low=0, high=1e4,
-              slider=(230, 320)),
-    ] = None  # fmt: skip
+    model: Literal[
+        "transmission", "extinction_per_km", "visibility_km", "modtran", "modtran_tables"
+    ] = param(
+        "transmission",
+        "model of the air: a transmission, an extinction, a visibility, a MODTRAN file, or "
+        "pyBSM's MODTRAN tables",
+    )
+    transmission: float = param(1.0, "transmission of the path", (0, 1))
+    path: Path | None = param(
+        None,
+        "CSV of wavelength (µm) and transmission, used instead of `transmission`; for "
+        "modtran: a tape7, JSON or CSV",
+    )
+    extinction_per_km: float = param(
+        0.2, "extinction: the sum of absorption and scattering", (0, 1e6), slider=(0, 2)
+    )
+    visibility_km: float = param(
+        23.0, "visibility (2 % contrast)", (0, 1e6), above=True, slider=(1, 50)
+    )
+    angstrom_q: float = param(
+        0.0,
+        "Ångström exponent q: the extinction is proportional to wavelength^−q",
+        (-5, 5),
+        slider=(0, 2),
+    )
+    haze: Literal["rural_23_km", "rural_5_km"] = param(
+        "rural_23_km", "haze type and visibility of MODTRAN's tables"
+    )
+    altitude_m: float | None = param(
+        None,
+        "height of the camera above the ground, for MODTRAN's tables; empty: from Camera's orbit",
+        (0, 1e8),
+        slider=(2, 20000),
+    )
+    range_m: float | None = param(
+        None,
+        "length of the path; empty: from a Camera before this node, or from Init & Trans if "
+        "context is connected",
+        (0, 1e9),
+        slider=(10, 20000),
+    )
+    air_K: float | None = param(
+        None, "temperature of the air; empty: the air adds no radiance", (0, 1e4), slider=(230, 320)
+    )
     source_K: WeightingSource = None
 
     preview_lines = 15.0

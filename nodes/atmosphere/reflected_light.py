@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from core.chain.wires import Image, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Region, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.atmosphere.air_path import Sunlight, relative_air_mass
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
@@ -70,54 +70,42 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         ),
     )
 
-    sun: Annotated[
-        Literal["standard", "black_body"],
-        Param(
-            "spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K"
-        ),
-    ] = "standard"
-    solar_irradiance: Annotated[
-        float | None,
-        Param("solar irradiance above the air at normal incidence, used instead of the spectrum; "
-              "empty: from `sun`", unit="W/m²/µm", low=0, high=1e12,
-              slider=(0, 2500), zero_is_empty=False),
-    ] = None  # fmt: skip
-    path: Annotated[
-        Path | None,
-        Param(
-            "CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of "
-            "`sun` and solar_irradiance; empty: no file"
-        ),
-    ] = None
-    sun_elevation_deg: Annotated[
-        float, Param("elevation of the sun above the horizon", low=0, high=90)
-    ] = 45.0
-    optical_depth: Annotated[
-        float,
-        Param(
-            "zenith optical depth of the air, for sunlight",
-            low=0,
-            high=1e3,
-            slider=(0, 2),
-        ),
-    ] = 0.0
-    sky: Annotated[
-        float, Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e12, slider=(0, 200))
-    ] = 0.0
-    illuminance_lux: Annotated[
-        float | None,
-        Param("illuminance on the ground to which sun and sky are scaled; empty: no scaling",
-              low=0, high=1e9, above=True, slider=(0.001, 100000),
-              zero_is_empty=False),
-    ] = None  # fmt: skip
+    sun: Literal["standard", "black_body"] = param(
+        "standard",
+        "spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K",
+    )
+    solar_irradiance: float | None = param(
+        None,
+        "solar irradiance above the air at normal incidence, used instead of the spectrum; "
+        "empty: from `sun`",
+        (0, 1e12),
+        unit="W/m²/µm",
+        slider=(0, 2500),
+        zero_is_empty=False,
+    )
+    path: Path | None = param(
+        None,
+        "CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of "
+        "`sun` and solar_irradiance; empty: no file",
+    )
+    sun_elevation_deg: float = param(45.0, "elevation of the sun above the horizon", (0, 90))
+    optical_depth: float = param(
+        0.0, "zenith optical depth of the air, for sunlight", (0, 1e3), slider=(0, 2)
+    )
+    sky: float = param(0.0, "radiance of the sky", (0, 1e12), unit="W/m²/sr/µm", slider=(0, 200))
+    illuminance_lux: float | None = param(
+        None,
+        "illuminance on the ground to which sun and sky are scaled; empty: no scaling",
+        (0, 1e9),
+        above=True,
+        slider=(0.001, 100000),
+        zero_is_empty=False,
+    )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    bands: Annotated[
-        int,
-        Param(
-            "number of bands into which the radiance is divided", low=1, high=10000, slider=(1, 60)
-        ),
-    ] = 1
+    bands: int = param(
+        1, "number of bands into which the radiance is divided", (1, 10000), slider=(1, 60)
+    )
 
     panel = (
         Section("Sun", ("sun", "solar_irradiance", "path", "sun_elevation_deg", "optical_depth")),

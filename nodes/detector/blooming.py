@@ -1,14 +1,12 @@
 """Blooming: full pixels spill charge along their column."""
 
-from typing import Annotated
-
 import numpy as np
 
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, warning
+from core.modules.declaration import Caution, Formula, NodeContext, param, warning
 from core.physics.detector.readout import bloomed
 from nodes.shared.module_ports import ImageOutput, OfPixels
 from nodes.shared.steps import PictureRange, picture_range
@@ -36,15 +34,16 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
         ),
     )
 
-    full_well: Annotated[
-        float | None,
-        Param("sample value of a full pixel, in the picture's unit: W/m²/sr before Focal Plane, "
-              "not electrons; empty: no blooming", low=1e-12, high=1e12, slider=(1, 1e5)),
-    ] = None  # fmt: skip
-    anti_blooming_percent: Annotated[
-        float,
-        Param("share of the excess that the anti-blooming drain removes", low=0, high=100),
-    ] = 0.0
+    full_well: float | None = param(
+        None,
+        "sample value of a full pixel, in the picture's unit: W/m²/sr before Focal Plane, "
+        "not electrons; empty: no blooming",
+        (1e-12, 1e12),
+        slider=(1, 1e5),
+    )
+    anti_blooming_percent: float = param(
+        0.0, "share of the excess that the anti-blooming drain removes", (0, 100)
+    )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         if self.full_well is None:

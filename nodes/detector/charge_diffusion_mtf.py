@@ -1,15 +1,11 @@
 """Charge Diffusion MTF: carriers diffuse before they are collected."""
 
-from typing import Annotated, Any
+from typing import Any
 
 from core.chain.wires import Context, Magnitude
 from core.errors import ParameterError
-from core.modules.declaration import Formula, NodeContext, Param, Section, readout
-from core.physics.detector.detector_mtf import (
-    Side,
-    band_diffusion_mtf,
-    silicon_absorption_per_um,
-)
+from core.modules.declaration import Formula, NodeContext, Section, param, readout
+from core.physics.detector.detector_mtf import Side, band_diffusion_mtf, silicon_absorption_per_um
 from core.physics.radiometry.planck import band_nodes
 from nodes.shared.context_defaults import given_band, of_context
 from nodes.shared.factors import radial
@@ -52,24 +48,20 @@ class ChargeDiffusionMTF(
         ),
     )
 
-    depletion_um: Annotated[
-        float, Param("depth of the depletion region", low=0, high=1e4, slider=(0, 50))
-    ] = 5.0
-    diffusion_length_um: Annotated[
-        float,
-        Param("diffusion length outside the depletion region", low=0, high=1e6,
-              above=True, slider=(1, 200)),
-    ] = 50.0  # fmt: skip
-    absorption_per_um: Annotated[
-        float | None,
-        Param("absorption coefficient; empty: computed for silicon over the band", low=0,
-              high=1e6, slider=(0.005, 1)),
-    ] = None  # fmt: skip
-    side: Annotated[Side, Param("illuminated side")] = "front"
-    thickness_um: Annotated[
-        float | None,
-        Param("thickness of a back-illuminated detector", low=0, high=1e4, slider=(5, 300)),
-    ] = None
+    depletion_um: float = param(5.0, "depth of the depletion region", (0, 1e4), slider=(0, 50))
+    diffusion_length_um: float = param(
+        50.0, "diffusion length outside the depletion region", (0, 1e6), above=True, slider=(1, 200)
+    )
+    absorption_per_um: float | None = param(
+        None,
+        "absorption coefficient; empty: computed for silicon over the band",
+        (0, 1e6),
+        slider=(0.005, 1),
+    )
+    side: Side = param("front", "illuminated side")
+    thickness_um: float | None = param(
+        None, "thickness of a back-illuminated detector", (0, 1e4), slider=(5, 300)
+    )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
 

@@ -1,10 +1,10 @@
 """Charge Transfer MTF: contrast lost by incomplete charge transfer."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.detector.detector_mtf import charge_transfer_mtf
 from nodes.shared.context_defaults import pixel_mrad
 from nodes.shared.factors import separable
@@ -14,23 +14,17 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class ChargeTransfer(Module):
     """Parameters of incomplete charge transfer along the read-out direction (x)."""
 
-    detectors_per_line: Annotated[
-        int, Param("number of transfers", low=0, high=10**9, slider=(1, 4096))
-    ] = 640
-    efficiency: Annotated[
-        float, Param("fraction of the charge that each transfer passes on", low=0, high=1)
-    ] = 0.99999
-    model: Annotated[
-        Literal["exact", "published", "leading"],
-        Param(
-            "exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term "
-            "only"
-        ),
-    ] = "exact"
-    nyquist: Annotated[
-        Literal["image", "detector"],
-        Param("distance between charge packets: one image sample, or one detector pitch"),
-    ] = "image"
+    detectors_per_line: int = param(640, "number of transfers", (0, 10**9), slider=(1, 4096))
+    efficiency: float = param(
+        0.99999, "fraction of the charge that each transfer passes on", (0, 1)
+    )
+    model: Literal["exact", "published", "leading"] = param(
+        "exact",
+        "exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term only",
+    )
+    nyquist: Literal["image", "detector"] = param(
+        "image", "distance between charge packets: one image sample, or one detector pitch"
+    )
 
     panel = (
         Section("", ("apply",)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from core.chain.step_lineage import Array, LineOperator, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.readout import trail_length, trailed
 from core.transfer.factors import Factor, Grid, Separable
@@ -43,35 +43,21 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
         ),
     )
 
-    serial_efficiency: Annotated[
-        float,
-        Param("fraction of the charge that each transfer along a row passes on", low=0.5, high=1),
-    ] = 1.0
-    parallel_efficiency: Annotated[
-        float,
-        Param(
-            "fraction of the charge that each transfer along a column passes on", low=0.5, high=1
-        ),
-    ] = 1.0
-    amplifier: Annotated[
-        Literal["bottom_left", "bottom_right", "top_left", "top_right"],
-        Param("corner where the amplifier is"),
-    ] = "bottom_left"
-    extra_serial: Annotated[
-        int,
-        Param(
-            "extra transfers along a row, outside the picture", low=0, high=10**6, slider=(0, 4096)
-        ),
-    ] = 0
-    extra_parallel: Annotated[
-        int,
-        Param(
-            "extra transfers along a column, outside the picture",
-            low=0,
-            high=10**6,
-            slider=(0, 4096),
-        ),
-    ] = 0
+    serial_efficiency: float = param(
+        1.0, "fraction of the charge that each transfer along a row passes on", (0.5, 1)
+    )
+    parallel_efficiency: float = param(
+        1.0, "fraction of the charge that each transfer along a column passes on", (0.5, 1)
+    )
+    amplifier: Literal["bottom_left", "bottom_right", "top_left", "top_right"] = param(
+        "bottom_left", "corner where the amplifier is"
+    )
+    extra_serial: int = param(
+        0, "extra transfers along a row, outside the picture", (0, 10**6), slider=(0, 4096)
+    )
+    extra_parallel: int = param(
+        0, "extra transfers along a column, outside the picture", (0, 10**6), slider=(0, 4096)
+    )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         for change in self._changes(image):

@@ -1,9 +1,9 @@
 """Crosstalk: a pixel's neighbours get a share of its signal."""
 
-from typing import Annotated, Any
+from typing import Any
 
 from core.chain.wires import Context, Magnitude, Phase
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import crosstalk_kernel, crosstalk_otf
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Law, Planar
@@ -32,9 +32,9 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
         ),
     )
 
-    kernel: Annotated[
-        str, Param("shares of the signal: 3 × 3 or 5 × 5 numbers, rows separated by semicolons")
-    ] = _NONE
+    kernel: str = param(
+        _NONE, "shares of the signal: 3 × 3 or 5 × 5 numbers, rows separated by semicolons"
+    )
     apply: Apply = "multiply"
 
     panel = (Section("Crosstalk", ("kernel",)), Section("Output", ("apply",)))

@@ -1,9 +1,7 @@
 """Detector MTF: the detector averages over its sensitive area."""
 
-from typing import Annotated
-
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given
@@ -27,17 +25,11 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
         ),
     )
 
-    detector_x_um: Annotated[
-        float | None, Param("horizontal detector pitch", low=0, slider=(1, 1000))
-    ] = None
-    detector_y_um: Annotated[
-        float | None, Param("vertical detector pitch", low=0, slider=(1, 1000))
-    ] = None
-    focal_length_mm: Annotated[
-        float | None, Param("effective focal length", low=0, slider=(10, 1000))
-    ] = None
-    fill_x: Annotated[float | None, Param("horizontal fill factor", low=0, high=1)] = None
-    fill_y: Annotated[float | None, Param("vertical fill factor", low=0, high=1)] = None
+    detector_x_um: float | None = param(None, "horizontal detector pitch", low=0, slider=(1, 1000))
+    detector_y_um: float | None = param(None, "vertical detector pitch", low=0, slider=(1, 1000))
+    focal_length_mm: float | None = param(None, "effective focal length", low=0, slider=(10, 1000))
+    fill_x: float | None = param(None, "horizontal fill factor", (0, 1))
+    fill_y: float | None = param(None, "vertical fill factor", (0, 1))
 
     panel = (
         Section("", ("apply",)),

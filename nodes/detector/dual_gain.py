@@ -1,7 +1,7 @@
 """Dual Gain: two read-outs of one scene joined, for more dynamic range (HDR)."""
 
 import math
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from core.chain.wires import Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, readout, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, param, readout, warning
 from core.physics.detector.focal_plane_array import low_gain_share
 from nodes.shared.module_ports import figure
 from nodes.shared.steps import PictureRange, picture_range
@@ -50,22 +50,25 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
         ),
     )
 
-    switch_level: Annotated[
-        float | None,
-        Param("sample value of high above which low is used, in the picture's unit; empty: never",
-              low=1e-12, high=1e12, slider=(1, 1e5)),
-    ] = None  # fmt: skip
-    blend_percent: Annotated[
-        float,
-        Param("width of the transition below switch_level, as a share of switch_level",
-              unit="%", low=0, high=100),
-    ] = 0.0  # fmt: skip
-    low_factor: Annotated[
-        float,
-        Param("factor that scales low to the level of high: ratio of the exposure times, or of "
-              "the gains in DN",
-              low=1e-6, high=1e6, slider=(1, 64)),
-    ] = 1.0  # fmt: skip
+    switch_level: float | None = param(
+        None,
+        "sample value of high above which low is used, in the picture's unit; empty: never",
+        (1e-12, 1e12),
+        slider=(1, 1e5),
+    )
+    blend_percent: float = param(
+        0.0,
+        "width of the transition below switch_level, as a share of switch_level",
+        (0, 100),
+        unit="%",
+    )
+    low_factor: float = param(
+        1.0,
+        "factor that scales low to the level of high: ratio of the exposure times, or of "
+        "the gains in DN",
+        (1e-6, 1e6),
+        slider=(1, 64),
+    )
 
     def run(
         self,

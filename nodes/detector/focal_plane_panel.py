@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 from core.chain.wires import Context, Image
 from core.errors import ParameterError
-from core.modules.declaration import NodeContext, Param, Section
+from core.modules.declaration import NodeContext, Section, param
 from core.physics.detector import focal_plane_array
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import ChargeGain, excess_noise_factor
@@ -27,183 +27,173 @@ _ALL = 0.0, 1e6  # µm
 class FocalPlanePanel(SeededModule):
     """Parameters of a focal plane; what they come to is made of the context too."""
 
-    integration_time_s: Annotated[
-        float,
-        Param("integration time of one stage", low=0, high=1e4, above=True, slider=(0, 0.05)),
-    ] = 0.001
-    tdi_stages: Annotated[
-        int,
-        Param(
-            "number of TDI stages (time delay and integration)",
-            low=1,
-            high=10000,
-            slider=(1, 128),
-        ),
-    ] = 1
-    frames_averaged: Annotated[
-        int, Param("number of frames averaged", low=1, high=1000000, slider=(1, 64))
-    ] = 1
-    quantum_efficiency: Annotated[
-        float, Param("electrons per photon within the band", low=0, high=1, above=True)
-    ] = 0.7
-    quantum_efficiency_percent: Annotated[float | None, Param(
-        "quantum efficiency in per cent; if given, it replaces quantum_efficiency", low=0,
-        high=100)] = None  # fmt: skip
-    responsivity_A_per_W: Annotated[float | None, Param(
-        "current responsivity; if given, it replaces quantum_efficiency", low=0, high=1e6,
-        slider=(0, 10))] = None  # fmt: skip
-    responsivity_um: Annotated[float | None, Param(
+    integration_time_s: float = param(
+        0.001, "integration time of one stage", (0, 1e4), above=True, slider=(0, 0.05)
+    )
+    tdi_stages: int = param(
+        1, "number of TDI stages (time delay and integration)", (1, 10000), slider=(1, 128)
+    )
+    frames_averaged: int = param(1, "number of frames averaged", (1, 1000000), slider=(1, 64))
+    quantum_efficiency: float = param(
+        0.7, "electrons per photon within the band", (0, 1), above=True
+    )
+    quantum_efficiency_percent: float | None = param(
+        None, "quantum efficiency in per cent; if given, it replaces quantum_efficiency", (0, 100)
+    )
+    responsivity_A_per_W: float | None = param(
+        None,
+        "current responsivity; if given, it replaces quantum_efficiency",
+        (0, 1e6),
+        slider=(0, 10),
+    )
+    responsivity_um: float | None = param(
+        None,
         "wavelength of responsivity_A_per_W; the quantum efficiency at this wavelength is used "
         "over the whole band",
-        low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
-    response: Annotated[
-        Path | None,
-        Param(
-            "CSV file of wavelength (µm) and quantum efficiency; if given, it replaces "
-            "quantum_efficiency"
-        ),
-    ] = None
-    cut_on_um: Annotated[
-        float | None,
-        Param("shortest wavelength of the cold filter; empty: the image's band", low=0),
-    ] = None
-    cut_off_um: Annotated[
-        float | None,
-        Param("longest wavelength of the cold filter; empty: the image's band", low=0),
-    ] = None
-    photon_weighting: Annotated[
-        Literal["scene", "source", "middle"],
-        Param(
-            "spectrum used to convert radiance to photons: a black body at the scene's "
-            "temperature or at source_K, or the band's middle wavelength"
-        ),
-    ] = "scene"
-    source_K: Annotated[
-        float,
-        Param("temperature of the light source", low=0, high=1e6, above=True, slider=(1000, 6500)),
-    ] = 5800.0
-    optics_transmission: Annotated[
-        float, Param("transmission of the optics", low=0, high=1, above=True)
-    ] = 1.0
-    optics_K: Annotated[
-        float | None,
-        Param("temperature of the optics; empty: no emission", low=0, high=1e4, slider=(200, 340)),
-    ] = None
-    cold_shield_efficiency: Annotated[
-        float,
-        Param("fraction of the housing's radiation that the cold shield blocks", low=0, high=1),
-    ] = 1.0
-    housing_K: Annotated[
-        float | None,
-        Param(
-            "temperature of the housing outside the cold shield; empty: no emission",
-            low=0,
-            high=1e4,
-            slider=(200, 340),
-        ),
-    ] = None
-    dark_current_e_per_s: Annotated[
-        float, Param("dark current per pixel", low=0, high=1e15, slider=(0, 1e7))
-    ] = 0.0
-    dark_current_A_per_cm2: Annotated[float, Param(
+        (0, 1e3),
+        slider=(0, 14),
+    )
+    response: Path | None = param(
+        None,
+        "CSV file of wavelength (µm) and quantum efficiency; if given, it replaces "
+        "quantum_efficiency",
+    )
+    cut_on_um: float | None = param(
+        None, "shortest wavelength of the cold filter; empty: the image's band", low=0
+    )
+    cut_off_um: float | None = param(
+        None, "longest wavelength of the cold filter; empty: the image's band", low=0
+    )
+    photon_weighting: Literal["scene", "source", "middle"] = param(
+        "scene",
+        "spectrum used to convert radiance to photons: a black body at the scene's "
+        "temperature or at source_K, or the band's middle wavelength",
+    )
+    source_K: float = param(
+        5800.0, "temperature of the light source", (0, 1e6), above=True, slider=(1000, 6500)
+    )
+    optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
+    optics_K: float | None = param(
+        None, "temperature of the optics; empty: no emission", (0, 1e4), slider=(200, 340)
+    )
+    cold_shield_efficiency: float = param(
+        1.0, "fraction of the housing's radiation that the cold shield blocks", (0, 1)
+    )
+    housing_K: float | None = param(
+        None,
+        "temperature of the housing outside the cold shield; empty: no emission",
+        (0, 1e4),
+        slider=(200, 340),
+    )
+    dark_current_e_per_s: float = param(0.0, "dark current per pixel", (0, 1e15), slider=(0, 1e7))
+    dark_current_A_per_cm2: float = param(
+        0.0,
         "dark current per unit of pixel area, instead of dark_current_e_per_s",
-        low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
-    dark_reference_K: Annotated[float | None, Param(
+        (0, 1e6),
+        slider=(0, 1e-6),
+    )
+    dark_reference_K: float | None = param(
+        None,
         "temperature at which the dark current is given; empty: the detector's temperature",
-        low=0, high=1e3, slider=(60, 320))] = None  # fmt: skip
-    dark_doubling_K: Annotated[float | None, Param(
+        (0, 1e3),
+        slider=(60, 320),
+    )
+    dark_doubling_K: float | None = param(
+        None,
         "temperature rise that doubles the dark current; empty: no change with temperature",
-        low=0, high=1e3, slider=(2, 15))] = None  # fmt: skip
-    rule_07: Annotated[bool, Param("compute the dark current of HgCdTe with Rule 07")] = False
-    detector_K: Annotated[float | None, Param(
-        "temperature of the detector, for Rule 07 and dark_doubling_K", low=0, high=1e3,
-        slider=(60, 200))] = None  # fmt: skip
-    material_cutoff_um: Annotated[
-        float | None,
-        Param("cutoff of the detector material, for Rule 07", low=0, high=100, slider=(2, 16)),
-    ] = None
-    full_well_e: Annotated[
-        float | None,
-        Param("electrons that a pixel can hold; empty: unlimited", low=0, slider=(0, 1e7)),
-    ] = None
-    register_well_e: Annotated[float | None, Param(
+        (0, 1e3),
+        slider=(2, 15),
+    )
+    rule_07: bool = param(False, "compute the dark current of HgCdTe with Rule 07")
+    detector_K: float | None = param(
+        None,
+        "temperature of the detector, for Rule 07 and dark_doubling_K",
+        (0, 1e3),
+        slider=(60, 200),
+    )
+    material_cutoff_um: float | None = param(
+        None, "cutoff of the detector material, for Rule 07", (0, 100), slider=(2, 16)
+    )
+    full_well_e: float | None = param(
+        None, "electrons that a pixel can hold; empty: unlimited", low=0, slider=(0, 1e7)
+    )
+    register_well_e: float | None = param(
+        None,
         "electrons that the read-out can hold, after binning and charge gain; empty: unlimited",
-        low=0, slider=(0, 1e7))] = None  # fmt: skip
-    charge_gain: Annotated[ChargeGain, Param(
+        low=0,
+        slider=(0, 1e7),
+    )
+    charge_gain: ChargeGain = param(
+        "none",
         "gain before the read-out: in a photoconductor (QWIP), an EMCCD register or an "
-        "avalanche diode")] = "none"  # fmt: skip
-    charge_gain_factor: Annotated[float, Param(
-        "mean number of output electrons per input electron", low=0, high=1e5, above=True,
-        slider=(0.1, 1000))] = 1.0  # fmt: skip
-    excess_noise_factor: Annotated[float | None, Param(
+        "avalanche diode",
+    )
+    charge_gain_factor: float = param(
+        1.0,
+        "mean number of output electrons per input electron",
+        (0, 1e5),
+        above=True,
+        slider=(0.1, 1000),
+    )
+    excess_noise_factor: float | None = param(
+        None,
         "factor by which the charge gain raises the variance of the electrons; empty: computed",
-        low=1, high=1e5, slider=(1, 4))] = None  # fmt: skip
-    register_stages: Annotated[int, Param(
-        "stages of the EM register", low=1, high=100000, slider=(100, 1000))] = 536  # fmt: skip
-    ionization_ratio: Annotated[float, Param(
+        (1, 1e5),
+        slider=(1, 4),
+    )
+    register_stages: int = param(536, "stages of the EM register", (1, 100000), slider=(100, 1000))
+    ionization_ratio: float = param(
+        0.0,
         "k: ratio of the lower to the higher ionization rate; 0: only one type of carrier ionizes",
-        low=0, high=1)] = 0.0  # fmt: skip
-    nonlinearity_percent: Annotated[
-        float,
-        Param(
-            "signal loss at the full well; the loss grows with the square of the number of "
-            "electrons",
-            low=0, high=25, slider=(0, 5),
-        ),
-    ] = 0.0  # fmt: skip
-    read_noise_e: Annotated[float, Param("read noise", low=0, high=1e12, slider=(0, 1000))] = 0.0
-    prnu_percent: Annotated[
-        float,
-        Param("PRNU: spread of the response between pixels", low=0, high=100, slider=(0, 5)),
-    ] = 0.0
-    dsnu_e: Annotated[
-        float,
-        Param("DSNU: spread of the dark level between pixels", low=0, high=1e12, slider=(0, 2000)),
-    ] = 0.0
-    bad_pixel_percent: Annotated[
-        float,
-        Param(
-            "share of dead and hot pixels, some of them clustered", low=0, high=100, slider=(0, 1)
-        ),
-    ] = 0.0
-    binning: Annotated[Literal["charge", "digital"], Param(
-        "sum the pixels' charge before read noise, or their digital numbers afterwards",
-        )] = "charge"  # fmt: skip
-    binning_x: Annotated[int, Param(
-        "number of pixels summed horizontally", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
-    binning_y: Annotated[int, Param(
-        "number of pixels summed vertically", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
-    bits: Annotated[
-        int, Param("bits of the converter; 0: no converter", unit="bit", low=0, high=24)
-    ] = 0
-    gain_e_per_dn: Annotated[
-        float | None,
-        Param(
-            "electrons per digital number; empty: the full well maps to the highest number",
-            low=0,
-            slider=(0, 1000),
-        ),
-    ] = None
-    gain_dB: Annotated[float, Param(
-        "gain setting of the camera; 20 dB divides gain_e_per_dn by 10", low=-120,
-        high=120, slider=(0, 48))] = 0.0  # fmt: skip
-    offset_dn: Annotated[
-        float,
-        Param("digital number at zero electrons", low=-(2.0**24), high=2.0**24, slider=(0, 1000)),
-    ] = 0.0
-    reference_radiance: Annotated[
-        float | None,
-        Param(
-            "spectral radiance for snr_at_reference; empty: none",
-            unit="W/m²/sr/µm",
-            low=0,
-            slider=(0, 300),
-        ),
-    ] = None
-    units: Annotated[
-        Literal["dn", "electrons", "radiance"],
-        Param("unit of the output; the picture is always digitized"),
-    ] = "dn"
+        (0, 1),
+    )
+    nonlinearity_percent: float = param(
+        0.0,
+        "signal loss at the full well; the loss grows with the square of the number of electrons",
+        (0, 25),
+        slider=(0, 5),
+    )
+    read_noise_e: float = param(0.0, "read noise", (0, 1e12), slider=(0, 1000))
+    prnu_percent: float = param(
+        0.0, "PRNU: spread of the response between pixels", (0, 100), slider=(0, 5)
+    )
+    dsnu_e: float = param(
+        0.0, "DSNU: spread of the dark level between pixels", (0, 1e12), slider=(0, 2000)
+    )
+    bad_pixel_percent: float = param(
+        0.0, "share of dead and hot pixels, some of them clustered", (0, 100), slider=(0, 1)
+    )
+    binning: Literal["charge", "digital"] = param(
+        "charge", "sum the pixels' charge before read noise, or their digital numbers afterwards"
+    )
+    binning_x: int = param(1, "number of pixels summed horizontally", (1, 1024), slider=(1, 8))
+    binning_y: int = param(1, "number of pixels summed vertically", (1, 1024), slider=(1, 8))
+    bits: int = param(0, "bits of the converter; 0: no converter", (0, 24), unit="bit")
+    gain_e_per_dn: float | None = param(
+        None,
+        "electrons per digital number; empty: the full well maps to the highest number",
+        low=0,
+        slider=(0, 1000),
+    )
+    gain_dB: float = param(
+        0.0,
+        "gain setting of the camera; 20 dB divides gain_e_per_dn by 10",
+        (-120, 120),
+        slider=(0, 48),
+    )
+    offset_dn: float = param(
+        0.0, "digital number at zero electrons", (-(2.0**24), 2.0**24), slider=(0, 1000)
+    )
+    reference_radiance: float | None = param(
+        None,
+        "spectral radiance for snr_at_reference; empty: none",
+        low=0,
+        unit="W/m²/sr/µm",
+        slider=(0, 300),
+    )
+    units: Literal["dn", "electrons", "radiance"] = param(
+        "dn", "unit of the output; the picture is always digitized"
+    )
 
     panel = (
         Section("Exposure", ("integration_time_s", "tdi_stages", "frames_averaged"), page="Light"),

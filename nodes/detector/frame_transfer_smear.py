@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from core.chain.step_lineage import Array, LineOperator, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, NodeContext, Param, readout
+from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.detector.readout import smear, smear_mtf
 from core.transfer.factors import Factor, Grid, Law, Separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
@@ -41,20 +41,15 @@ class FrameTransferSmear(
         ),
     )
 
-    line_transfer_time_s: Annotated[
-        float, Param("time to transfer one line", low=0, high=1, slider=(0, 1e-5))
-    ] = 0.0
-    integration_time_s: Annotated[
-        float,
-        Param("exposure time, as on Focal Plane", low=1e-9, high=1e6, slider=(1e-4, 0.05)),
-    ] = 0.01
-    passed: Annotated[
-        Literal["both", "above", "below"],
-        Param(
-            "illuminated rows that a packet passes: on both sides of its pixel, only above or "
-            "only below"
-        ),
-    ] = "both"
+    line_transfer_time_s: float = param(0.0, "time to transfer one line", (0, 1), slider=(0, 1e-5))
+    integration_time_s: float = param(
+        0.01, "exposure time, as on Focal Plane", (1e-9, 1e6), slider=(1e-4, 0.05)
+    )
+    passed: Literal["both", "above", "below"] = param(
+        "both",
+        "illuminated rows that a packet passes: on both sides of its pixel, only above or "
+        "only below",
+    )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         change = self._change(image)

@@ -1,7 +1,7 @@
 """Microbolometer: an uncooled detector by its data sheet's NETD and thermal time constant."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radiance, share_kept
 from core.physics.detector.readout import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import (
@@ -96,83 +96,69 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ),
     )
 
-    netd_mK: Annotated[
-        float, Param("NETD from the data sheet", low=0, high=1e6, slider=(0, 200))
-    ] = 50.0
-    reference_f_number: Annotated[
-        float,
-        Param("F-number at which the NETD was measured", low=0.1, high=1000, slider=(0.5, 4)),
-    ] = 1.0
-    reference_transmission: Annotated[
-        float,
-        Param(
-            "transmission of the optics used when the NETD was measured; 1: a bare detector",
-            low=0, high=1, above=True,
-        ),
-    ] = 1.0  # fmt: skip
-    reference_K: Annotated[
-        float,
-        Param(
-            "background temperature at which the NETD was measured",
-            low=1,
-            high=1e4,
-            slider=(250, 350),
-        ),
-    ] = 300.0
-    reference_integration_time_s: Annotated[
-        float | None,
-        Param(
-            "integration time at which the NETD was measured; empty: equal to the camera's time",
-            low=0,
-            high=1e3,
-        ),
-    ] = None
-    f_number: Annotated[
-        float | None,
-        Param("F-number of the camera; empty: from Init & Trans", low=0.1, high=1000,
-              slider=(0.5, 4)),
-    ] = None  # fmt: skip
-    optics_transmission: Annotated[
-        float, Param("transmission of the optics", low=0, high=1, above=True)
-    ] = 1.0
-    integration_time_s: Annotated[
-        float | None,
-        Param(
-            "integration time of the camera; empty: equal to the data sheet's time", low=0, high=1e3
-        ),
-    ] = None
+    netd_mK: float = param(50.0, "NETD from the data sheet", (0, 1e6), slider=(0, 200))
+    reference_f_number: float = param(
+        1.0, "F-number at which the NETD was measured", (0.1, 1000), slider=(0.5, 4)
+    )
+    reference_transmission: float = param(
+        1.0,
+        "transmission of the optics used when the NETD was measured; 1: a bare detector",
+        (0, 1),
+        above=True,
+    )
+    reference_K: float = param(
+        300.0, "background temperature at which the NETD was measured", (1, 1e4), slider=(250, 350)
+    )
+    reference_integration_time_s: float | None = param(
+        None,
+        "integration time at which the NETD was measured; empty: equal to the camera's time",
+        (0, 1e3),
+    )
+    f_number: float | None = param(
+        None, "F-number of the camera; empty: from Init & Trans", (0.1, 1000), slider=(0.5, 4)
+    )
+    optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
+    integration_time_s: float | None = param(
+        None, "integration time of the camera; empty: equal to the data sheet's time", (0, 1e3)
+    )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    time_constant_s: Annotated[
-        float, Param("thermal time constant", low=0, high=1e3, slider=(0, 0.03))
-    ] = 0.01
-    frame_rate_Hz: Annotated[float, Param("frame rate", low=1e-6, high=1e9, slider=(1, 120))] = 30.0
-    filter_frames: Annotated[float, Param(
+    time_constant_s: float = param(0.01, "thermal time constant", (0, 1e3), slider=(0, 0.03))
+    frame_rate_Hz: float = param(30.0, "frame rate", (1e-6, 1e9), slider=(1, 120))
+    filter_frames: float = param(
+        1.0,
         "temporal filter: lowers white noise as much as averaging this many frames; 1: no filter",
-        low=1, high=16)] = 1.0  # fmt: skip
-    bits: Annotated[int, Param(
-        "bits of the output; 0: no rounding", unit="bit", low=0, high=24)] = 0  # fmt: skip
-    range_low_K: Annotated[float | None, Param(
-        "scene temperature at the lowest digital number, used with bits", low=0, high=1e4,
-        slider=(200, 300))] = None  # fmt: skip
-    range_high_K: Annotated[float | None, Param(
-        "scene temperature at the highest digital number, used with bits", low=0, high=1e4,
-        slider=(300, 500))] = None  # fmt: skip
-    corner_Hz: Annotated[
-        float,
-        Param("corner frequency, where 1/f noise equals white noise; 0: no 1/f noise",
-              low=0, high=1e9, slider=(0, 10)),
-    ] = 0.0  # fmt: skip
+        (1, 16),
+    )
+    bits: int = param(0, "bits of the output; 0: no rounding", (0, 24), unit="bit")
+    range_low_K: float | None = param(
+        None,
+        "scene temperature at the lowest digital number, used with bits",
+        (0, 1e4),
+        slider=(200, 300),
+    )
+    range_high_K: float | None = param(
+        None,
+        "scene temperature at the highest digital number, used with bits",
+        (0, 1e4),
+        slider=(300, 500),
+    )
+    corner_Hz: float = param(
+        0.0,
+        "corner frequency, where 1/f noise equals white noise; 0: no 1/f noise",
+        (0, 1e9),
+        slider=(0, 10),
+    )
     longest_period_s: LongestPeriod = 60.0
-    response_percent: Annotated[
-        float,
-        Param("PRNU: spread of the response between pixels", low=0, high=100, slider=(0, 10)),
-    ] = 0.0
-    offset_mK: Annotated[
-        float,
-        Param("spread of the offset between pixels, at the data sheet's background",
-              low=0, high=1e9, slider=(0, 5000)),
-    ] = 0.0  # fmt: skip
+    response_percent: float = param(
+        0.0, "PRNU: spread of the response between pixels", (0, 100), slider=(0, 10)
+    )
+    offset_mK: float = param(
+        0.0,
+        "spread of the offset between pixels, at the data sheet's background",
+        (0, 1e9),
+        slider=(0, 5000),
+    )
 
     panel = (
         Section(

@@ -1,11 +1,11 @@
 """Microlens Angle: pixels respond less to light that meets their microlenses at an angle."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.modules.declaration import Formula, NodeContext, Param, Section
+from core.modules.declaration import Formula, NodeContext, Section, param
 from core.physics.optics.field import MOST_DEG, microlens_response
 from nodes.files.spectrum_tables import read_heights
 from nodes.optics.vignetting import Law, LightOverField, corner, darkened
@@ -36,33 +36,33 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
         ),
     )
 
-    chief_ray_deg: Annotated[
-        float,
-        Param("chief ray angle of the lens at the corner", unit="deg", low=-MOST_DEG,
-              high=MOST_DEG, slider=(-40, 40)),
-    ] = 0.0  # fmt: skip
-    matched_deg: Annotated[
-        float,
-        Param("chief ray angle that the microlenses at the corner are designed for",
-              unit="deg", low=-MOST_DEG, high=MOST_DEG, slider=(-40, 40)),
-    ] = 0.0  # fmt: skip
-    response: Annotated[
-        Literal["half_angle", "file"],
-        Param("response versus angle: from half_response_deg, or measured"),
-    ] = "half_angle"
-    half_response_deg: Annotated[
-        float,
-        Param(
-            "angle difference at which the response falls to half",
-            unit="deg",
-            low=0.1,
-            high=90,
-            slider=(5, 45),
-        ),
-    ] = 20.0
-    path: Annotated[
-        Path | None, Param("CSV file of angle difference (°) and response, which is 1 at 0°")
-    ] = None
+    chief_ray_deg: float = param(
+        0.0,
+        "chief ray angle of the lens at the corner",
+        (-MOST_DEG, MOST_DEG),
+        unit="deg",
+        slider=(-40, 40),
+    )
+    matched_deg: float = param(
+        0.0,
+        "chief ray angle that the microlenses at the corner are designed for",
+        (-MOST_DEG, MOST_DEG),
+        unit="deg",
+        slider=(-40, 40),
+    )
+    response: Literal["half_angle", "file"] = param(
+        "half_angle", "response versus angle: from half_response_deg, or measured"
+    )
+    half_response_deg: float = param(
+        20.0,
+        "angle difference at which the response falls to half",
+        (0.1, 90),
+        unit="deg",
+        slider=(5, 45),
+    )
+    path: Path | None = param(
+        None, "CSV file of angle difference (°) and response, which is 1 at 0°"
+    )
 
     panel = (
         Section("Chief ray at the corner", ("chief_ray_deg", "matched_deg")),

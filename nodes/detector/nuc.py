@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from core.chain.wires import Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.detector import focal_plane_array
 from core.physics.radiometry.planck import band_radiance
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
@@ -63,27 +63,25 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         ),
     )
 
-    method: Annotated[
-        Literal["none", "one_point", "two_point"],
-        Param("number of reference sources: none, one or two"),
-    ] = "two_point"
-    low_K: Annotated[
-        float,
-        Param("temperature of the single reference, or of the cooler of two", low=1, high=1e4,
-              slider=(260, 340)),
-    ] = 290.0  # fmt: skip
-    high_K: Annotated[
-        float,
-        Param("temperature of the warmer reference", low=1, high=1e4, slider=(260, 340)),
-    ] = 310.0
-    reference_frames: Annotated[
-        int, Param("number of reference frames averaged", low=1, high=100000, slider=(1, 64))
-    ] = 16
-    drift_K: Annotated[
-        float,
-        Param("offset drift since the correction, rms between pixels, as scene temperature",
-              low=0, high=1e4, slider=(0, 1)),
-    ] = 0.0  # fmt: skip
+    method: Literal["none", "one_point", "two_point"] = param(
+        "two_point", "number of reference sources: none, one or two"
+    )
+    low_K: float = param(
+        290.0,
+        "temperature of the single reference, or of the cooler of two",
+        (1, 1e4),
+        slider=(260, 340),
+    )
+    high_K: float = param(310.0, "temperature of the warmer reference", (1, 1e4), slider=(260, 340))
+    reference_frames: int = param(
+        16, "number of reference frames averaged", (1, 100000), slider=(1, 64)
+    )
+    drift_K: float = param(
+        0.0,
+        "offset drift since the correction, rms between pixels, as scene temperature",
+        (0, 1e4),
+        slider=(0, 1),
+    )
 
     panel = (
         Section("", ("method",)),

@@ -1,7 +1,5 @@
 """Persistence: the image lag of an earlier exposure."""
 
-from typing import Annotated
-
 import numpy as np
 
 from core.chain.step_lineage import Array, picture_step
@@ -9,7 +7,7 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, NodeContext, Param, readout
+from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.detector.readout import persistence
 from nodes.shared.module_ports import BeforeDigits, ImageOutput
 from nodes.shared.shared_warnings import is_radiance
@@ -34,23 +32,19 @@ class Persistence(BeforeDigits, key="persistence", title="Persistence", group="D
         ),
     )
 
-    fast_percent: Annotated[
-        float,
-        Param("share of the earlier picture that decays fast", low=0, high=100, slider=(0, 5)),
-    ] = 0.0
-    fast_time_constant_s: Annotated[
-        float, Param("time constant of the fast share", low=1e-9, high=1e9, slider=(0.1, 60))
-    ] = 1.0
-    slow_percent: Annotated[
-        float,
-        Param("share of the earlier picture that decays slowly", low=0, high=100, slider=(0, 5)),
-    ] = 0.0
-    slow_time_constant_s: Annotated[
-        float, Param("time constant of the slow share", low=1e-9, high=1e9, slider=(1, 3600))
-    ] = 100.0
-    delay_s: Annotated[
-        float, Param("time since the earlier exposure", low=0, high=1e9, slider=(0, 600))
-    ] = 0.0
+    fast_percent: float = param(
+        0.0, "share of the earlier picture that decays fast", (0, 100), slider=(0, 5)
+    )
+    fast_time_constant_s: float = param(
+        1.0, "time constant of the fast share", (1e-9, 1e9), slider=(0.1, 60)
+    )
+    slow_percent: float = param(
+        0.0, "share of the earlier picture that decays slowly", (0, 100), slider=(0, 5)
+    )
+    slow_time_constant_s: float = param(
+        100.0, "time constant of the slow share", (1e-9, 1e9), slider=(1, 3600)
+    )
+    delay_s: float = param(0.0, "time since the earlier exposure", (0, 1e9), slider=(0, 600))
 
     def check(self) -> None:
         if self.fast_percent + self.slow_percent > 100.0 + 1e-9:  # rounding

@@ -1,7 +1,7 @@
 """Read-out Window: a region of interest (ROI) is read instead of the whole detector."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section, readout
+from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
 from core.transfer.factors import Grid
 from nodes.shared.module_ports import ImageOutput
 
@@ -33,41 +33,38 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
         ),
     )
 
-    columns: Annotated[
-        int | None,
-        Param(
-            "width of the window; empty: all columns",
-            unit="px",
-            low=1,
-            high=65536,
-            slider=(16, 2048),
-        ),
-    ] = None
-    rows: Annotated[
-        int | None,
-        Param(
-            "height of the window; empty: all rows", unit="px", low=1, high=65536, slider=(16, 2048)
-        ),
-    ] = None
-    left: Annotated[
-        int | None,
-        Param("columns to the left of the window; empty: centred", unit="px", low=0, high=65535,
-              slider=(0, 2048), zero_is_empty=False),
-    ] = None  # fmt: skip
-    top: Annotated[
-        int | None,
-        Param("rows above the window; empty: centred", unit="px", low=0, high=65535,
-              slider=(0, 2048), zero_is_empty=False),
-    ] = None  # fmt: skip
-    row_time_us: Annotated[
-        float | None,
-        Param("time to read one row", unit="µs", low=1e-6, high=1e9, slider=(1, 100)),
-    ] = None
-    overhead_us: Annotated[
-        float,
-        Param("time that each frame takes in addition to reading its rows", unit="µs", low=0,
-              high=1e9, slider=(0, 1000)),
-    ] = 0.0  # fmt: skip
+    columns: int | None = param(
+        None, "width of the window; empty: all columns", (1, 65536), unit="px", slider=(16, 2048)
+    )
+    rows: int | None = param(
+        None, "height of the window; empty: all rows", (1, 65536), unit="px", slider=(16, 2048)
+    )
+    left: int | None = param(
+        None,
+        "columns to the left of the window; empty: centred",
+        (0, 65535),
+        unit="px",
+        slider=(0, 2048),
+        zero_is_empty=False,
+    )
+    top: int | None = param(
+        None,
+        "rows above the window; empty: centred",
+        (0, 65535),
+        unit="px",
+        slider=(0, 2048),
+        zero_is_empty=False,
+    )
+    row_time_us: float | None = param(
+        None, "time to read one row", (1e-6, 1e9), unit="µs", slider=(1, 100)
+    )
+    overhead_us: float = param(
+        0.0,
+        "time that each frame takes in addition to reading its rows",
+        (0, 1e9),
+        unit="µs",
+        slider=(0, 1000),
+    )
 
     panel = (
         Section("Window", ("columns", "rows", "left", "top")),

@@ -1,7 +1,7 @@
 """Rolling Shutter: lines are exposed one after the other while the image moves."""
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -10,7 +10,7 @@ from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.detector.readout import REACH, sinc_weights
 from core.transfer.factors import Edges
 from nodes.shared.context_defaults import pitch_in_samples
@@ -45,19 +45,13 @@ class RollingShutter(
         ),
     )
 
-    image_velocity_x: Annotated[
-        float,
-        Param("velocity of the image to the right", unit="px/s", low=-1e6, high=1e6,
-              slider=(-5000, 5000)),
-    ] = 0.0  # fmt: skip
-    image_velocity_y: Annotated[
-        float,
-        Param("velocity of the image downwards", unit="px/s", low=-1e6, high=1e6,
-              slider=(-5000, 5000)),
-    ] = 0.0  # fmt: skip
-    line_time_s: Annotated[
-        float, Param("time from one line to the next", low=0, high=1, slider=(0, 1e-4))
-    ] = 2e-5
+    image_velocity_x: float = param(
+        0.0, "velocity of the image to the right", (-1e6, 1e6), unit="px/s", slider=(-5000, 5000)
+    )
+    image_velocity_y: float = param(
+        0.0, "velocity of the image downwards", (-1e6, 1e6), unit="px/s", slider=(-5000, 5000)
+    )
+    line_time_s: float = param(2e-5, "time from one line to the next", (0, 1), slider=(0, 1e-4))
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         steps = [self.line_time_s * v for v in (self.image_velocity_x, self.image_velocity_y)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, param
 from core.modules.preview import Axis, Curve, Mark, Plot, Preview, brief
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import (
@@ -65,21 +65,23 @@ class SpectralResponse(
         ),
     )
 
-    shape: Annotated[
-        Literal["file", "rectangle", "gaussian"], Param("shape of the response, or a file")
-    ] = "rectangle"
-    path: Annotated[Path | None, Param("CSV file of wavelength (µm) and response (0 to 1)")] = None
-    centre_um: Annotated[
-        float | None,
-        Param("centre wavelength; empty: the middle of the picture's band", low=0, high=1000,
-              slider=(0.4, 14)),
-    ] = None  # fmt: skip
-    width_um: Annotated[
-        float | None,
-        Param("width (for a Gaussian, the full width at half maximum); empty: the picture's "
-              "band", low=0, high=1000, slider=(0.01, 5)),
-    ] = None  # fmt: skip
-    peak: Annotated[float, Param("largest response", low=0, high=1)] = 1.0
+    shape: Literal["file", "rectangle", "gaussian"] = param(
+        "rectangle", "shape of the response, or a file"
+    )
+    path: Path | None = param(None, "CSV file of wavelength (µm) and response (0 to 1)")
+    centre_um: float | None = param(
+        None,
+        "centre wavelength; empty: the middle of the picture's band",
+        (0, 1000),
+        slider=(0.4, 14),
+    )
+    width_um: float | None = param(
+        None,
+        "width (for a Gaussian, the full width at half maximum); empty: the picture's band",
+        (0, 1000),
+        slider=(0.01, 5),
+    )
+    peak: float = param(1.0, "largest response", (0, 1))
     source_K: WeightingSource = None
 
     panel = (

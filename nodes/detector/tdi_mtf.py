@@ -1,10 +1,10 @@
 """TDI MTF: charge that is clocked along with a moving image."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import image_motion, smear_mrad, tdi_askew_mtf, tdi_mtf
 from core.physics.numerics import positive
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -38,40 +38,33 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         ),
     )
 
-    stages: Annotated[
-        int, Param("number of stages whose charge is summed", low=1, high=10000, slider=(1, 128))
-    ] = 64
-    phases: Annotated[
-        int,
-        Param("clock phases per stage: the charge moves once per phase; 0: smooth motion",
-              low=0, high=100,
-              slider=(0, 8)),
-    ] = 4  # fmt: skip
-    velocity_mismatch_percent: Annotated[
-        float,
-        Param("how much faster the image moves than the charge", low=-99, high=1000,
-              slider=(-5, 5)),
-    ] = 0.0  # fmt: skip
-    line_rate_Hz: Annotated[
-        float | None,
-        Param("line rate at which the charge moves; empty: velocity_mismatch_percent is used",
-              low=0, slider=(1000, 50000)),
-    ] = None  # fmt: skip
-    yaw_deg: Annotated[
-        float,
-        Param("angle from the stages to the image motion", low=-89, high=89, slider=(-5, 5)),
-    ] = 0.0
-    direction: Annotated[
-        Literal["y", "x"], Param("axis of the motion: vertical (y) or horizontal (x)")
-    ] = "y"
-    detector_um: Annotated[
-        float | None,
-        Param("pitch of the stages; empty: the detector's pitch along the motion", low=0,
-              slider=(1, 100)),
-    ] = None  # fmt: skip
-    focal_length_mm: Annotated[
-        float | None, Param("effective focal length", low=0, slider=(10, 10000))
-    ] = None
+    stages: int = param(64, "number of stages whose charge is summed", (1, 10000), slider=(1, 128))
+    phases: int = param(
+        4,
+        "clock phases per stage: the charge moves once per phase; 0: smooth motion",
+        (0, 100),
+        slider=(0, 8),
+    )
+    velocity_mismatch_percent: float = param(
+        0.0, "how much faster the image moves than the charge", (-99, 1000), slider=(-5, 5)
+    )
+    line_rate_Hz: float | None = param(
+        None,
+        "line rate at which the charge moves; empty: velocity_mismatch_percent is used",
+        low=0,
+        slider=(1000, 50000),
+    )
+    yaw_deg: float = param(
+        0.0, "angle from the stages to the image motion", (-89, 89), slider=(-5, 5)
+    )
+    direction: Literal["y", "x"] = param("y", "axis of the motion: vertical (y) or horizontal (x)")
+    detector_um: float | None = param(
+        None,
+        "pitch of the stages; empty: the detector's pitch along the motion",
+        low=0,
+        slider=(1, 100),
+    )
+    focal_length_mm: float | None = param(None, "effective focal length", low=0, slider=(10, 10000))
 
     panel = (
         Section("", ("apply",)),

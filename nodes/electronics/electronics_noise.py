@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, NodeContext, Param, declaration, warning
+from core.modules.declaration import Formula, NodeContext, declaration, param, warning
 from core.modules.parameters import Caution, Offer, Section
 from core.modules.preview import (
     Axis,
@@ -116,77 +116,61 @@ class ElectronicsNoise(
 
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    region: Annotated[Literal["VIS", "MWIR", "LWIR"], Param("wavelength region")] = "VIS"
-    material: Annotated[
-        Literal["HgCdTe", "InSb", "PtSi", "Si", "Si:Ga", "Si:As", "manual"],
-        Param("detector material, for D*"),
-    ] = "HgCdTe"
-    d_star: Annotated[
-        float | None, Param("D*, used instead of the material's D*", unit="cm √Hz/W", low=0)
-    ] = None
-    optics_transmission: Annotated[
-        float, Param("transmission of the optics", low=0, high=1, above=True)
-    ] = 1.0
-    filter_transmission: Annotated[
-        float, Param("transmission of the filter", low=0, high=1, above=True)
-    ] = 1.0
-    scan_mirror_rate_Hz: Annotated[
-        float | None,
-        Param("rotation rate of the scan mirror; empty: scan velocity from Init & Trans", low=0),
-    ] = None
-    time_constant_s: Annotated[
-        float | None, Param("detector time constant; empty: the dwell time", low=0)
-    ] = None
-    bandwidth_Hz: Annotated[float | None, Param("noise bandwidth; empty: 1/(2τ)", low=0)] = None
-    amplifier_snr: Annotated[
-        float | None, Param("SNR of the amplifier; empty: no amplifier noise", low=0)
-    ] = None
-    snr_reference: Annotated[
-        Literal["mean", "contrast"], Param("signal that the SNR refers to: mean, or max − min")
-    ] = "mean"
-    gain_percent: Annotated[
-        float, Param("spread of the gain between detectors", low=0, slider=(0, 10))
-    ] = 0.0
-    bias_percent: Annotated[
-        float,
-        Param("spread of the bias between detectors, relative to the mean", low=0, slider=(0, 10)),
-    ] = 0.0
-    gain_model: Annotated[
-        Literal["per_pixel", "published", "literal"],
-        Param(
-            "per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. "
-            "4.59 as printed"
-        ),
-    ] = "per_pixel"
-    noise_variability_percent: Annotated[
-        float,
-        Param("spread of the noise level between detectors", low=0, slider=(0, 100)),
-    ] = 0.0
-    use_mtf: Annotated[bool, Param("apply the pre-amplifier's MTF and PTF")] = False
-    post_filter: Annotated[
-        Literal["none", "lowpass", "highpass", "boost"], Param("filter after the amplifier")
-    ] = "none"
-    post_corner_Hz: Annotated[
-        float | None,
-        Param("corner frequency, or boost frequency, of the post filter", low=0),
-    ] = None
-    post_poles: Annotated[int, Param("number of poles of the post filter", low=1, high=100)] = 1
-    post_gain: Annotated[float, Param("gain of the boost", low=1, high=1e6)] = 2.0
-    bits: Annotated[
-        int, Param("bits per pixel; 0: no quantization", unit="bit", choices=(0, *_CONVERTER_BITS))
-    ] = 0
-    range_low: Annotated[
-        float | None,
-        Param("lowest level; empty: the picture's minimum", unit="W/m²/sr", zero_is_empty=False),
-    ] = None
-    range_high: Annotated[
-        float | None,
-        Param("highest level; empty: the picture's maximum", unit="W/m²/sr", zero_is_empty=False),
-    ] = None
-    background_K: Annotated[
-        float | None,
-        Param("background temperature; empty: brightness temperature of the picture's mean", low=0),
-    ] = None
+    region: Literal["VIS", "MWIR", "LWIR"] = param("VIS", "wavelength region")
+    material: Literal["HgCdTe", "InSb", "PtSi", "Si", "Si:Ga", "Si:As", "manual"] = param(
+        "HgCdTe", "detector material, for D*"
+    )
+    d_star: float | None = param(
+        None, "D*, used instead of the material's D*", low=0, unit="cm √Hz/W"
+    )
+    optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
+    filter_transmission: float = param(1.0, "transmission of the filter", (0, 1), above=True)
+    scan_mirror_rate_Hz: float | None = param(
+        None, "rotation rate of the scan mirror; empty: scan velocity from Init & Trans", low=0
+    )
+    time_constant_s: float | None = param(
+        None, "detector time constant; empty: the dwell time", low=0
+    )
+    bandwidth_Hz: float | None = param(None, "noise bandwidth; empty: 1/(2τ)", low=0)
+    amplifier_snr: float | None = param(
+        None, "SNR of the amplifier; empty: no amplifier noise", low=0
+    )
+    snr_reference: Literal["mean", "contrast"] = param(
+        "mean", "signal that the SNR refers to: mean, or max − min"
+    )
+    gain_percent: float = param(0.0, "spread of the gain between detectors", low=0, slider=(0, 10))
+    bias_percent: float = param(
+        0.0, "spread of the bias between detectors, relative to the mean", low=0, slider=(0, 10)
+    )
+    gain_model: Literal["per_pixel", "published", "literal"] = param(
+        "per_pixel",
+        "per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. "
+        "4.59 as printed",
+    )
+    noise_variability_percent: float = param(
+        0.0, "spread of the noise level between detectors", low=0, slider=(0, 100)
+    )
+    use_mtf: bool = param(False, "apply the pre-amplifier's MTF and PTF")
+    post_filter: Literal["none", "lowpass", "highpass", "boost"] = param(
+        "none", "filter after the amplifier"
+    )
+    post_corner_Hz: float | None = param(
+        None, "corner frequency, or boost frequency, of the post filter", low=0
+    )
+    post_poles: int = param(1, "number of poles of the post filter", (1, 100))
+    post_gain: float = param(2.0, "gain of the boost", (1, 1e6))
+    bits: int = param(
+        0, "bits per pixel; 0: no quantization", unit="bit", choices=(0, *_CONVERTER_BITS)
+    )
+    range_low: float | None = param(
+        None, "lowest level; empty: the picture's minimum", unit="W/m²/sr", zero_is_empty=False
+    )
+    range_high: float | None = param(
+        None, "highest level; empty: the picture's maximum", unit="W/m²/sr", zero_is_empty=False
+    )
+    background_K: float | None = param(
+        None, "background temperature; empty: brightness temperature of the picture's mean", low=0
+    )
 
     preview_lines = 15.5
     panel = (

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from math import hypot
-from typing import Annotated
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region, ends_lineage, in_parts, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.noise.noise_components import COMPONENTS
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates
@@ -56,39 +55,26 @@ class Noise3DSource(
         ),
     )
 
-    sigma_tvh: Annotated[
-        float,
-        Param(
-            "random noise, from pixel to pixel and frame to frame", low=0, high=1e15, slider=(0, 1)
-        ),
-    ] = 0.0
-    sigma_tv: Annotated[
-        float, Param("row noise that changes from frame to frame", low=0, high=1e15, slider=(0, 1))
-    ] = 0.0
-    sigma_th: Annotated[
-        float,
-        Param("column noise that changes from frame to frame", low=0, high=1e15, slider=(0, 1)),
-    ] = 0.0
-    sigma_t: Annotated[
-        float, Param("flicker of the whole frame", low=0, high=1e15, slider=(0, 1))
-    ] = 0.0
-    sigma_vh: Annotated[
-        float, Param("fixed pattern, pixel by pixel", low=0, high=1e15, slider=(0, 1))
-    ] = 0.0
-    sigma_v: Annotated[
-        float, Param("fixed pattern, row by row", low=0, high=1e15, slider=(0, 1))
-    ] = 0.0
-    sigma_h: Annotated[
-        float, Param("fixed pattern, column by column", low=0, high=1e15, slider=(0, 1))
-    ] = 0.0
-    corner_Hz: Annotated[
-        float,
-        Param("corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise",
-              low=0, high=1e9, slider=(0, 10)),
-    ] = 0.0  # fmt: skip
-    frame_rate_Hz: Annotated[
-        float, Param("frame rate, for 1/f noise", low=1e-6, high=1e9, slider=(1, 120))
-    ] = 30.0
+    sigma_tvh: float = param(
+        0.0, "random noise, from pixel to pixel and frame to frame", (0, 1e15), slider=(0, 1)
+    )
+    sigma_tv: float = param(
+        0.0, "row noise that changes from frame to frame", (0, 1e15), slider=(0, 1)
+    )
+    sigma_th: float = param(
+        0.0, "column noise that changes from frame to frame", (0, 1e15), slider=(0, 1)
+    )
+    sigma_t: float = param(0.0, "flicker of the whole frame", (0, 1e15), slider=(0, 1))
+    sigma_vh: float = param(0.0, "fixed pattern, pixel by pixel", (0, 1e15), slider=(0, 1))
+    sigma_v: float = param(0.0, "fixed pattern, row by row", (0, 1e15), slider=(0, 1))
+    sigma_h: float = param(0.0, "fixed pattern, column by column", (0, 1e15), slider=(0, 1))
+    corner_Hz: float = param(
+        0.0,
+        "corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise",
+        (0, 1e9),
+        slider=(0, 10),
+    )
+    frame_rate_Hz: float = param(30.0, "frame rate, for 1/f noise", (1e-6, 1e9), slider=(1, 120))
     longest_period_s: LongestPeriod = 60.0
 
     panel = (

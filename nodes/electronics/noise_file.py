@@ -1,7 +1,6 @@
 """Noise File: any picture as noise."""
 
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param
+from core.modules.declaration import Formula, Module, NodeContext, param
 from nodes.files.common.stored_bytes import checked_band
 from nodes.input_output.source_file import picture_source, read_step
 from nodes.shared.module_ports import NoiseOutputs
@@ -25,11 +24,9 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
 
     formulas = (Formula(r"L'=L+s\,n", where="n: samples of the file; s: scale"),)
 
-    path: Annotated[Path | None, Param("noise file, relative to the network file's folder")] = None
-    band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
-    scale: Annotated[
-        float, Param("factor that converts the file to the picture's unit", slider=(0, 10))
-    ] = 1.0
+    path: Path | None = param(None, "noise file, relative to the network file's folder")
+    band: int = param(0, "band or channel, counted from 0", low=0)
+    scale: float = param(1.0, "factor that converts the file to the picture's unit", slider=(0, 10))
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         source = picture_source(self.path, here)

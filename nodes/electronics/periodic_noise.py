@@ -1,7 +1,6 @@
 """Periodic Noise: a sinusoid over the picture, plain or modulated."""
 
 import math
-from typing import Annotated
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Region, ends_lineage, in_parts, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param, Section
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.noise.flicker_noise import periodic_pattern
 from core.transfer.factors import Grid
@@ -43,20 +42,20 @@ class PeriodicNoise(
         ),
     )
 
-    amplitude: Annotated[float, Param("amplitude, in the picture's unit", slider=(0, 10))] = 0.0
-    xi: Annotated[float, Param("horizontal frequency", unit="cyc/mrad", slider=(-1, 1))] = 0.1
-    eta: Annotated[float, Param("vertical frequency", unit="cyc/mrad", slider=(-1, 1))] = 0.0
-    phase_deg: Annotated[float, Param("phase at the first sample", slider=(-180, 180))] = 0.0
-    modulation: Annotated[float, Param("modulation depth", low=0, high=1)] = 0.0
-    modulation_xi: Annotated[
-        float, Param("horizontal frequency of the modulation", unit="cyc/mrad", slider=(-1, 1))
-    ] = 0.01
-    modulation_eta: Annotated[
-        float, Param("vertical frequency of the modulation", unit="cyc/mrad", slider=(-1, 1))
-    ] = 0.0
-    modulation_phase_deg: Annotated[
-        float, Param("phase of the modulation at the first sample", slider=(-180, 180))
-    ] = 0.0
+    amplitude: float = param(0.0, "amplitude, in the picture's unit", slider=(0, 10))
+    xi: float = param(0.1, "horizontal frequency", unit="cyc/mrad", slider=(-1, 1))
+    eta: float = param(0.0, "vertical frequency", unit="cyc/mrad", slider=(-1, 1))
+    phase_deg: float = param(0.0, "phase at the first sample", slider=(-180, 180))
+    modulation: float = param(0.0, "modulation depth", (0, 1))
+    modulation_xi: float = param(
+        0.01, "horizontal frequency of the modulation", unit="cyc/mrad", slider=(-1, 1)
+    )
+    modulation_eta: float = param(
+        0.0, "vertical frequency of the modulation", unit="cyc/mrad", slider=(-1, 1)
+    )
+    modulation_phase_deg: float = param(
+        0.0, "phase of the modulation at the first sample", slider=(-180, 180)
+    )
 
     preview_lines = 9.5
     panel = (

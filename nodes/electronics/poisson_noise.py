@@ -1,6 +1,6 @@
 """Poisson Noise: photon noise of the scene."""
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.noise.flicker_noise import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
@@ -54,22 +54,16 @@ class PoissonNoise(
         ),
     )
 
-    width_px: Annotated[
-        float,
-        Param(
-            "standard deviation of the Gaussian that weights the local mean", low=0, slider=(0, 50)
-        ),
-    ] = 5.0
-    percent: Annotated[
-        float, Param("fraction of the local mean", unit="%", low=0, slider=(0, 100))
-    ] = 1.0
-    photons_per_unit: Annotated[
-        float | None, Param("photons per unit of radiance, for `photon`", low=0)
-    ] = None
-    mode: Annotated[
-        Literal["published", "photon"],
-        Param("add a Poisson deviate, or replace the sample with one"),
-    ] = "published"
+    width_px: float = param(
+        5.0, "standard deviation of the Gaussian that weights the local mean", low=0, slider=(0, 50)
+    )
+    percent: float = param(1.0, "fraction of the local mean", low=0, unit="%", slider=(0, 100))
+    photons_per_unit: float | None = param(
+        None, "photons per unit of radiance, for `photon`", low=0
+    )
+    mode: Literal["published", "photon"] = param(
+        "published", "add a Poisson deviate, or replace the sample with one"
+    )
 
     panel = (
         Section("", ("mode",)),

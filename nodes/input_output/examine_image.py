@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -26,7 +26,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
-from core.modules.parameters import Caution, Formula, Param, Section
+from core.modules.parameters import Caution, Formula, Section, param
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_unit import histogram, statistics
@@ -68,15 +68,14 @@ class ExamineImage(
 
     renamed = MappingProxyType({"magnitude": "image", "phase": "image", "transfer": "image"})
 
-    display: Annotated[Display, Param("how the samples are shown")] = "linear"
-    probe_x: Annotated[
-        int | None,
-        Param("column of the sample to report, counted from 0", low=0, zero_is_empty=False),
-    ] = None
-    probe_y: Annotated[
-        int | None, Param("row of the sample to report, counted from 0", low=0, zero_is_empty=False)
-    ] = None
-    bins: Annotated[int, Param("number of bins of the histogram", low=1, high=65536)] = 256
+    display: Display = param("linear", "how the samples are shown")
+    probe_x: int | None = param(
+        None, "column of the sample to report, counted from 0", low=0, zero_is_empty=False
+    )
+    probe_y: int | None = param(
+        None, "row of the sample to report, counted from 0", low=0, zero_is_empty=False
+    )
+    bins: int = param(256, "number of bins of the histogram", (1, 65536))
 
     panel = (
         Section("", ("display",)),

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.parameters import Caution, Formula, Param, Section
+from core.modules.parameters import Caution, Formula, Section, param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import checked_band
@@ -84,39 +84,28 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         ),
     )
 
-    path: Annotated[
-        Path | None,
-        Param(f"picture file, relative to the network file's folder: {readable_formats()}"),
-    ] = None
-    band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
-    bands: Annotated[
-        Literal["one", "all", "luminance"],
-        Param(
-            "one band, all bands of a spectral cube (each goes through the chain separately), "
-            "or the luminance of a colour picture"
-        ),
-    ] = "one"
-    scale: Annotated[float, Param("factor applied to the samples", slider=(0, 10000))] = 1.0
-    offset: Annotated[
-        float, Param("number added after scaling, in the unit of the scaled samples")
-    ] = 0.0
-    unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
-    fov_x_deg: Annotated[
-        float | None, Param("horizontal field of view", low=0, high=180, below=True)
-    ] = None
-    fov_y_deg: Annotated[
-        float | None, Param("vertical field of view", low=0, high=180, below=True)
-    ] = None
-    cut_on_um: Annotated[float | None, Param("shortest wavelength", low=0)] = None
-    cut_off_um: Annotated[float | None, Param("longest wavelength", low=0)] = None
+    path: Path | None = param(
+        None, f"picture file, relative to the network file's folder: {readable_formats()}"
+    )
+    band: int = param(0, "band or channel, counted from 0", low=0)
+    bands: Literal["one", "all", "luminance"] = param(
+        "one",
+        "one band, all bands of a spectral cube (each goes through the chain separately), "
+        "or the luminance of a colour picture",
+    )
+    scale: float = param(1.0, "factor applied to the samples", slider=(0, 10000))
+    offset: float = param(0.0, "number added after scaling, in the unit of the scaled samples")
+    unit: str = param(DEFAULT_UNIT, "unit of the samples after scaling")
+    fov_x_deg: float | None = param(None, "horizontal field of view", (0, 180), below=True)
+    fov_y_deg: float | None = param(None, "vertical field of view", (0, 180), below=True)
+    cut_on_um: float | None = param(None, "shortest wavelength", low=0)
+    cut_off_um: float | None = param(None, "longest wavelength", low=0)
 
-    missing: Annotated[
-        Literal["refuse", "mean", "zero"],
-        Param(
-            "samples that are NaN, infinite or missing: refuse them, or replace them with 0 or "
-            "the mean of the other samples"
-        ),
-    ] = "refuse"
+    missing: Literal["refuse", "mean", "zero"] = param(
+        "refuse",
+        "samples that are NaN, infinite or missing: refuse them, or replace them with 0 or "
+        "the mean of the other samples",
+    )
 
     panel = (
         Section("File", ("path", "bands")),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
-from core.modules.parameters import Formula, Param, Section
+from core.modules.parameters import Formula, Section, param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
@@ -67,59 +67,41 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
 
     __test__ = False  # not a test class, whatever its name says
 
-    kind: Annotated[Kind, Param("what to draw")] = "dormitory"
-    width: Annotated[int, Param("samples per row", low=1, high=65536, slider=(16, 2048))] = 512
-    height: Annotated[int, Param("samples per column", low=1, high=65536, slider=(16, 2048))] = 512
-    fov_x_deg: Annotated[
-        float | None, Param("horizontal field of view", low=0, high=180, below=True)
-    ] = 30.0
-    fov_y_deg: Annotated[
-        float | None, Param("vertical field of view", low=0, high=180, below=True)
-    ] = 30.0
-    cut_on_um: Annotated[float, Param("shortest wavelength", low=0, above=True)] = 8.0
-    cut_off_um: Annotated[float, Param("longest wavelength", low=0, above=True)] = 12.0
-    bands: Annotated[
-        int,
-        Param(
-            "number of spectral bands of equal width; 0: a single band",
-            low=0,
-            high=4096,
-            slider=(0, 64),
-        ),
-    ] = 0
-    emissivity: Annotated[
-        Emissivity,
-        Param("spectra of the surfaces, if there are bands: from their materials, or grey"),
-    ] = "spectra"
-    quantity: Annotated[
-        Literal["radiance", "reflectance"],
-        Param("quantity of the samples: radiance, or reflectance for Reflected Light"),
-    ] = "radiance"
-    background_reflectance: Annotated[
-        float,
-        Param(
-            "reflectance of a target's background, used if quantity is reflectance", low=0, high=1
-        ),
-    ] = 0.07
-    target_reflectance: Annotated[
-        float, Param("reflectance of a target, used if quantity is reflectance", low=0, high=1)
-    ] = 0.15
-    sun_elevation_deg: Annotated[
-        float,
-        Param("elevation of the Sun, if there are bands; 0: no Sun", low=0, high=90),
-    ] = 0.0
-    temperature_K: Annotated[
-        float, Param("background temperature", low=0, above=True, slider=(200, 400))
-    ] = 303.15
-    delta_K: Annotated[
-        float, Param("target temperature minus background temperature", slider=(-50, 50))
-    ] = 10.0
-    angle_deg: Annotated[
-        float, Param("direction of the edge's normal or of the wave", slider=(-90, 90))
-    ] = 5.0
-    frequency: Annotated[
-        float, Param("cycles per frame width, or spokes of the star", low=0, above=True)
-    ] = 16.0
+    kind: Kind = param("dormitory", "what to draw")
+    width: int = param(512, "samples per row", (1, 65536), slider=(16, 2048))
+    height: int = param(512, "samples per column", (1, 65536), slider=(16, 2048))
+    fov_x_deg: float | None = param(30.0, "horizontal field of view", (0, 180), below=True)
+    fov_y_deg: float | None = param(30.0, "vertical field of view", (0, 180), below=True)
+    cut_on_um: float = param(8.0, "shortest wavelength", low=0, above=True)
+    cut_off_um: float = param(12.0, "longest wavelength", low=0, above=True)
+    bands: int = param(
+        0, "number of spectral bands of equal width; 0: a single band", (0, 4096), slider=(0, 64)
+    )
+    emissivity: Emissivity = param(
+        "spectra", "spectra of the surfaces, if there are bands: from their materials, or grey"
+    )
+    quantity: Literal["radiance", "reflectance"] = param(
+        "radiance", "quantity of the samples: radiance, or reflectance for Reflected Light"
+    )
+    background_reflectance: float = param(
+        0.07, "reflectance of a target's background, used if quantity is reflectance", (0, 1)
+    )
+    target_reflectance: float = param(
+        0.15, "reflectance of a target, used if quantity is reflectance", (0, 1)
+    )
+    sun_elevation_deg: float = param(
+        0.0, "elevation of the Sun, if there are bands; 0: no Sun", (0, 90)
+    )
+    temperature_K: float = param(
+        303.15, "background temperature", low=0, above=True, slider=(200, 400)
+    )
+    delta_K: float = param(
+        10.0, "target temperature minus background temperature", slider=(-50, 50)
+    )
+    angle_deg: float = param(5.0, "direction of the edge's normal or of the wave", slider=(-90, 90))
+    frequency: float = param(
+        16.0, "cycles per frame width, or spokes of the star", low=0, above=True
+    )
 
     panel = (
         Section("Scene", ("kind", "width", "height")),

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import Formula, Param, Section
+from core.modules.parameters import Formula, Section, param
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
@@ -67,23 +67,15 @@ class WriteImage(
         ),
     )
 
-    path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
-        None
+    path: Path | None = param(None, "file to write, relative to the network file's folder")
+    format: str = param(_BY_SUFFIX, "format of the file", choices=(_BY_SUFFIX, *_FORMATS))
+    dtype: Dtype = param("automatic", "type of the stored samples")
+    range_low: float | None = param(
+        None, "sample stored as 0 by integer types", zero_is_empty=False
     )
-    format: Annotated[
-        str,
-        Param(
-            "format of the file",
-            choices=(_BY_SUFFIX, *_FORMATS),
-        ),
-    ] = _BY_SUFFIX
-    dtype: Annotated[Dtype, Param("type of the stored samples")] = "automatic"
-    range_low: Annotated[
-        float | None, Param("sample stored as 0 by integer types", zero_is_empty=False)
-    ] = None
-    range_high: Annotated[
-        float | None, Param("sample stored as the largest integer of the type", zero_is_empty=False)
-    ] = None
+    range_high: float | None = param(
+        None, "sample stored as the largest integer of the type", zero_is_empty=False
+    )
 
     panel = (
         Section("File", ("path", "format", "dtype")),

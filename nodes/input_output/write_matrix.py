@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from core.chain.wires import Curve, CurveData, Image, Transfer
 from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import Param
+from core.modules.parameters import param
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, suffixes
 from nodes.files.formats import MATRICES
@@ -38,9 +38,7 @@ class WriteMatrix(
 
     renamed = MappingProxyType({"curve": "image", "transfer": "image"})
 
-    path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
-        None
-    )
+    path: Path | None = param(None, "file to write, relative to the network file's folder")
 
     def run(self, image: Image | Curve | Transfer, here: NodeContext) -> None:
         self.target(here)

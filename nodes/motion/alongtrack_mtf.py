@@ -1,9 +1,7 @@
 """Alongtrack MTF: smear by the platform's forward motion."""
 
-from typing import Annotated
-
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import separable
@@ -25,13 +23,11 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         ),
     )
 
-    velocity_m_per_s: Annotated[
-        float | None, Param("velocity of the platform; empty: from Init & Trans")
-    ] = None
-    integration_time_s: Annotated[float, Param("integration time", low=0)] = 0.0
-    range_m: Annotated[
-        float | None, Param("altitude or distance; empty: from Init & Trans", low=0)
-    ] = None
+    velocity_m_per_s: float | None = param(
+        None, "velocity of the platform; empty: from Init & Trans"
+    )
+    integration_time_s: float = param(0.0, "integration time", low=0)
+    range_m: float | None = param(None, "altitude or distance; empty: from Init & Trans", low=0)
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         blur = self.blur_y_mrad(context)

@@ -1,9 +1,7 @@
 """Crosstrack MTF: smear by the scan within one dwell time."""
 
-from typing import Annotated
-
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Param, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.sampling.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -23,10 +21,10 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
         ),
     )
 
-    dwell_time_s: Annotated[float, Param("dwell time of one sample", low=0)] = 0.0
-    scan_velocity_mrad_per_s: Annotated[
-        float | None, Param("scan velocity; empty: from Init & Trans", low=0)
-    ] = None
+    dwell_time_s: float = param(0.0, "dwell time of one sample", low=0)
+    scan_velocity_mrad_per_s: float | None = param(
+        None, "scan velocity; empty: from Init & Trans", low=0
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         blur = self.blur_mrad(context)

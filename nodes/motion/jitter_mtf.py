@@ -1,10 +1,9 @@
 """Jitter MTF: random line-of-sight motion."""
 
 import math
-from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Formula, NodeContext, Param, readout
+from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.optics.veiling_glare import gaussian_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -24,7 +23,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
         ),
     )
 
-    sigma_mrad: Annotated[float, Param("rms motion per axis", low=0, slider=(0, 1))] = 0.02
+    sigma_mrad: float = param(0.02, "rms motion per axis", low=0, slider=(0, 1))
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         sigma = {"sigma_mrad": self.sigma_mrad} if self.sigma_mrad else None

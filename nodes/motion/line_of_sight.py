@@ -3,14 +3,14 @@
 import math
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.random_fields import FrameNumber, Stream, uniform_field
 from core.chain.wires import Context, Magnitude, Phase, Transfer
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.numerics import non_negative, positive
 from core.physics.sampling.platform_motion import (
     WAVES,
@@ -65,27 +65,21 @@ class LineOfSight(
         ),
     )
 
-    rms_x_mrad: Annotated[float, Param("horizontal rms motion", low=0, high=1e6, slider=(0, 1))] = (
-        0.0
+    rms_x_mrad: float = param(0.0, "horizontal rms motion", (0, 1e6), slider=(0, 1))
+    rms_y_mrad: float = param(0.0, "vertical rms motion", (0, 1e6), slider=(0, 1))
+    corner_Hz: float = param(
+        5.0,
+        "frequency at which the power density has fallen to half its low-frequency value",
+        (1e-6, 1e9),
+        slider=(0.1, 100),
     )
-    rms_y_mrad: Annotated[float, Param("vertical rms motion", low=0, high=1e6, slider=(0, 1))] = 0.0
-    corner_Hz: Annotated[
-        float,
-        Param("frequency at which the power density has fallen to half its low-frequency "
-              "value",
-              low=1e-6, high=1e9, slider=(0.1, 100)),
-    ] = 5.0  # fmt: skip
-    psd_path: Annotated[
-        Path | None,
-        Param(
-            "CSV file of frequency (Hz) and density (mrad²/Hz, horizontal and vertical); empty: "
-            "from rms and corner"
-        ),
-    ] = None
-    integration_time_s: Annotated[
-        float, Param("exposure time", low=0, high=1e6, slider=(0, 0.05))
-    ] = 0.01
-    frame_rate_Hz: Annotated[float, Param("frame rate", low=1e-6, high=1e9, slider=(1, 120))] = 30.0
+    psd_path: Path | None = param(
+        None,
+        "CSV file of frequency (Hz) and density (mrad²/Hz, horizontal and vertical); empty: "
+        "from rms and corner",
+    )
+    integration_time_s: float = param(0.01, "exposure time", (0, 1e6), slider=(0, 0.05))
+    frame_rate_Hz: float = param(30.0, "frame rate", (1e-6, 1e9), slider=(1, 120))
     apply: Apply = "multiply"
 
     panel = (

@@ -1,9 +1,9 @@
 """Relative Motion MTF: smear by image and platform moving differently."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.shared.context_defaults import given
@@ -36,19 +36,15 @@ class RelativeMotionMTF(
         ),
     )
 
-    image_velocity_x: Annotated[float, Param("velocity of the image along x", unit="m/s")] = 0.0
-    image_velocity_y: Annotated[float, Param("velocity of the image along y", unit="m/s")] = 0.0
-    platform_velocity_x: Annotated[float, Param("velocity of the platform along x", unit="m/s")] = (
-        0.0
+    image_velocity_x: float = param(0.0, "velocity of the image along x", unit="m/s")
+    image_velocity_y: float = param(0.0, "velocity of the image along y", unit="m/s")
+    platform_velocity_x: float = param(0.0, "velocity of the platform along x", unit="m/s")
+    platform_velocity_y: float = param(0.0, "velocity of the platform along y", unit="m/s")
+    integration_time_s: float = param(0.0, "integration time", low=0)
+    range_m: float | None = param(None, "distance; empty: from Init & Trans", low=0)
+    model: Literal["published", "line"] = param(
+        "published", "rectangle (eq. 4.31), or a straight smear"
     )
-    platform_velocity_y: Annotated[float, Param("velocity of the platform along y", unit="m/s")] = (
-        0.0
-    )
-    integration_time_s: Annotated[float, Param("integration time", low=0)] = 0.0
-    range_m: Annotated[float | None, Param("distance; empty: from Init & Trans", low=0)] = None
-    model: Annotated[
-        Literal["published", "line"], Param("rectangle (eq. 4.31), or a straight smear")
-    ] = "published"
 
     panel = (
         Section("", ("apply",)),

@@ -1,9 +1,9 @@
 """Vibration MTF: sinusoidal line-of-sight motion."""
 
-from typing import Annotated, Any
+from typing import Any
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Formula, NodeContext, Param, readout
+from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.sampling.platform_motion import vibration_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -30,10 +30,10 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
         ),
     )
 
-    amplitude_x_mrad: Annotated[float, Param("horizontal amplitude", low=0, slider=(0, 1))] = 0.0
-    amplitude_y_mrad: Annotated[float, Param("vertical amplitude", low=0, slider=(0, 1))] = 0.0
-    frequency_Hz: Annotated[float | None, Param("frequency of the vibration", low=0)] = None
-    integration_time_s: Annotated[float | None, Param("integration time", low=0)] = None
+    amplitude_x_mrad: float = param(0.0, "horizontal amplitude", low=0, slider=(0, 1))
+    amplitude_y_mrad: float = param(0.0, "vertical amplitude", low=0, slider=(0, 1))
+    frequency_Hz: float | None = param(None, "frequency of the vibration", low=0)
+    integration_time_s: float | None = param(None, "integration time", low=0)
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         factors = separable(

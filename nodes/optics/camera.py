@@ -2,12 +2,12 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from core.chain.wires import CameraSheet, Image, Table, TableData
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, Section, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
 from core.physics.sampling.ground_geometry import (
@@ -85,62 +85,64 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         ),
     )
 
-    pixels_x: Annotated[
-        int | None, Param("pixels per row", unit="pixels", low=0, high=10**6, slider=(64, 4096))
-    ] = None
-    pixels_y: Annotated[
-        int | None, Param("pixels per column", unit="pixels", low=0, high=10**6, slider=(64, 4096))
-    ] = None
-    pitch_um: Annotated[float | None, Param("horizontal pixel pitch", low=0, slider=(2, 50))] = None
-    pitch_y_um: Annotated[
-        float | None,
-        Param("vertical pixel pitch; empty: equal to pitch_um", low=0, slider=(2, 50)),
-    ] = None
-    fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = None
-    fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = None
-    focal_length_mm: Annotated[
-        float | None,
-        Param("focal length; empty: F-number times aperture", low=0, slider=(5, 1000)),
-    ] = None
-    f_number: Annotated[
-        float | None,
-        Param("F-number; empty: focal length divided by the aperture", low=0, slider=(0.5, 32)),
-    ] = None
-    aperture_mm: Annotated[
-        float | None,
-        Param("aperture diameter; empty: focal length divided by the F-number", low=0,
-              slider=(2, 500)),
-    ] = None  # fmt: skip
-    obscuration_ratio: Annotated[
-        float,
-        Param("obscuration: inner diameter of the aperture divided by the outer", low=0, high=1,
-              below=True, slider=(0, 0.6)),
-    ] = 0.0  # fmt: skip
-    t_number: Annotated[
-        float | None,
-        Param("T-number: F-number of a lossless, unobscured lens that passes the same amount of "
-              "light; empty: from F-number, obscuration and transmission", low=0, slider=(0.5, 32)),
-    ] = None  # fmt: skip
-    irradiance: Annotated[
-        Irradiance,
-        Param("how the light depends on the F-number: π/(4F² + 1), or π/(4F²) for a lens that "
-              "obeys the sine condition"),
-    ] = "disc"  # fmt: skip
-    range_m: Annotated[float | None, Param("distance to the scene", low=0, slider=(10, 10000))] = (
-        None
+    pixels_x: int | None = param(
+        None, "pixels per row", (0, 10**6), unit="pixels", slider=(64, 4096)
     )
-    altitude_km: Annotated[
-        float | None,
-        Param("altitude of a circular orbit; empty: not on a satellite", low=0, high=1e5,
-              above=True, slider=(300, 1000), zero_is_empty=False),
-    ] = None  # fmt: skip
-    look_angle_deg: Annotated[
-        float,
-        Param("angle of the line of sight off nadir", low=0, high=89, slider=(0, 50)),
-    ] = 0.0
-    look_direction: Annotated[
-        LookDirection, Param("direction of the look angle: across the track, or ahead along it")
-    ] = "across"
+    pixels_y: int | None = param(
+        None, "pixels per column", (0, 10**6), unit="pixels", slider=(64, 4096)
+    )
+    pitch_um: float | None = param(None, "horizontal pixel pitch", low=0, slider=(2, 50))
+    pitch_y_um: float | None = param(
+        None, "vertical pixel pitch; empty: equal to pitch_um", low=0, slider=(2, 50)
+    )
+    fill_x: float | None = param(None, "horizontal fill factor; empty: 1", (0, 1))
+    fill_y: float | None = param(None, "vertical fill factor; empty: 1", (0, 1))
+    focal_length_mm: float | None = param(
+        None, "focal length; empty: F-number times aperture", low=0, slider=(5, 1000)
+    )
+    f_number: float | None = param(
+        None, "F-number; empty: focal length divided by the aperture", low=0, slider=(0.5, 32)
+    )
+    aperture_mm: float | None = param(
+        None,
+        "aperture diameter; empty: focal length divided by the F-number",
+        low=0,
+        slider=(2, 500),
+    )
+    obscuration_ratio: float = param(
+        0.0,
+        "obscuration: inner diameter of the aperture divided by the outer",
+        (0, 1),
+        below=True,
+        slider=(0, 0.6),
+    )
+    t_number: float | None = param(
+        None,
+        "T-number: F-number of a lossless, unobscured lens that passes the same amount of "
+        "light; empty: from F-number, obscuration and transmission",
+        low=0,
+        slider=(0.5, 32),
+    )
+    irradiance: Irradiance = param(
+        "disc",
+        "how the light depends on the F-number: π/(4F² + 1), or π/(4F²) for a lens that "
+        "obeys the sine condition",
+    )
+    range_m: float | None = param(None, "distance to the scene", low=0, slider=(10, 10000))
+    altitude_km: float | None = param(
+        None,
+        "altitude of a circular orbit; empty: not on a satellite",
+        (0, 1e5),
+        above=True,
+        slider=(300, 1000),
+        zero_is_empty=False,
+    )
+    look_angle_deg: float = param(
+        0.0, "angle of the line of sight off nadir", (0, 89), slider=(0, 50)
+    )
+    look_direction: LookDirection = param(
+        "across", "direction of the look angle: across the track, or ahead along it"
+    )
 
     panel = (
         Section("Pixels", ("pixels_x", "pixels_y", "pitch_um", "pitch_y_um")),

@@ -1,14 +1,14 @@
 """Diffraction MTF: a circular or annular aperture by its data sheet, without a pupil array."""
 
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from core.chain.band_stack import BandStack
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.diffraction_otf import (
     FINEST_TOLERANCE,
     USUAL_WITH_DEFOCUS,
@@ -93,51 +93,43 @@ class DiffractionMTF(
         ),
     )
 
-    aperture_mm: Annotated[
-        float | None,
-        Param("aperture diameter; empty: from Camera, or focal length divided by the F-number",
-              low=0, slider=(2, 500)),
-    ] = None  # fmt: skip
-    obscuration_ratio: Annotated[
-        float | None,
-        Param("obscuration: inner diameter divided by the outer; empty: from Camera, or none",
-              low=0, high=1, below=True,
-              slider=(0, 0.6), zero_is_empty=False),
-    ] = None  # fmt: skip
+    aperture_mm: float | None = param(
+        None,
+        "aperture diameter; empty: from Camera, or focal length divided by the F-number",
+        low=0,
+        slider=(2, 500),
+    )
+    obscuration_ratio: float | None = param(
+        None,
+        "obscuration: inner diameter divided by the outer; empty: from Camera, or none",
+        (0, 1),
+        below=True,
+        slider=(0, 0.6),
+        zero_is_empty=False,
+    )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    weighting: Annotated[
-        Literal["photons", "energy", "uniform"],
-        Param(
-            "weighting of the wavelengths: by photons (as in a photon detector), by energy, or "
-            "equal"
-        ),
-    ] = "photons"
+    weighting: Literal["photons", "energy", "uniform"] = param(
+        "photons",
+        "weighting of the wavelengths: by photons (as in a photon detector), by energy, or equal",
+    )
     source_K: LightingSource = None
     response: DetectorResponse = None
-    wavelengths: Annotated[
-        Number,
-        Param(
-            "auto: as many wavelengths as the tolerance requires; a number sets how "
-            "many sample the band; 1 uses the band's middle"
-        ),
-    ] = "auto"
-    tolerance: Annotated[
-        float,
-        Param(
-            "largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or "
-            "1e-6 with a response of many points",
-            low=0,
-            high=1,
-        ),
-    ] = 0.0
-    defocus_waves: Annotated[
-        float, Param("defocus at the rim, W20", low=-20, high=20, slider=(-2, 2))
-    ] = 0.0
-    rms_wavefront_waves: Annotated[
-        float,
-        Param("rms wavefront error of any shape", low=0, high=0.18, slider=(0, 0.1)),
-    ] = 0.0
+    wavelengths: Number = param(
+        "auto",
+        "auto: as many wavelengths as the tolerance requires; a number sets how "
+        "many sample the band; 1 uses the band's middle",
+    )
+    tolerance: float = param(
+        0.0,
+        "largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or "
+        "1e-6 with a response of many points",
+        (0, 1),
+    )
+    defocus_waves: float = param(0.0, "defocus at the rim, W20", (-20, 20), slider=(-2, 2))
+    rms_wavefront_waves: float = param(
+        0.0, "rms wavefront error of any shape", (0, 0.18), slider=(0, 0.1)
+    )
     apply: Apply = "multiply"
 
     panel = (

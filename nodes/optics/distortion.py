@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, param
 from core.physics.optics.field import Distortion as Lens
 from core.physics.optics.field import samples_at
 from core.transfer.factors import Grid
@@ -29,7 +29,7 @@ _MOST_READ = 1 << 22
 _SURVEYED = 129  # rays along each axis, for the figures
 _COARSE = 1.5  # source samples from one ray to the next, above which detail is skipped
 _WIDEST_DEG = 180.0  # of a field that can be typed
-_K = {"low": -1e6, "high": 1e6, "slider": (-0.5, 0.5)}
+_K: dict[str, Any] = {"low": -1e6, "high": 1e6, "slider": (-0.5, 0.5)}
 
 
 class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
@@ -62,28 +62,22 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         ),
     )
 
-    model: Annotated[Literal["brown", "fisheye"], Param("Brown–Conrady, or fisheye (f-θ)")] = (
-        "brown"
+    model: Literal["brown", "fisheye"] = param("brown", "Brown–Conrady, or fisheye (f-θ)")
+    k1: float = param(0.0, "radial coefficient of r² or θ²", **_K)
+    k2: float = param(0.0, "radial coefficient of r⁴ or θ⁴", **_K)
+    k3: float = param(0.0, "radial coefficient of r⁶ or θ⁶", **_K)
+    k4: float = param(0.0, "radial coefficient of θ⁸", **_K)
+    p1: float = param(0.0, "tangential coefficient, mostly along y", **_K)
+    p2: float = param(0.0, "tangential coefficient, mostly along x", **_K)
+    centre_x_mrad: float = param(
+        0.0,
+        "offset of the optical axis to the right of the picture's middle",
+        (-1e4, 1e4),
+        slider=(-20, 20),
     )
-    k1: Annotated[float, Param("radial coefficient of r² or θ²", **_K)] = 0.0
-    k2: Annotated[float, Param("radial coefficient of r⁴ or θ⁴", **_K)] = 0.0
-    k3: Annotated[float, Param("radial coefficient of r⁶ or θ⁶", **_K)] = 0.0
-    k4: Annotated[float, Param("radial coefficient of θ⁸", **_K)] = 0.0
-    p1: Annotated[float, Param("tangential coefficient, mostly along y", **_K)] = 0.0
-    p2: Annotated[float, Param("tangential coefficient, mostly along x", **_K)] = 0.0
-    centre_x_mrad: Annotated[
-        float, Param("offset of the optical axis to the right of the picture's middle", low=-1e4,
-                     high=1e4, slider=(-20, 20)),
-    ] = 0.0  # fmt: skip
-    centre_y_mrad: Annotated[
-        float,
-        Param(
-            "offset of the optical axis below the picture's middle",
-            low=-1e4,
-            high=1e4,
-            slider=(-20, 20),
-        ),
-    ] = 0.0
+    centre_y_mrad: float = param(
+        0.0, "offset of the optical axis below the picture's middle", (-1e4, 1e4), slider=(-20, 20)
+    )
     width: NewWidth = None
     height: NewHeight = None
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, param
 from core.modules.preview import Axis, Picture, Plot, Preview, brief
 from core.physics.optics.pupil_shapes import (
     BARRED_SHAPES,
@@ -66,61 +66,45 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         ),
     )
 
-    shape: Annotated[
-        Literal["clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider", "file"],
-        Param("shape of the aperture"),
-    ] = "clear"
-    size_x: Annotated[int, Param("samples per row of the pupil array", low=2, high=8192)] = 512
-    size_y: Annotated[int, Param("samples per column of the pupil array", low=2, high=8192)] = 512
-    radius: Annotated[
-        float | None,
-        Param(
-            "radius of the aperture; empty: 75, or for a file the radius of its enclosing circle",
-            unit="samples", low=0, slider=(1, 256),
-        ),
-    ] = None  # fmt: skip
-    obscuration_radius: Annotated[
-        float, Param("radius of the central obscuration", unit="samples", low=0, slider=(0, 256))
-    ] = 25.0
-    slit_width: Annotated[
-        float, Param("width of the opaque bar", unit="samples", low=0, slider=(0, 256))
-    ] = 20.0
-    vanes: Annotated[int, Param("number of vanes", low=0, high=60)] = 3
-    vane_width: Annotated[
-        float, Param("width of a vane", unit="samples", low=0, slider=(0, 64))
-    ] = 4.0
-    path: Annotated[
-        Path | None,
-        Param(
-            "amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map"
-        ),
-    ] = None
-    wavefront_path: Annotated[
-        Path | None,
-        Param(
-            "map of the wavefront error for the shape `file`, relative to the network file's folder"
-        ),
-    ] = None
-    wavefront_unit: Annotated[Literal["waves", "rad", "um", "nm"], Param("unit of the map")] = (
-        "waves"
+    shape: Literal[
+        "clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider", "file"
+    ] = param("clear", "shape of the aperture")
+    size_x: int = param(512, "samples per row of the pupil array", (2, 8192))
+    size_y: int = param(512, "samples per column of the pupil array", (2, 8192))
+    radius: float | None = param(
+        None,
+        "radius of the aperture; empty: 75, or for a file the radius of its enclosing circle",
+        low=0,
+        unit="samples",
+        slider=(1, 256),
     )
-    map_wavelength_um: Annotated[
-        float | None,
-        Param("wavelength of a map in waves or rad; empty: from its header, else the middle "
-              "of the band", low=0, slider=(0.4, 14)),
-    ] = None  # fmt: skip
-    defocus_waves: Annotated[
-        float, Param("defocus W20 at the rim", low=-100, high=100, slider=(-2, 2))
-    ] = 0.0
-    zernike_waves: Annotated[
-        tuple[float, ...],
-        Param(
-            "Zernike coefficients in Noll's order, from 1 (piston)",
-            unit="waves rms",
-            low=-100,
-            high=100,
-        ),
-    ] = ()
+    obscuration_radius: float = param(
+        25.0, "radius of the central obscuration", low=0, unit="samples", slider=(0, 256)
+    )
+    slit_width: float = param(
+        20.0, "width of the opaque bar", low=0, unit="samples", slider=(0, 256)
+    )
+    vanes: int = param(3, "number of vanes", (0, 60))
+    vane_width: float = param(4.0, "width of a vane", low=0, unit="samples", slider=(0, 64))
+    path: Path | None = param(
+        None,
+        "amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map",
+    )
+    wavefront_path: Path | None = param(
+        None,
+        "map of the wavefront error for the shape `file`, relative to the network file's folder",
+    )
+    wavefront_unit: Literal["waves", "rad", "um", "nm"] = param("waves", "unit of the map")
+    map_wavelength_um: float | None = param(
+        None,
+        "wavelength of a map in waves or rad; empty: from its header, else the middle of the band",
+        low=0,
+        slider=(0.4, 14),
+    )
+    defocus_waves: float = param(0.0, "defocus W20 at the rim", (-100, 100), slider=(-2, 2))
+    zernike_waves: tuple[float, ...] = param(
+        (), "Zernike coefficients in Noll's order, from 1 (piston)", (-100, 100), unit="waves rms"
+    )
 
     preview_lines = 11.0
     panel = (

@@ -1,7 +1,7 @@
 """Exit Pupil MTF: diffraction by the aperture."""
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.polychromatic import Spectrum, band_wavelengths
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
@@ -69,26 +69,22 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
-    size_x_cm: Annotated[float, Param("width of the whole pupil array", low=0, above=True)] = 25.6
-    size_y_cm: Annotated[float, Param("height of the whole pupil array", low=0, above=True)] = 25.6
-    method: Annotated[
-        Literal["exact", "autocorrelation"],
-        Param("exact: closed form if there is one; autocorrelation: always from the sampled pupil"),
-    ] = "exact"
-    interpolation: Annotated[
-        Literal["none", "linear", "bilinear"],
-        Param("interpolation from the sampled pupil to the image's frequencies"),
-    ] = "bilinear"
-    wavelengths: Annotated[
-        int,
-        Param(
-            "number of wavelengths that sample the band; 1 uses the band's mean", low=1, high=256
-        ),
-    ] = 1
-    weighting: Annotated[
-        Weighting,
-        Param("weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy"),
-    ] = "uniform"
+    size_x_cm: float = param(25.6, "width of the whole pupil array", low=0, above=True)
+    size_y_cm: float = param(25.6, "height of the whole pupil array", low=0, above=True)
+    method: Literal["exact", "autocorrelation"] = param(
+        "exact",
+        "exact: closed form if there is one; autocorrelation: always from the sampled pupil",
+    )
+    interpolation: Literal["none", "linear", "bilinear"] = param(
+        "bilinear", "interpolation from the sampled pupil to the image's frequencies"
+    )
+    wavelengths: int = param(
+        1, "number of wavelengths that sample the band; 1 uses the band's mean", (1, 256)
+    )
+    weighting: Weighting = param(
+        "uniform",
+        "weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy",
+    )
     source_K: LightingSource = None
     response: DetectorResponse = None
     apply: Apply = "multiply"

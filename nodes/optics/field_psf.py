@@ -18,7 +18,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, Param, param
 from core.physics.optics.field import (
     Cell,
     blended,
@@ -76,31 +76,24 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         ),
     )
 
-    kind: Annotated[
-        Literal["gaussian", "mtf", "psf"],
-        Param("source of the PSFs: Gaussians, MTF files or PSF files"),
-    ] = "gaussian"
-    positions: Annotated[
-        Row, Param("positions in rising order, as fractions of the half diagonal", low=0, high=10)
-    ] = (0.0, 0.5, 1.0)
-    tangential_mrad: Annotated[
-        Row, Param("rms width along the radius, at each position", low=0, high=1e6)
-    ] = ()
-    sagittal_mrad: Annotated[
-        Row,
-        Param("rms width across the radius; empty: equal to tangential_mrad", low=0, high=1e6),
-    ] = ()
+    kind: Literal["gaussian", "mtf", "psf"] = param(
+        "gaussian", "source of the PSFs: Gaussians, MTF files or PSF files"
+    )
+    positions: Row = param(
+        (0.0, 0.5, 1.0), "positions in rising order, as fractions of the half diagonal", (0, 10)
+    )
+    tangential_mrad: Row = param((), "rms width along the radius, at each position", (0, 1e6))
+    sagittal_mrad: Row = param(
+        (), "rms width across the radius; empty: equal to tangential_mrad", (0, 1e6)
+    )
     path_1: _Path = None
     path_2: _Path = None
     path_3: _Path = None
     path_4: _Path = None
-    sample_pitch_um: Annotated[
-        float | None,
-        Param("sampling interval of PSF files; empty: from the file", low=0, slider=(0.1, 20)),
-    ] = None
-    tile: Annotated[
-        int, Param("side of a tile", unit="samples", low=4, high=2048, slider=(16, 256))
-    ] = 64
+    sample_pitch_um: float | None = param(
+        None, "sampling interval of PSF files; empty: from the file", low=0, slider=(0.1, 20)
+    )
+    tile: int = param(64, "side of a tile", (4, 2048), unit="samples", slider=(16, 256))
 
     panel = (
         Section("Field", ("kind", "positions")),

@@ -1,9 +1,7 @@
 """Gaussian MTF: blur that no other module accounts for."""
 
-from typing import Annotated
-
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Formula, NodeContext, Param
+from core.modules.declaration import Formula, NodeContext, param
 from core.physics.optics.veiling_glare import gaussian_mtf
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -22,12 +20,12 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
         ),
     )
 
-    sigma_x_mrad: Annotated[
-        float, Param("horizontal standard deviation of the blur", low=0, slider=(0, 5))
-    ] = 0.0
-    sigma_y_mrad: Annotated[
-        float, Param("vertical standard deviation of the blur", low=0, slider=(0, 5))
-    ] = 0.0
+    sigma_x_mrad: float = param(
+        0.0, "horizontal standard deviation of the blur", low=0, slider=(0, 5)
+    )
+    sigma_y_mrad: float = param(
+        0.0, "vertical standard deviation of the blur", low=0, slider=(0, 5)
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         factors = separable(

@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.measured_otf import (
     ROUNDED,
     Column,
@@ -65,52 +65,46 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         ),
     )
 
-    path: Annotated[
-        Path | None,
-        Param("CSV table of MTF, relative to the network file's folder; empty: no blur"),
-    ] = None
-    frequency_unit: Annotated[
-        Literal["file", "cyc/mm", "cyc/mrad", "cyc/pixel"],
-        Param("unit of the frequencies; `file`: from the file's header line"),
-    ] = "file"
-    direction: Annotated[
-        Literal["file", "x", "y", "radial"],
-        Param(
-            "axis along which the curve acts; `file`: from the name of the curve's column, "
-            "where the name mtf means radial"
-        ),
-    ] = "file"
-    normalise: Annotated[
-        Literal["refuse", "at_zero"],
-        Param(
-            "treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the "
-            "MTF by that value"
-        ),
-    ] = "refuse"
-    field: Annotated[
-        int,
-        Param(
-            "field position in a Zemax listing, counted from 0, skipping the diffraction limit",
-            low=0,
-            high=1000,
-            slider=(0, 12),
-        ),
-    ] = 0
-    focal_length_mm: Annotated[
-        float | None,
-        Param("focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans", low=0,
-              slider=(10, 10000)),
-    ] = None  # fmt: skip
-    detector_x_um: Annotated[
-        float | None,
-        Param("horizontal pixel pitch, for cyc/pixel; empty: from Init & Trans", low=0,
-              slider=(1, 100)),
-    ] = None  # fmt: skip
-    detector_y_um: Annotated[
-        float | None,
-        Param("vertical pixel pitch, for cyc/pixel; empty: from Init & Trans", low=0,
-              slider=(1, 100)),
-    ] = None  # fmt: skip
+    path: Path | None = param(
+        None, "CSV table of MTF, relative to the network file's folder; empty: no blur"
+    )
+    frequency_unit: Literal["file", "cyc/mm", "cyc/mrad", "cyc/pixel"] = param(
+        "file", "unit of the frequencies; `file`: from the file's header line"
+    )
+    direction: Literal["file", "x", "y", "radial"] = param(
+        "file",
+        "axis along which the curve acts; `file`: from the name of the curve's column, "
+        "where the name mtf means radial",
+    )
+    normalise: Literal["refuse", "at_zero"] = param(
+        "refuse",
+        "treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the "
+        "MTF by that value",
+    )
+    field: int = param(
+        0,
+        "field position in a Zemax listing, counted from 0, skipping the diffraction limit",
+        (0, 1000),
+        slider=(0, 12),
+    )
+    focal_length_mm: float | None = param(
+        None,
+        "focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans",
+        low=0,
+        slider=(10, 10000),
+    )
+    detector_x_um: float | None = param(
+        None,
+        "horizontal pixel pitch, for cyc/pixel; empty: from Init & Trans",
+        low=0,
+        slider=(1, 100),
+    )
+    detector_y_um: float | None = param(
+        None,
+        "vertical pixel pitch, for cyc/pixel; empty: from Init & Trans",
+        low=0,
+        slider=(1, 100),
+    )
     apply: Apply = "multiply"
 
     panel = (

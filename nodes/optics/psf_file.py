@@ -1,13 +1,13 @@
 """PSF File: a point spread function, measured or of a lens design, from a picture."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.measured_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.files.read import check_finite
@@ -46,43 +46,36 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         ),
     )
 
-    path: Annotated[
-        Path | None,
-        Param("picture of a point, relative to the network file's folder; empty: no blur"),
-    ] = None
-    band: Annotated[
-        int | None,
-        Param("band or channel to use, counted from 0", low=0, zero_is_empty=False),
-    ] = None
-    sample_pitch: Annotated[
-        float | None,
-        Param("horizontal sampling interval of the file, in `pitch_unit`; empty: from the file",
-              low=0, slider=(0.1, 20)),
-    ] = None  # fmt: skip
-    sample_pitch_y: Annotated[
-        float | None,
-        Param(
-            "vertical sampling interval of the file; empty: equal to sample_pitch",
-            low=0,
-            slider=(0.1, 20),
-        ),
-    ] = None
-    pitch_unit: Annotated[
-        Literal["um", "mrad"],
-        Param("unit of both sampling intervals: µm at the focal plane, or mrad"),
-    ] = "um"
-    focal_length_mm: Annotated[
-        float | None,
-        Param("focal length, used with µm; empty: from Init & Trans", low=0, slider=(10, 10000)),
-    ] = None
-    centroid: Annotated[
-        Literal["kept", "removed"],
-        Param("whether the picture shifts if the centroid is off the file's middle"),
-    ] = "kept"
-    background: Annotated[
-        float,
-        Param("background to subtract from every sample, in the file's unit", slider=(0, 100)),
-    ] = 0.0
+    path: Path | None = param(
+        None, "picture of a point, relative to the network file's folder; empty: no blur"
+    )
+    band: int | None = param(
+        None, "band or channel to use, counted from 0", low=0, zero_is_empty=False
+    )
+    sample_pitch: float | None = param(
+        None,
+        "horizontal sampling interval of the file, in `pitch_unit`; empty: from the file",
+        low=0,
+        slider=(0.1, 20),
+    )
+    sample_pitch_y: float | None = param(
+        None,
+        "vertical sampling interval of the file; empty: equal to sample_pitch",
+        low=0,
+        slider=(0.1, 20),
+    )
+    pitch_unit: Literal["um", "mrad"] = param(
+        "um", "unit of both sampling intervals: µm at the focal plane, or mrad"
+    )
+    focal_length_mm: float | None = param(
+        None, "focal length, used with µm; empty: from Init & Trans", low=0, slider=(10, 10000)
+    )
+    centroid: Literal["kept", "removed"] = param(
+        "kept", "whether the picture shifts if the centroid is off the file's middle"
+    )
+    background: float = param(
+        0.0, "background to subtract from every sample, in the file's unit", slider=(0, 100)
+    )
     apply: Apply = "multiply"
 
     panel = (

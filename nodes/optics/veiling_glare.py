@@ -1,9 +1,9 @@
 """Veiling Glare: stray light that spreads over the picture and lowers its contrast."""
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Param, Section, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
 from nodes.shared.factors import radial
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -47,33 +47,24 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
         ),
     )
 
-    form: Annotated[
-        Literal["length", "harvey"],
-        Param("model of the spread: share and length, or Harvey's surface scatter"),
-    ] = "length"
+    form: Literal["length", "harvey"] = param(
+        "length", "model of the spread: share and length, or Harvey's surface scatter"
+    )
 
-    share_percent: Annotated[
-        float, Param("share of the light that is spread", low=0, high=100, slider=(0, 20))
-    ] = 0.0
-    length_mrad: Annotated[
-        float,
-        Param("length of the spread: half of the spread light falls within 1.73 lengths", low=0,
-              high=1e6, above=True, slider=(0.1, 100)),
-    ] = 10.0  # fmt: skip
-    b_per_sr: Annotated[
-        float,
-        Param("BSDF of a surface at the direct ray", low=0, high=1e12, slider=(0, 10)),
-    ] = 0.0
-    s: Annotated[
-        float, Param("slope of the BSDF: exponent of β far from the direct ray", low=-5, high=0)
-    ] = -1.5
-    l_mrad: Annotated[
-        float,
-        Param("shoulder of the BSDF, 1000 times Harvey's l", low=1e-3, high=1000, slider=(0.1, 50)),
-    ] = 10.0
-    surfaces: Annotated[
-        int, Param("number of scattering surfaces", low=1, high=1000, slider=(1, 30))
-    ] = 1
+    share_percent: float = param(0.0, "share of the light that is spread", (0, 100), slider=(0, 20))
+    length_mrad: float = param(
+        10.0,
+        "length of the spread: half of the spread light falls within 1.73 lengths",
+        (0, 1e6),
+        above=True,
+        slider=(0.1, 100),
+    )
+    b_per_sr: float = param(0.0, "BSDF of a surface at the direct ray", (0, 1e12), slider=(0, 10))
+    s: float = param(-1.5, "slope of the BSDF: exponent of β far from the direct ray", (-5, 0))
+    l_mrad: float = param(
+        10.0, "shoulder of the BSDF, 1000 times Harvey's l", (1e-3, 1000), slider=(0.1, 50)
+    )
+    surfaces: int = param(1, "number of scattering surfaces", (1, 1000), slider=(1, 30))
 
     panel = (
         Section("", ("apply", "form")),

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region, Step, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, param
 from core.physics.optics.field import relative_illumination
 from core.transfer.factors import Grid
 from nodes.files.spectrum_tables import read_heights
@@ -73,24 +73,19 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         ),
     )
 
-    natural: Annotated[bool, Param("apply the natural fall-off, cos⁴ of the field angle")] = True
-    measured: Annotated[
-        Literal["none", "file", "polynomial"], Param("measured relative illumination")
-    ] = "none"
-    against: Annotated[
-        Literal["field_deg", "height_mm", "half_diagonal"],
-        Param("heights of the curve: field angle, image height, or fraction of the half diagonal"),
-    ] = "field_deg"
-    path: Annotated[
-        Path | None, Param("CSV of height and relative illumination, 1 on the axis")
-    ] = None
-    coefficients: Annotated[
-        tuple[float, ...], Param("c₁, c₂, …: factors of h², h⁴, …", low=-1e9, high=1e9)
-    ] = ()
-    focal_length_mm: Annotated[
-        float | None,
-        Param("focal length, for image heights; empty: from Camera", low=0, slider=(10, 1000)),
-    ] = None
+    natural: bool = param(True, "apply the natural fall-off, cos⁴ of the field angle")
+    measured: Literal["none", "file", "polynomial"] = param(
+        "none", "measured relative illumination"
+    )
+    against: Literal["field_deg", "height_mm", "half_diagonal"] = param(
+        "field_deg",
+        "heights of the curve: field angle, image height, or fraction of the half diagonal",
+    )
+    path: Path | None = param(None, "CSV of height and relative illumination, 1 on the axis")
+    coefficients: tuple[float, ...] = param((), "c₁, c₂, …: factors of h², h⁴, …", (-1e9, 1e9))
+    focal_length_mm: float | None = param(
+        None, "focal length, for image heights; empty: from Camera", low=0, slider=(10, 1000)
+    )
 
     panel = (
         Section("", ("natural", "measured")),

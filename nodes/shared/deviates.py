@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from core.chain.random_fields import (
 )
 from core.evaluation.recipes import Array, Region, Step, ends_lineage, in_parts
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, Param, Section
+from core.modules.declaration import Module, NodeContext, Section, param
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_wave,
@@ -137,11 +137,11 @@ class SeededModule(Module):
 
     draws_noise = True
 
-    seed_mode: Annotated[
-        Literal["automatic", "typed"],
-        Param("derive the seed from the network's seed and this node's name, or enter it in seed"),
-    ] = "automatic"
-    seed: Annotated[int, Param("seed, used when seed_mode is typed", low=0, high=2**63 - 1)] = 0
+    seed_mode: Literal["automatic", "typed"] = param(
+        "automatic",
+        "derive the seed from the network's seed and this node's name, or enter it in seed",
+    )
+    seed: int = param(0, "seed, used when seed_mode is typed", (0, 2**63 - 1))
 
     def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
         """The stream of one noise field; a typed seed gives the same noise under any name.

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
-from core.modules.declaration import Formula, Module, NodeContext, Param, readout
+from core.modules.declaration import Formula, Module, NodeContext, param, readout
 from core.physics.optics.veiling_glare import gaussian_mtf
 from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.transfer.factors import Grid
@@ -52,11 +52,10 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
         ),
     )
 
-    kernel: Annotated[Kernel, Param("shape of the low-pass filter")] = "box"
-    factor: Annotated[
-        int,
-        Param("factor of the later decimation", unit="samples", low=1, high=1024, slider=(1, 8)),
-    ] = 1
+    kernel: Kernel = param("box", "shape of the low-pass filter")
+    factor: int = param(
+        1, "factor of the later decimation", (1, 1024), unit="samples", slider=(1, 8)
+    )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         if self.factor == 1:

@@ -1,10 +1,8 @@
 """Combine Pixels: aggregation of oversampled pixels."""
 
-from typing import Annotated
-
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.wires import Image
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Param, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, param, warning
 from core.physics.sampling.detector_sampling import block_mean_mtf
 from nodes.shared.module_ports import ImageOutput
 from nodes.transform.sample_pixels import detector_averages, width_mrad
@@ -35,11 +33,9 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
         ),
     )
 
-    factor_x: Annotated[
-        int, Param("samples per pixel, horizontally", low=1, high=65536, slider=(1, 8))
-    ] = 2
-    factor_y: Annotated[int, Param("samples per pixel, vertically", low=1, high=65536)] = 1
-    mode: Annotated[BinMode, Param("mean (radiance) or sum (counts) of each block")] = "mean"
+    factor_x: int = param(2, "samples per pixel, horizontally", (1, 65536), slider=(1, 8))
+    factor_y: int = param(1, "samples per pixel, vertically", (1, 65536))
+    mode: BinMode = param("mean", "mean (radiance) or sum (counts) of each block")
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         if self.factor_x == 1 and self.factor_y == 1:

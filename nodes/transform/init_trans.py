@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from core.chain.wires import CameraSheet, Context, Image, Magnitude, Phase, Plat
 from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
 from core.transfer.factors import Edges, Grid
@@ -58,48 +58,35 @@ class InitTrans(
         ),
     )
 
-    detector_x_um: Annotated[
-        float | None, Param("horizontal detector pitch", low=0, slider=(1, 1000))
-    ] = None
-    detector_y_um: Annotated[
-        float | None, Param("vertical detector pitch", low=0, slider=(1, 1000))
-    ] = None
-    focal_length_mm: Annotated[
-        float | None, Param("effective focal length", low=0, slider=(10, 1000))
-    ] = None
-    f_number: Annotated[float | None, Param("F number", low=0, slider=(0.5, 32))] = None
-    obscuration_ratio: Annotated[
-        float | None,
-        Param("obscuration: inner diameter of the aperture divided by its outer diameter; "
-              "empty: from Camera, or none", low=0, high=1, below=True, slider=(0, 0.6)),
-    ] = None  # fmt: skip
-    range_m: Annotated[float | None, Param("altitude or distance", low=0, slider=(10, 10000))] = (
-        None
+    detector_x_um: float | None = param(None, "horizontal detector pitch", low=0, slider=(1, 1000))
+    detector_y_um: float | None = param(None, "vertical detector pitch", low=0, slider=(1, 1000))
+    focal_length_mm: float | None = param(None, "effective focal length", low=0, slider=(10, 1000))
+    f_number: float | None = param(None, "F number", low=0, slider=(0.5, 32))
+    obscuration_ratio: float | None = param(
+        None,
+        "obscuration: inner diameter of the aperture divided by its outer diameter; "
+        "empty: from Camera, or none",
+        (0, 1),
+        below=True,
+        slider=(0, 0.6),
     )
-    fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = 1.0
-    fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = 1.0
-    fov_x_deg: Annotated[
-        float | None, Param("horizontal field of view", low=0, high=180, below=True)
-    ] = None
-    fov_y_deg: Annotated[
-        float | None, Param("vertical field of view", low=0, high=180, below=True)
-    ] = None
-    platform: Annotated[
-        Platform,
-        Param(
-            "how the detectors collect the picture: line scanner, pushbroom line or staring array"
-        ),
-    ] = "line"
-    velocity_m_per_s: Annotated[
-        float,
-        Param("velocity of the platform or object; 0: from Camera's orbit, or none",
-              slider=(0, 300)),
-    ] = 0.0  # fmt: skip
-    scan_velocity_mrad_per_s: Annotated[float, Param("scan velocity", low=0, slider=(0, 1e5))] = 0.0
-    edges: Annotated[
-        Edges,
-        Param("how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT"),
-    ] = "reflect"
+    range_m: float | None = param(None, "altitude or distance", low=0, slider=(10, 10000))
+    fill_x: float | None = param(1.0, "horizontal fill factor; empty: 1", (0, 1))
+    fill_y: float | None = param(1.0, "vertical fill factor; empty: 1", (0, 1))
+    fov_x_deg: float | None = param(None, "horizontal field of view", (0, 180), below=True)
+    fov_y_deg: float | None = param(None, "vertical field of view", (0, 180), below=True)
+    platform: Platform = param(
+        "line",
+        "how the detectors collect the picture: line scanner, pushbroom line or staring array",
+    )
+    velocity_m_per_s: float = param(
+        0.0, "velocity of the platform or object; 0: from Camera's orbit, or none", slider=(0, 300)
+    )
+    scan_velocity_mrad_per_s: float = param(0.0, "scan velocity", low=0, slider=(0, 1e5))
+    edges: Edges = param(
+        "reflect",
+        "how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT",
+    )
 
     preview_lines = 12.0
     panel = (

@@ -1,7 +1,7 @@
 """Interpolate: other numbers of samples over the same field, as a frame grabber takes them."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from core.chain.step_lineage import Array, Axis, Linear, PlaceDependent, picture
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, Module, NodeContext, Param
+from core.modules.declaration import Formula, Module, NodeContext, param
 from core.physics.sampling.detector_sampling import (
     interpolation_mtf,
     interpolation_ptf,
@@ -52,7 +52,7 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
 
     width: NewWidth = None
     height: NewHeight = None
-    order: Annotated[Literal[0, 1, 3], Param("0 nearest, 1 bilinear, 3 cubic")] = 1
+    order: Literal[0, 1, 3] = param(1, "0 nearest, 1 bilinear, 3 cubic")
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         width, height = self.width or image.columns, self.height or image.rows

@@ -1,7 +1,7 @@
 """The steps of To Radiance and To Temperature."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, Param, Section, warning
-from core.physics.radiometry import spectra as grey_body
+from core.modules.declaration import Caution, Module, Section, param, warning
+from core.physics.radiometry import grey_body
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
@@ -122,15 +122,15 @@ def _by_rows(
 class Radiometry(Module):
     """Base class of modules for surfaces with one emissivity in a band."""
 
-    emissivity: Annotated[
-        float, Param("emissivity of all samples, if no emissivity image is connected", low=0,
-                     high=1, above=True)
-    ] = 1.0  # fmt: skip
-    surroundings_K: Annotated[
-        float | None,
-        Param("temperature of the reflected surroundings; empty: nothing is reflected",
-              low=0, high=1e4, slider=(200, 320)),
-    ] = None  # fmt: skip
+    emissivity: float = param(
+        1.0, "emissivity of all samples, if no emissivity image is connected", (0, 1), above=True
+    )
+    surroundings_K: float | None = param(
+        None,
+        "temperature of the reflected surroundings; empty: nothing is reflected",
+        (0, 1e4),
+        slider=(200, 320),
+    )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
 

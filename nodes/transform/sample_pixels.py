@@ -1,12 +1,10 @@
 """Sample Pixels: one sample for each detector pitch, behind the detector's own average."""
 
-from typing import Annotated
-
 from core.chain.back_transformed import sample_pixels
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param
+from core.modules.parameters import Formula, param
 from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.optics.measured_otf import radial_tabulated_mtf, tabulated_mtf
 from core.transfer.factors import Separable
@@ -40,36 +38,35 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         ),
     )
 
-    factor_x: Annotated[
-        float | None,
-        Param(
-            "samples per pixel, horizontally; empty: from the pitch of Init & Trans or Camera",
-            unit="samples",
-            low=_LEAST,
-            high=65536,
-            slider=(1, 16),
-        ),
-    ] = None
-    factor_y: Annotated[
-        float | None,
-        Param(
-            "samples per pixel, vertically; empty: from the pitch of Init & Trans or Camera",
-            unit="samples",
-            low=_LEAST,
-            high=65536,
-            slider=(1, 16),
-        ),
-    ] = None
-    offset: Annotated[
-        float,
-        Param("offset of the samples from the pixels' centres, to the right and down",
-              unit="pixels", low=-1, high=1, slider=(-0.5, 0.5)),
-    ] = 0.0  # fmt: skip
-    offset_y: Annotated[
-        float | None,
-        Param("downward offset, if different; empty: equal to offset", unit="pixels", low=-1,
-              high=1, slider=(-0.5, 0.5), zero_is_empty=False),
-    ] = None  # fmt: skip
+    factor_x: float | None = param(
+        None,
+        "samples per pixel, horizontally; empty: from the pitch of Init & Trans or Camera",
+        (_LEAST, 65536),
+        unit="samples",
+        slider=(1, 16),
+    )
+    factor_y: float | None = param(
+        None,
+        "samples per pixel, vertically; empty: from the pitch of Init & Trans or Camera",
+        (_LEAST, 65536),
+        unit="samples",
+        slider=(1, 16),
+    )
+    offset: float = param(
+        0.0,
+        "offset of the samples from the pixels' centres, to the right and down",
+        (-1, 1),
+        unit="pixels",
+        slider=(-0.5, 0.5),
+    )
+    offset_y: float | None = param(
+        None,
+        "downward offset, if different; empty: equal to offset",
+        (-1, 1),
+        unit="pixels",
+        slider=(-0.5, 0.5),
+        zero_is_empty=False,
+    )
 
     panel = (
         Section("Samples per pixel", ("factor_x", "factor_y")),

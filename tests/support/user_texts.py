@@ -135,7 +135,7 @@ def _kind(node: ast.AST, parents: dict[ast.AST, ast.AST], name: str) -> str:
             word = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
             if _RAISES.search(word):
                 return "message"
-            if word in {"Param", "Readout", "Input", "Output", *_OPTIONS}:
+            if word in {"Param", "param", "Readout", "Input", "Output", *_OPTIONS}:
                 return "help"
     if isinstance(above, ast.Raise):
         return "message"

@@ -237,7 +237,7 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
         (Failing, ["IndexError instead of an ImagechainError: list index"]),
         (Silent, ["no docstring", "gain: its help text must not end", "read-out level is nan"]),
         (Loud, ["H(0) = ", "|H| reaches 1.5"]),
-        (Untyped, ["declaration: Untyped.gain needs Annotated"]),
+        (Untyped, ["declaration: Untyped.gain needs param"]),
     ],
 )
 def test_what_does_not_hold_is_named(module, words):
