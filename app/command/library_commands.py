@@ -70,8 +70,7 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
     either, ports, parameters and read-outs of all modules are printed.
     """
     from app.library_index import declarations
-    from nodes.library import standard_library
-    from nodes.plug_ins import missing_modules
+    from nodes.library import missing_modules, standard_library
 
     library, word = standard_library(), key.casefold()
     declared = list(declarations(library).values())

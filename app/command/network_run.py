@@ -50,7 +50,7 @@ from core.modules.declaration import NodeContext
 from core.modules.parameters import Caution
 from core.network.validation import NetworkProblems
 from nodes.files.common.file_format import ZARR
-from nodes.files.frame_writing import (
+from nodes.files.frames import (
     STORE,
     FrameFormat,
     FrameSeries,

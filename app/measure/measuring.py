@@ -44,7 +44,7 @@ from core.physics.measurement.picture_noise import (
     noise_of_picture,
 )
 from core.physics.sampling.detector_sampling import interval_mrad
-from nodes.files.frame_reading import open_frames
+from nodes.files.frames import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]

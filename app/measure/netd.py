@@ -22,7 +22,7 @@ from core.physics.measurement.thermal_response import (
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.frame_reading import FrameFile, check_one_camera, open_frames
+from nodes.files.frames import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 _COARSE = 0.5  # of the converter's step, below which rounding makes or hides the noise

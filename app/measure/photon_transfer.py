@@ -16,7 +16,7 @@ from core.physics.measurement.photon_transfer import (
 )
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.frame_reading import FrameFile, check_one_camera, open_frames
+from nodes.files.frames import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 

@@ -15,7 +15,7 @@ from nodes.files.arrays import npy_header
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import readable_file
 from nodes.files.formats import NPY, TIFF, format_of
-from nodes.files.frame_reading import FrameFile, open_frames, tiff_pages
+from nodes.files.frames import FrameFile, open_frames, tiff_pages
 from nodes.files.read import check_finite, read_info, read_pixels
 
 Matrix = NDArray[np.float64]

@@ -15,14 +15,14 @@ from app.run.evaluation import Evaluation
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
-from nodes.analysis.budget_shares import (
+from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
+from nodes.analysis.noise_budget import (
     NoiseShare,
     blur_shares,
     noise_shares,
     source_title,
     unknown_before,
 )
-from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
 from nodes.input_output.sample_unit import statistics
 
 Fact = dict[str, Any]

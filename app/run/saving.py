@@ -27,7 +27,7 @@ from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffi
 from nodes.files.common.stored_samples import integer_type
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, write_picture, written_format
-from nodes.files.frame_writing import (
+from nodes.files.frames import (
     FrameFormat,
     FrameSeries,
     frame_format,

@@ -37,7 +37,7 @@ from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
 from imagechain.results.chain_result import current_folder
 from nodes.files.arrays import write_npy
-from nodes.files.frame_writing import FrameSeries, envi_header_text, header_beside_frames
+from nodes.files.frames import FrameSeries, envi_header_text, header_beside_frames
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.input_output.source_file import HeldSamples

@@ -36,7 +36,7 @@ from imagechain.results.tables import (
     StageCurves,
     curves_of,
 )
-from nodes.files.frame_writing import header_beside_frames
+from nodes.files.frames import header_beside_frames
 from nodes.files.read import check_finite
 
 _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"

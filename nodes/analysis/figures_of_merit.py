@@ -12,22 +12,8 @@ from core.physics.acquisition.mrtd import Window
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
-from nodes.analysis.acquisition_curves import (
-    Task,
-    TtpForm,
-    acquisition,
-    merit_table,
-    probability_curve,
-)
+from nodes.analysis import threshold_curves
 from nodes.analysis.lineage import NoiseOf, transfer_of
-from nodes.analysis.threshold_curves import (
-    Model,
-    Observer,
-    mdtd_curve,
-    mrtd_curve,
-    sensitivity,
-    thresholds,
-)
 from nodes.shared.context_defaults import given_band, with_interval
 from nodes.shared.module_ports import CutOff, CutOn, TableFigures
 from nodes.shared.shared_warnings import NEAR, alike, band_caution, unit_caution
@@ -124,7 +110,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         Formula(r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r", when="TTP"),
     )
 
-    model: Model = param(
+    model: threshold_curves.Model = param(
         "flir92", "temporal noise only, or three-dimensional noise with a sampling limit"
     )
     scanning: Scanning = param(
@@ -196,7 +182,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         above=True,
         slider=(0.1, 10),
     )
-    ttp_threshold: TtpForm = param(
+    ttp_threshold: threshold_curves.TtpForm = param(
         "mrtd",
         "TTP: contrast threshold from the eye and the MRTD, or the published "
         "threshold from MTF and noise",
@@ -276,7 +262,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
                 "this band"
             )
         seen = here.step(
-            sensitivity,
+            threshold_curves.sensitivity,
             NoiseOf(image, node, uniform=True),
             *passed.levels,
             gain=passed.gain,
@@ -284,11 +270,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             band_um=band_um,
             background_K=self.background_K,
         )
-        threshold_step = here.step(thresholds, seen, **sensor)
+        threshold_step = here.step(threshold_curves.thresholds, seen, **sensor)
         task = replace(self._task(grid), air=_air(image, context), band_um=band_um)
-        reached = here.step(acquisition, threshold_step, seen, task=task, grid=grid)
+        reached = here.step(
+            threshold_curves.acquisition, threshold_step, seen, task=task, grid=grid
+        )
         table = here.step(
-            merit_table,
+            threshold_curves.merit_table,
             seen,
             threshold_step,
             reached,
@@ -297,9 +285,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             frames=self._frames(),
         )
         return MeritOutputs(
-            Curve(here.step(mrtd_curve, threshold_step)),
-            Curve(here.step(mdtd_curve, seen, **sensor)),
-            Curve(here.step(probability_curve, reached)),
+            Curve(here.step(threshold_curves.mrtd_curve, threshold_step)),
+            Curve(here.step(threshold_curves.mdtd_curve, seen, **sensor)),
+            Curve(here.step(threshold_curves.probability_curve, reached)),
             Table(table),
         )
 
@@ -358,12 +346,12 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             frame_rate_Hz=self.frame_rate_Hz, eye_integration_s=self.eye_integration_s
         )
 
-    def _observer(self, context: Context) -> Observer:
+    def _observer(self, context: Context) -> threshold_curves.Observer:
         scanning = self.scanning
         if scanning == "automatic":
             scanning = _OF_PLATFORM[context.platform]
         along_flight = scanning == "parallel_scan" and context.platform == "push"
-        return Observer(
+        return threshold_curves.Observer(
             model=self.model,
             sampled_x=scanning == "staring" or along_flight,
             sampled_y=not along_flight,
@@ -373,9 +361,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             eye_limit_mrad=self.eye_limit_mrad,
         )
 
-    def _task(self, grid: Grid) -> Task:
+    def _task(self, grid: Grid) -> threshold_curves.Task:
         field_deg = math.degrees(grid.columns * grid.interval_x_mrad / 1000.0)
-        return Task(
+        return threshold_curves.Task(
             size_m=self.target_size_m,
             delta_K=self.target_delta_K,
             extinction_per_km=self.extinction_per_km,

@@ -16,16 +16,7 @@ from core.modules.declaration import Caution, Formula, Module, NodeContext, Sect
 from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
-from nodes.analysis.lineage import (
-    HORIZONTAL,
-    VERTICAL,
-    ImageNoise,
-    Line,
-    NoiseOf,
-    Stage,
-    all_along,
-    transfer_of,
-)
+from nodes.analysis import lineage
 from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
 from nodes.shared.module_ports import TableFigures
@@ -152,14 +143,14 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     def run(self, context: Context, image: Image, here: NodeContext) -> QualityOutputs:
         image = with_interval(image, context)
-        passed, grid, node = transfer_of(image), image.grid(), here.node
+        passed, grid, node = lineage.transfer_of(image), image.grid(), here.node
         edge = here.step(edge_quality, stages=passed.part("mtf"), grid=grid)
         if self.snr is not None:
             snr: Recipe = here.step(number, value=self.snr)
         else:
             snr = here.step(
                 signal_over_noise,
-                NoiseOf(image, node, uniform=True),
+                lineage.NoiseOf(image, node, uniform=True),
                 *passed.levels,
                 gain=passed.gain,
                 gain_before=passed.gain_before,
@@ -201,7 +192,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         """The SNR is an estimate, because the scene's reflectance is not known."""
         if self.snr is not None or self.snr_of == "mean":
             return None
-        if transfer_of(image).reflectance is not None:
+        if lineage.transfer_of(image).reflectance is not None:
             return None
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so its mean radiance is "
@@ -278,12 +269,15 @@ class EdgeQuality:
 
 
 @ends_lineage
-def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQuality:
+def edge_quality(work: Work, *, stages: tuple[lineage.Stage, ...], grid: Grid) -> EdgeQuality:
     results = []
-    for line, sample_mrad in ((HORIZONTAL, grid.interval_x_mrad), (VERTICAL, grid.interval_y_mrad)):
+    for line, sample_mrad in (
+        (lineage.HORIZONTAL, grid.interval_x_mrad),
+        (lineage.VERTICAL, grid.interval_y_mrad),
+    ):
 
-        def mtf(frequency: Vector, line: Line = line) -> Vector:
-            return all_along(work, stages, line, frequency)
+        def mtf(frequency: Vector, line: lineage.Line = line) -> Vector:
+            return lineage.all_along(work, stages, line, frequency)
 
         results.append(
             (
@@ -299,7 +293,7 @@ def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQu
 @ends_lineage
 def signal_over_noise(
     work: Work,
-    seen: ImageNoise,
+    seen: lineage.ImageNoise,
     *levels: LevelChange,
     gain: float | None,
     gain_before: float,

@@ -18,15 +18,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
 from core.transfer.factors import Grid, Part
-from nodes.analysis.lineage import (
-    HORIZONTAL,
-    VERTICAL,
-    Line,
-    Stage,
-    samples_along,
-    stage_along,
-    stages_of,
-)
+from nodes.analysis import lineage
 
 SAMPLES, PIXELS = "Nyquist of the samples", "Nyquist of the pixels"
 _ALIKE = 0.999  # of one another, where one mark is enough
@@ -81,7 +73,7 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
             recipe = here.step(
                 slices,
                 lines=self._lines(),
-                stages=stages_of(transfer.factors),
+                stages=lineage.stages_of(transfer.factors),
                 part=part,
                 grid=transfer.grid,
                 samples=self.samples,
@@ -90,12 +82,12 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
             )
         return CurveOutput(Curve(recipe))
 
-    def _lines(self) -> tuple[Line, ...]:
+    def _lines(self) -> tuple[lineage.Line, ...]:
         if self.direction == "angle":
-            return (Line.at(self.angle_deg),)
+            return (lineage.Line.at(self.angle_deg),)
         if self.direction == "both":
-            return HORIZONTAL, VERTICAL
-        return (HORIZONTAL if self.direction == "horizontal" else VERTICAL,)
+            return lineage.HORIZONTAL, lineage.VERTICAL
+        return (lineage.HORIZONTAL if self.direction == "horizontal" else lineage.VERTICAL,)
 
     def _marks(self, transfer: Transfer | Magnitude) -> tuple[CurveMark, ...]:
         """Where the image's samples end along the lines, and where the pixels would."""
@@ -112,25 +104,25 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     @readout()
     def at_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
         """Total MTF (or PTF, rad) at the horizontal Nyquist frequency of the image's samples."""
-        return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[0])
+        return _at(transfer, lineage.HORIZONTAL, _ends(transfer, lineage.HORIZONTAL)[0])
 
     @readout()
     def at_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
         """Total MTF (or PTF, rad) at the vertical Nyquist frequency of the image's samples."""
-        return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[0])
+        return _at(transfer, lineage.VERTICAL, _ends(transfer, lineage.VERTICAL)[0])
 
     @readout()
     def at_pixel_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
         """Total MTF (or PTF, rad) at the pixels' horizontal Nyquist frequency, 0.5 cycles/pitch."""
-        return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[1])
+        return _at(transfer, lineage.HORIZONTAL, _ends(transfer, lineage.HORIZONTAL)[1])
 
     @readout()
     def at_pixel_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
         """Total MTF (or PTF, rad) at the pixels' vertical Nyquist frequency, 0.5 cycles/pitch."""
-        return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[1])
+        return _at(transfer, lineage.VERTICAL, _ends(transfer, lineage.VERTICAL)[1])
 
 
-def _ends(transfer: Transfer | Magnitude, line: Line) -> tuple[float, float | None]:
+def _ends(transfer: Transfer | Magnitude, line: lineage.Line) -> tuple[float, float | None]:
     """Where the line leaves the band of the samples, and that of the pixels, if it is known."""
     grid = transfer.grid
     x, y = (0.5 / pixel if pixel else math.inf for pixel in transfer.pixel_mrad)
@@ -138,25 +130,29 @@ def _ends(transfer: Transfer | Magnitude, line: Line) -> tuple[float, float | No
     return line.end(grid.nyquist_x, grid.nyquist_y), pixels if math.isfinite(pixels) else None
 
 
-def _at(transfer: Transfer | Magnitude, line: Line, frequency: float | None) -> Recipe | None:
+def _at(
+    transfer: Transfer | Magnitude, line: lineage.Line, frequency: float | None
+) -> Recipe | None:
     if frequency is None or (isinstance(transfer, Transfer) and transfer.own is not None):
         return None
     part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"
-    whole = Stage("", transfer.factors)
+    whole = lineage.Stage("", transfer.factors)
     return Step.of(value_at, stage=whole, part=part, line=line, frequency=frequency)
 
 
 @ends_lineage
-def value_at(work: Work, *, stage: Stage, part: Part, line: Line, frequency: float) -> float:
-    return float(stage_along(work, stage, part, line, np.array([frequency]))[0])
+def value_at(
+    work: Work, *, stage: lineage.Stage, part: Part, line: lineage.Line, frequency: float
+) -> float:
+    return float(lineage.stage_along(work, stage, part, line, np.array([frequency]))[0])
 
 
 @ends_lineage
 def slices(
     work: Work,
     *,
-    lines: tuple[Line, ...],
-    stages: tuple[Stage, ...],
+    lines: tuple[lineage.Line, ...],
+    stages: tuple[lineage.Stage, ...],
     part: Part,
     grid: Grid,
     samples: int,
@@ -169,7 +165,7 @@ def slices(
         total = np.ones(samples) if part == "mtf" else np.zeros(samples)
         for stage in stages:
             work.check()
-            value = stage_along(work, stage, part, line, frequency)
+            value = lineage.stage_along(work, stage, part, line, frequency)
             total = total * value if part == "mtf" else total + value
             if stagewise:
                 series.append(Series(_named(stage.label, line, lines), frequency, value))
@@ -182,7 +178,7 @@ def own_slices(
     work: Work,
     sampled: SampledTransfer,
     *,
-    lines: tuple[Line, ...],
+    lines: tuple[lineage.Line, ...],
     part: Part,
     samples: int,
     label: str,
@@ -190,17 +186,17 @@ def own_slices(
 ) -> CurveData:
     series = []
     for line in lines:
-        frequency, value = samples_along(sampled, part, line, samples)
+        frequency, value = lineage.samples_along(sampled, part, line, samples)
         series.append(Series(_named(label or part.upper(), line, lines), frequency, value))
     return _curves(series, part, lines, marks)
 
 
-def _named(label: str, line: Line, lines: tuple[Line, ...]) -> str:
+def _named(label: str, line: lineage.Line, lines: tuple[lineage.Line, ...]) -> str:
     return label if len(lines) == 1 else f"{label} {line.name}"
 
 
 def _curves(
-    series: list[Series], part: Part, lines: tuple[Line, ...], marks: tuple[CurveMark, ...]
+    series: list[Series], part: Part, lines: tuple[lineage.Line, ...], marks: tuple[CurveMark, ...]
 ) -> CurveData:
     where = " and ".join(line.name for line in lines)
     y_label = "MTF" if part == "mtf" else "PTF (rad)"

@@ -18,7 +18,7 @@ from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, Noise
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside
-from nodes.files.frame_reading import FrameFile, open_frames
+from nodes.files.frames import FrameFile, open_frames
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.module_ports import TableFigures
 

@@ -1,13 +1,303 @@
 """Noise Budget: which source makes how much of a picture's noise, which stage of its blur."""
 
-from typing import NamedTuple
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
-from core.chain.wires import Curve, Image, Table
+import numpy as np
+
+from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
+from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
-from nodes.analysis import budget_shares
-from nodes.analysis.budget_shares import Kind, Show
-from nodes.analysis.lineage import NoiseOf, transfer_of
+from core.physics.noise.noise_equivalent import loss, shares_of_losses
+from nodes.analysis import lineage
 from nodes.shared.module_ports import TableFigures
+
+Kind = Literal["all", "temporal", "fixed"]
+_NOTHING = 1e-20  # of the variance: what a source of two kinds has so little of, it has not
+_ROUNDING = 1e-12
+_LINES = (lineage.Line.at(0.0), lineage.Line.at(90.0))
+
+
+@dataclass(frozen=True)
+class NoiseShare:
+    """One source's noise in the picture, and its shares (0 to 1) of the variance of all that count.
+
+    `temporal` is its deviation from frame to frame and `fixed` that of its pattern, in the
+    picture's unit; None of a kind that it has not.
+    """
+
+    node: str
+    name: str
+    temporal: float | None
+    fixed: float | None
+    share_temporal: float
+    share_fixed: float
+
+    @property
+    def sigma(self) -> float:
+        return math.hypot(self.temporal or 0.0, self.fixed or 0.0)
+
+
+@dataclass(frozen=True)
+class NoiseShares:
+    """Every noise in the picture; the deviations `temporal` and `fixed` are those of all."""
+
+    shares: tuple[NoiseShare, ...]
+    temporal: float
+    fixed: float
+    mean: float
+
+    @property
+    def sigma(self) -> float:
+        return math.hypot(self.temporal, self.fixed)
+
+
+@dataclass(frozen=True)
+class BlurShare:
+    """One stage's |MTF| across and along, and its share of what is lost (negative: sharpens)."""
+
+    node: str
+    label: str
+    mtf: tuple[float, float]
+    share: tuple[float, float]
+
+    @property
+    def losses(self) -> tuple[float, float]:
+        return loss(mtf=self.mtf[0]), loss(mtf=self.mtf[1])
+
+
+@dataclass(frozen=True)
+class BlurShares:
+    """Every stage that blurs, at one frequency across and one along, cycles/mrad.
+
+    `before` is the node before which no transfer function is known, None if all are.
+    """
+
+    frequency: tuple[float, float]
+    shares: tuple[BlurShare, ...]
+    before: str | None = None
+
+    @property
+    def mtf(self) -> tuple[float, float]:
+        x, y = (math.prod((share.mtf[axis] for share in self.shares), start=1.0) for axis in (0, 1))
+        return x, y
+
+
+@ends_lineage
+def noise_shares(work: Work, noise: lineage.ImageNoise, *, kind: Kind) -> NoiseShares:
+    noise.require_known()
+    variances: dict[tuple[str, str], dict[bool, float]] = {}
+    for term in noise.terms:
+        by_time = variances.setdefault((term.node, term.name), {})
+        by_time[term.temporal] = by_time.get(term.temporal, 0.0) + max(term.variances.total, 0.0)
+    whole = {
+        temporal: math.fsum(by_time.get(temporal, 0.0) for by_time in variances.values())
+        for temporal in (True, False)
+    }
+    counted = [kind == "temporal"] if kind != "all" else [True, False]
+    total = math.fsum(whole[temporal] for temporal in counted)
+    for by_time in variances.values():
+        for temporal in [key for key in by_time if by_time[key] < _NOTHING * sum(whole.values())]:
+            if len(by_time) > 1:
+                del by_time[temporal]
+
+    def sigma(by_time: dict[bool, float], temporal: bool) -> float | None:
+        there = temporal in by_time and temporal in counted
+        return math.sqrt(by_time[temporal]) if there else None
+
+    def share(by_time: dict[bool, float], temporal: bool) -> float:
+        return by_time.get(temporal, 0.0) / total if total and temporal in counted else 0.0
+
+    shares = (
+        NoiseShare(
+            node,
+            name,
+            sigma(by_time, True),
+            sigma(by_time, False),
+            share(by_time, True),
+            share(by_time, False),
+        )
+        for (node, name), by_time in variances.items()
+        if any(temporal in by_time for temporal in counted)
+    )
+    return NoiseShares(tuple(shares), math.sqrt(whole[True]), math.sqrt(whole[False]), noise.mean)
+
+
+@ends_lineage
+def blur_shares(
+    work: Work,
+    *,
+    stages: tuple[lineage.Stage, ...],
+    frequency: tuple[float, float],
+    before: str | None,
+) -> BlurShares:
+    """Shares of the stages at a frequency across and one along; those that do nothing left out."""
+    moduli = []
+    for line, cyc_per_mrad in zip(_LINES, frequency, strict=True):
+        work.check()
+        place = np.array([cyc_per_mrad])
+        values = (abs(float(lineage.stage_along(work, s, "mtf", line, place)[0])) for s in stages)
+        # What is 1 but for rounding is 1.
+        moduli.append([1.0 if abs(value - 1.0) < _ROUNDING else value for value in values])
+    shared = [shares_of_losses(losses=[loss(mtf=mtf) for mtf in along]) for along in moduli]
+    shares = (
+        BlurShare(
+            next((f.node for f in stage.factors if f.node), stage.label), stage.label, mtf, share
+        )
+        for stage, mtf, share in zip(
+            stages, zip(*moduli, strict=True), zip(*shared, strict=True), strict=True
+        )
+        if mtf != (1.0, 1.0)
+    )
+    return BlurShares(frequency, tuple(shares), before)
+
+
+def unknown_before(transfer: lineage.ImageTransfer) -> str | None:
+    """The node whose transfer function is not known, so that nothing before it counts."""
+    source = transfer.source
+    if transfer.area_means or not source.inputs:
+        return None
+    return source.node or "a node"
+
+
+# A budget of noise or blur as bars and as figures.
+
+Show = Literal["share", "amount"]
+_WORDS = {"file": "noise file", "periodic": "periodic noise"}
+_TOGETHER = "All together"
+
+
+def source_words(name: str) -> str:
+    return _WORDS.get(name, name)
+
+
+def source_title(name: str) -> str:
+    """The same with a capital first; those of an abbreviation stay."""
+    words = source_words(name)
+    return words[:1].upper() + words[1:]
+
+
+@ends_lineage
+def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: str) -> CurveData:
+    title = "Noise" if kind == "all" else f"{kind.capitalize()} noise"
+    if not noise.shares:
+        return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
+    pairs = [(source_title(share.name), share.node) for share in noise.shares]
+    names = _distinct(pairs)
+    kinds = [
+        k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)
+    ]
+    if show == "share":
+        label = "share of the variance (%)"
+        heights = [
+            [100.0 * getattr(share, f"share_{one}") for share in noise.shares] for one in kinds
+        ]
+    else:
+        label = f"σ ({unit})" if unit else "σ"
+        names = (*names, _TOGETHER)
+        heights = [
+            [*(getattr(share, one) or 0.0 for share in noise.shares), getattr(noise, one)]
+            for one in kinds
+        ]
+    return _bars(title, "source", label, names, zip(kinds, heights, strict=True))
+
+
+@ends_lineage
+def blur_bars(work: Work, blur: BlurShares, *, show: Show) -> CurveData:
+    """Two bars for each stage, across and along: its share of −ln |MTF|, or that itself."""
+    title = "Blur" if blur.before is None else f"Blur after {blur.before}"
+    if not blur.shares:
+        return CurveData(f"{title}: none known", "stage", "share (%)", ())
+    names = tuple(stage.label for stage in blur.shares)
+    if show == "share":
+        label = "share of −ln |MTF| (%)"
+        heights = [[100.0 * stage.share[axis] for stage in blur.shares] for axis in (0, 1)]
+    else:
+        label = "−ln |MTF|"
+        names = (*names, _TOGETHER)
+        losses = [[stage.losses[axis] for stage in blur.shares] for axis in (0, 1)]
+        heights = [[*along, math.fsum(along)] for along in losses]
+    return _bars(
+        title, "stage", label, names, zip(("horizontal", "vertical"), heights, strict=True)
+    )
+
+
+def _bars(
+    title: str,
+    what: str,
+    label: str,
+    names: tuple[str, ...],
+    heights: Iterable[tuple[str, list[float]]],
+) -> CurveData:
+    places = np.arange(float(len(names)))
+    series = tuple(Series(name, places, np.array(column)) for name, column in heights)
+    return CurveData(title, what, label, series, bars=names)
+
+
+def _distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
+    plain = [name for name, _ in names]
+    return tuple(f"{name} ({node})" if plain.count(name) > 1 else name for name, node in names)
+
+
+@ends_lineage
+def budget_table(
+    work: Work, noise: NoiseShares, blur: BlurShares, *, kind: Kind, unit: str
+) -> TableData:
+    rows = [row for share in noise.shares for row in _source_rows(share, unit)]
+    if not noise.shares:
+        what = "noise" if kind == "all" else f"{kind} noise"
+        rows.append(TableRow("noise", "none", "", f"this picture has no {what}"))
+    rows += [
+        TableRow("sigma", noise.sigma, unit, "all noise"),
+        TableRow("sigma_temporal", noise.temporal, unit, "all temporal noise"),
+        TableRow("sigma_fixed", noise.fixed, unit, "all fixed patterns"),
+        TableRow("mean", noise.mean, unit, "mean of the noise-free picture"),
+    ]
+    rows += _blur_rows(blur)
+    return TableData(tuple(rows))
+
+
+def _source_rows(share: NoiseShare, unit: str) -> Iterable[TableRow]:
+    name, words = f"{share.node}.{share.name}", source_words(share.name)
+    for kind, sigma, part in (
+        ("temporal", share.temporal, share.share_temporal),
+        ("fixed", share.fixed, share.share_fixed),
+    ):
+        if sigma is not None:
+            yield TableRow(f"{name}.{kind}", sigma, unit, f"σ of {words}, {kind}")
+            yield TableRow(f"{name}.{kind}_share", 100.0 * part, "%", "share of the variance")
+
+
+def _blur_rows(blur: BlurShares) -> list[TableRow]:
+    nodes = [stage.node for stage in blur.shares]
+    rows = []
+    for stage in blur.shares:
+        name = stage.node if nodes.count(stage.node) == 1 else f"{stage.node}.{_snake(stage.label)}"
+        for axis, direction in ((0, "x"), (1, "y")):
+            meaning = f"|MTF| of {stage.label}"
+            rows.append(TableRow(f"{name}.mtf_{direction}", stage.mtf[axis], "", meaning))
+            share = 100.0 * stage.share[axis]
+            rows.append(TableRow(f"{name}.share_{direction}", share, "%", "share of −ln |MTF|"))
+    if not rows:
+        rows.append(TableRow("blur", "none", "", "all stages have a transfer function of 1"))
+    for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):
+        rows.append(
+            TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"{words} |MTF| of all stages")
+        )
+    for axis, name, words in ((0, "xi", "horizontal"), (1, "eta", "vertical")):
+        meaning = f"{words} frequency at which the MTFs are given"
+        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", meaning))
+    if blur.before is not None:
+        meaning = "the transfer functions up to and including this stage are unknown"
+        rows.append(TableRow("blur_behind", blur.before, "", meaning))
+    return rows
+
+
+def _snake(label: str) -> str:
+    return "".join(character if character.isalnum() else "_" for character in label.lower())
 
 
 class BudgetOutputs(NamedTuple):
@@ -60,19 +350,19 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
 
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
-        node, grid, passed = here.node, image.grid(), transfer_of(image)
-        noise = here.step(budget_shares.noise_shares, NoiseOf(image, node), kind=self.noise)
+        node, grid, passed = here.node, image.grid(), lineage.transfer_of(image)
+        noise = here.step(noise_shares, lineage.NoiseOf(image, node), kind=self.noise)
         blur = here.step(
-            budget_shares.blur_shares,
+            blur_shares,
             stages=passed.part("mtf"),
             frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
-            before=budget_shares.unknown_before(passed),
+            before=unknown_before(passed),
         )
         noise_kind = {"kind": self.noise, "unit": image.unit}
         return BudgetOutputs(
-            Curve(here.step(budget_shares.noise_bars, noise, show=self.show, **noise_kind)),
-            Curve(here.step(budget_shares.blur_bars, blur, show=self.show)),
-            Table(here.step(budget_shares.budget_table, noise, blur, **noise_kind)),
+            Curve(here.step(noise_bars, noise, show=self.show, **noise_kind)),
+            Curve(here.step(blur_bars, blur, show=self.show)),
+            Table(here.step(budget_table, noise, blur, **noise_kind)),
         )
 
     figures_0 = TableFigures(

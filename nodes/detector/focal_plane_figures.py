@@ -16,23 +16,7 @@ from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.parameters import Caution
 from core.modules.preview import Bar, Bars, Preview, Stack, brief, electrons, kelvin
-from core.physics.detector.focal_plane_array import (
-    bent_response,
-    bent_slope,
-    dynamic_range_dB,
-    fixed_pattern_e,
-    nei_photons_per_cm2,
-    netd_of_electrons_K,
-    quantization_noise_e,
-    shot_noise_e,
-    temporal_noise_e,
-)
-from core.physics.detector.photon_conversion import (
-    WEIGHTINGS,
-    PhotonWeights,
-    SmoothRatio,
-    conversion_between,
-)
+from core.physics.detector import focal_plane_array, photon_conversion
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
 from nodes.shared.steps import PictureRange
 
@@ -49,7 +33,7 @@ class Collection:
     emit nothing. `vignetting` is the mean illumination, which is among the responses too.
     """
 
-    weights: PhotonWeights
+    weights: photon_conversion.PhotonWeights
     scene_m2_s_sr: float
     housing_m2_s_sr: float
     optics_transmission: float
@@ -121,7 +105,7 @@ class ElectronLevels:
     known, `radiance_per_photon` is the mean radiance over their mean.
     """
 
-    conversion: SmoothRatio
+    conversion: photon_conversion.Conversion
     seen: PictureRange
     scene_K: float | None
     signal_e: float
@@ -154,7 +138,7 @@ def electron_levels(
 ) -> ElectronLevels:
     """What the picture's radiances, or the photons of it that are counted, are in electrons."""
     weights = collection.weights
-    conversion = conversion_between(
+    conversion = photon_conversion.conversion_between(
         weights=weights,
         electrons_per_photon=collection.per_photon,
         low=seen.low,
@@ -219,7 +203,7 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
 
 @ends_lineage
 def bent_level(work: Work, levels: ElectronLevels, **response: float) -> LevelChange:
-    slope = bent_slope(electrons=levels.total_e, **response)
+    slope = focal_plane_array.bent_slope(electrons=levels.total_e, **response)
     return LevelChange(slope, levels.total_e, levels.signal_e * slope)
 
 
@@ -233,7 +217,7 @@ def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
 def _bent(electrons: float, reading: ReadOut) -> float:
     if reading.full_well_e is None:
         return electrons
-    return bent_response(
+    return focal_plane_array.bent_response(
         electrons=electrons,
         full_well_e=reading.full_well_e,
         nonlinearity_percent=reading.nonlinearity_percent,
@@ -269,7 +253,7 @@ def _bent_slope(electrons: float, reading: ReadOut) -> float:
     """Rise of the response there; 0 where it has been bent until it is flat."""
     if reading.full_well_e is None:
         return 1.0
-    return bent_slope(
+    return focal_plane_array.bent_slope(
         electrons=electrons,
         full_well_e=reading.full_well_e,
         nonlinearity_percent=reading.nonlinearity_percent,
@@ -312,24 +296,30 @@ def figures(
         responsivity *= slope
     netd = None
     if responsivity is not None:
-        netd = _finite(netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=responsivity))
+        netd = _finite(
+            focal_plane_array.netd_of_electrons_K(
+                temporal_e=temporal, responsivity_e_per_K=responsivity
+            )
+        )
     well, decibels, too_dark = reading.full_well_e, None, ""
     fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
     dark = levels.dark_e * reading.excess_factor / frames
-    dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=dark))
+    dark_noise = math.hypot(read, rounding, focal_plane_array.shot_noise_e(electrons=dark))
     if levels.dark_e >= saturation:
         too_dark = f"{levels.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
-        decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
+        decibels = _finite(
+            focal_plane_array.dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise)
+        )
     snr = _snr(levels, reading)
     efficiency = _efficiency(levels, collection)
     nei = None
     if efficiency > 0.0 and clipped is None:
-        nei = nei_photons_per_cm2(
+        nei = focal_plane_array.nei_photons_per_cm2(
             temporal_e=temporal / slope, quantum_efficiency=efficiency, area_cm2=area_cm2
         )
-    pattern = fixed_pattern_e(
+    pattern = focal_plane_array.fixed_pattern_e(
         electrons=total, prnu_percent=reading.prnu_percent, dsnu_e=reading.dsnu_e
     )
     threshold = None
@@ -367,13 +357,15 @@ def figures(
 
 
 def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, float]:
-    shot = shot_noise_e(electrons=total_e, frames_averaged=reading.frames)
+    shot = focal_plane_array.shot_noise_e(electrons=total_e, frames_averaged=reading.frames)
     shot *= _bent_slope(total_e, reading)
     read = reading.read_noise_e / reading.frames**0.5
     step = reading.gain_e_per_dn * reading.numbers_summed**0.5
-    rounding = quantization_noise_e(gain_e_per_dn=step) if reading.bits else 0.0
+    rounding = focal_plane_array.quantization_noise_e(gain_e_per_dn=step) if reading.bits else 0.0
     counted = shot * reading.excess_factor**0.5
-    temporal = temporal_noise_e(shot_e=counted, read_e=read, quantization_e=rounding)
+    temporal = focal_plane_array.temporal_noise_e(
+        shot_e=counted, read_e=read, quantization_e=rounding
+    )
     return shot, read, rounding, temporal
 
 
@@ -435,8 +427,7 @@ def _worth(
 ) -> tuple[tuple[str, float | None, str, str], ...]:
     """What each other weighting would make of the signal, and by how much they differ."""
     rows: list[tuple[str, float | None, str, str]] = []
-    known_spectrum = collection.weights.used == "spectrum"
-    for weighting in WEIGHTINGS:
+    for weighting in photon_conversion.WEIGHTINGS:
         signal: float | None = None
         weights = replace(collection.weights, weighting=weighting)
         if levels.seen.mean > 0.0 and weights.used == weighting and not known_spectrum:

@@ -16,17 +16,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radiance, share_kept
 from core.physics.detector.readout import lowpass_mtf, lowpass_ptf
-from core.physics.noise.flicker_noise import (
-    FlickerBand,
-    filtered_flicker,
-    flicker_band,
-    flicker_sigma,
-)
-from core.physics.radiometry.planck import (
-    band_radiance,
-    band_radiance_derivative,
-    brightness_temperature,
-)
+from core.physics.noise import flicker_noise
+from core.physics.radiometry import planck
 from core.transfer.factors import Separable
 from nodes.shared.context_defaults import Lens, given_band, lens, t_number_caution, with_interval
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
@@ -207,7 +198,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         white = self._white(context, band)
         flicker = 0.0
         if self.corner_Hz:
-            flicker = flicker_sigma(
+            flicker = flicker_noise.flicker_sigma(
                 white_sigma=white, corner_Hz=self.corner_Hz, band=self._flicker_band()
             )
         factors = self._along_the_scan(context, here)
@@ -262,13 +253,13 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     def _offset(self, band: tuple[float, float]) -> float:
         if not self.offset_mK:
             return 0.0
-        slope = band_radiance_derivative(
+        slope = planck.band_radiance_derivative(
             cut_on_um=band[0], cut_off_um=band[1], temperature_K=self.reference_K
         )
         return self.offset_mK / 1000.0 * float(slope)
 
-    def _flicker_band(self) -> FlickerBand:
-        return flicker_band(
+    def _flicker_band(self) -> flicker_noise.FlickerBand:
+        return flicker_noise.flicker_band(
             frame_rate_Hz=self.frame_rate_Hz, longest_period_s=self.longest_period_s
         )
 
@@ -276,7 +267,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if not self.bits or self.range_low_K is None or self.range_high_K is None:
             return None
         low, high = (
-            float(band_radiance(temperature_K=kelvin, cut_on_um=band[0], cut_off_um=band[1]))
+            float(planck.band_radiance(temperature_K=kelvin, cut_on_um=band[0], cut_off_um=band[1]))
             for kelvin in (self.range_low_K, self.range_high_K)
         )
         return low, high
@@ -289,7 +280,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         """White and 1/f noise behind the temporal filter, over those before it."""
         slow = 1.0
         if self.corner_Hz and self.filter_frames > 1.0:
-            slow = filtered_flicker(kept=self._filter(), band=self._flicker_band())
+            slow = flicker_noise.filtered_flicker(kept=self._filter(), band=self._flicker_band())
         return self.filter_frames**-0.5, slow
 
     def _kept(self) -> float:
@@ -526,8 +517,8 @@ def figures(
     kelvin = slope = None
     if mean * vignetting > 0.0:
         ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
-        kelvin = float(brightness_temperature(radiance=mean / vignetting, **ends))
-        slope = vignetting * float(band_radiance_derivative(temperature_K=kelvin, **ends))
+        kelvin = float(planck.brightness_temperature(radiance=mean / vignetting, **ends))
+        slope = vignetting * float(planck.band_radiance_derivative(temperature_K=kelvin, **ends))
     rounding, pattern = step / 12.0**0.5, float(np.hypot(response * mean, offset))
     temporal = float(np.hypot(np.hypot(white, flicker), rounding))
 

@@ -38,13 +38,7 @@ from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.noise_steps import Detector, detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
-from nodes.shared.context_defaults import (
-    given_band,
-    lens,
-    pixel_of,
-    t_number_caution,
-    with_interval,
-)
+from nodes.shared import context_defaults
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, TableFigures
@@ -238,7 +232,7 @@ class ElectronicsNoise(
             snr_reference=self.snr_reference,
             variability_percent=self.noise_variability_percent,
         )
-        image = with_interval(image, context)
+        image = context_defaults.with_interval(image, context)
         pre, post = self._pre_amplifier(image, context), self._post_filter(context)
 
         def filtered(picture: Recipe, factors: tuple[Separable, ...]) -> Recipe:
@@ -361,7 +355,7 @@ class ElectronicsNoise(
     def _known_band(self, context: Context | None) -> tuple[float, float] | None:
         try:
             if context is not None:
-                return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+                return context_defaults.given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         except ParameterError:
             return None
         on, off = self.cut_on_um, self.cut_off_um
@@ -390,7 +384,7 @@ class ElectronicsNoise(
     @warning
     def transmission(self, context: Context) -> Caution | None:
         """The transmission is not used, because the T-number includes it."""
-        return t_number_caution(context, self.optics_transmission)
+        return context_defaults.t_number_caution(context, self.optics_transmission)
 
     @warning
     def unit(self, image: Image) -> Caution | None:
@@ -455,16 +449,18 @@ class ElectronicsNoise(
         return filters.noise_bandwidth_hz(time_constant_s=tau)
 
     def _detector(self, context: Context) -> Detector:
-        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+        cut_on, cut_off = context_defaults.given_band(
+            self.cut_on_um, self.cut_off_um, context.band_um
+        )
         return Detector(
             cut_on_um=cut_on,
             cut_off_um=cut_off,
             region=self.region,
             material=self.material,
             d_star=self.d_star,
-            lens=lens(context, optics_transmission=self.optics_transmission),
+            lens=context_defaults.lens(context, optics_transmission=self.optics_transmission),
             filter_transmission=self.filter_transmission,
-            area_cm2=detector_area_cm2(**pixel_of(context)),
+            area_cm2=detector_area_cm2(**context_defaults.pixel_of(context)),
             bandwidth_Hz=self._bandwidth(context),
             background_K=self.background_K,
         )

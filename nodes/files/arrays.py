@@ -18,18 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError
 from core.scratch import Empty
+from nodes.files.common import picture_info
 from nodes.files.common.file_format import CSV
-from nodes.files.common.picture_info import (
-    MetadataValue,
-    PictureInfo,
-    Samples,
-    delivered_dtype,
-    oversized,
-    refuse_oversized,
-    refuse_oversized_text,
-    refuse_shape,
-    refuse_unreal,
-)
 from nodes.files.common.stored_bytes import checked_band, first_bytes, readable_file, stored_bytes
 from nodes.files.common.table_cells import csv_lines, line_refused
 
@@ -61,19 +51,19 @@ def is_npy(path: Path) -> bool:
     return first_bytes(path, len(_NPY_MAGIC)) == _NPY_MAGIC
 
 
-def read_npy_info(path: Path) -> PictureInfo:
+def read_npy_info(path: Path) -> picture_info.PictureInfo:
     header = npy_header(path)
     return _info(path, header.shape, header.dtype, "npy")
 
 
-def read_npy(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+def read_npy(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_info.Samples:
     """Read one band of a real array (rows, columns) or (rows, columns, bands), block by block."""
     header = npy_header(path)
     info = _info(path, header.shape, header.dtype, "npy")
     if empty is np.empty:
-        refuse_oversized(info)
+        picture_info.refuse_oversized(info)
     band = checked_band(band, info.bands, path)
-    read = empty(header.shape[:2], delivered_dtype(header.dtype))
+    read = empty(header.shape[:2], picture_info.delivered_dtype(header.dtype))
     fill_plane(read, path, header, axis=2, index=band)
     return read
 
@@ -96,7 +86,7 @@ def write_npy_header(file: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any
 
 
 def write_npy_picture(
-    path: Path, stored: NDArray[Any], metadata: Mapping[str, MetadataValue]
+    path: Path, stored: NDArray[Any], metadata: Mapping[str, picture_info.MetadataValue]
 ) -> None:
     """Write samples (rows, columns, channels) as ``.npy``, which has no room for metadata.
 
@@ -105,7 +95,7 @@ def write_npy_picture(
     write_npy(path, stored[:, :, 0] if stored.shape[2] == 1 else stored)
 
 
-def read_matrix_info(path: Path) -> PictureInfo:
+def read_matrix_info(path: Path) -> picture_info.PictureInfo:
     """Read the size of a text matrix, for which all of it must be read."""
     matrix = read_matrix(path)
     return _info(path, matrix.shape, matrix.dtype, "text")
@@ -118,7 +108,7 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """
     file = readable_file(path)
     try:
-        refuse_oversized_text(file)
+        picture_info.refuse_oversized_text(file)
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{file}: not a text file of numbers") from error
@@ -153,7 +143,7 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
     return FileError(f"{path}: not a matrix of numbers")
 
 
-def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_info.Samples:
     matrix = read_matrix(path)
     checked_band(band, 1, path)
     return matrix
@@ -248,7 +238,7 @@ def fill_plane(
     elif len(shape) == 3:
         part = index
     line = wide * every
-    if reason := oversized(1, line, header.dtype):
+    if reason := picture_info.oversized(1, line, header.dtype):
         raise FileError(f"{path}: a single row is too large: {reason}")
     step = max(1, _BLOCK_SAMPLES // max(1, line))
     as_stored = every == 1 and plane.dtype == header.dtype and plane.flags.c_contiguous
@@ -270,10 +260,12 @@ def whole_npy(path: Path) -> NDArray[Any]:
     return array.T if header.fortran_order else array
 
 
-def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -> PictureInfo:
-    refuse_unreal(path, dtype)
-    refuse_shape(path, shape)
-    return PictureInfo(
+def _info(
+    path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str
+) -> picture_info.PictureInfo:
+    picture_info.refuse_unreal(path, dtype)
+    picture_info.refuse_shape(path, shape)
+    return picture_info.PictureInfo(
         path=path,
         rows=shape[0],
         columns=shape[1],

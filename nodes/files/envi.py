@@ -20,13 +20,7 @@ from core.errors import DataError, FileError, ParameterError
 from core.machine import ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.scratch import Empty
-from nodes.files.common.picture_info import (
-    PictureInfo,
-    Samples,
-    delivered_dtype,
-    header_fields,
-    refuse_oversized,
-)
+from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import checked_band, stored_bytes
 from nodes.files.envi_header import EnviLayout, number_list, read_layout
 
@@ -47,14 +41,14 @@ _LONGEST_ASSUMED_UM = 100.0  # beyond thermal infrared: numbers above, with no u
 _WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
 
 
-def read_info(path: str | os.PathLike[str]) -> PictureInfo:
+def read_info(path: str | os.PathLike[str]) -> picture_info.PictureInfo:
     """Read an ENVI header, by its path or its data's, and check it against the data's size."""
     return info_of(read_layout(path))
 
 
-def info_of(layout: EnviLayout) -> PictureInfo:
+def info_of(layout: EnviLayout) -> picture_info.PictureInfo:
     description = layout.fields.get("description", "")
-    common = header_fields(
+    common = picture_info.header_fields(
         layout.fields,
         description=description if isinstance(description, str) else ", ".join(description),
         where=str(layout.header),
@@ -62,7 +56,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
     wavelengths_um, fwhm_um = _wavelengths(layout)
     listed = number_list(layout.fields, "bbl", layout.header, layout.bands) or ()
     bad_bands = tuple(place for place, good in enumerate(listed) if good == 0.0)
-    return PictureInfo(
+    return picture_info.PictureInfo(
         path=layout.data,
         rows=layout.rows,
         columns=layout.columns,
@@ -79,18 +73,20 @@ def info_of(layout: EnviLayout) -> PictureInfo:
     )
 
 
-def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
+def read_band(
+    path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty
+) -> picture_info.Samples:
     """Read one band of a data file or of its header; missing samples are NaN."""
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
     if empty is np.empty:
-        refuse_oversized(info)
+        picture_info.refuse_oversized(info)
     band = checked_band(band, info.bands, info.path)
     return band_of(layout, band, empty=empty)
 
 
-def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> Samples:
-    samples = empty((layout.rows, layout.columns), delivered_dtype(layout.dtype))
+def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> picture_info.Samples:
+    samples = empty((layout.rows, layout.columns), picture_info.delivered_dtype(layout.dtype))
     for rows in row_blocks(layout, 1):
         block = sample_block(layout, rows, np.array([band]), samples.dtype)
         samples[rows] = block.reshape(-1, layout.columns)
@@ -176,7 +172,7 @@ def integrate_bands(
     *,
     min_coverage: float = 0.99,
     empty: Empty = np.empty,
-) -> Samples:
+) -> picture_info.Samples:
     """Integrate spectral radiance over an interval of wavelength: L = Σ L_k·w_k.
 
     The weights are those of `band_weights_um`; `min_coverage` is the least part of the interval
@@ -188,12 +184,12 @@ def integrate_bands(
     layout = read_layout(path)
     info = info_of(layout)
     if empty is np.empty:
-        refuse_oversized(info)
+        picture_info.refuse_oversized(info)
     weights = band_weights_um(info, cut_on_um=cut_on_um, cut_off_um=cut_off_um)
     _check_coverage(info, cut_on_um, cut_off_um, min_coverage)
     weights = weights * _per_um(info)
     used = np.flatnonzero(weights)
-    total = empty((info.rows, info.columns), delivered_dtype(layout.value_dtype))
+    total = empty((info.rows, info.columns), picture_info.delivered_dtype(layout.value_dtype))
     for rows in row_blocks(layout, len(used)):
         block = sample_block(layout, rows, used, np.dtype(np.float64))
         block *= weights[used][:, None]
@@ -202,7 +198,7 @@ def integrate_bands(
 
 
 def band_weights_um(
-    info: PictureInfo, *, cut_on_um: float, cut_off_um: float
+    info: picture_info.PictureInfo, *, cut_on_um: float, cut_off_um: float
 ) -> NDArray[np.float64]:
     """Width of each band's share of the interval, µm; the sum is the covered part of the interval.
 
@@ -236,7 +232,7 @@ def band_weights_um(
     return np.asarray(np.where(first < last, widths, 0.0), dtype=np.float64)
 
 
-def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def band_ends_um(info: picture_info.PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Wavelengths from which and up to which each band reaches, µm; as `band_weights_um` has it."""
     if info.wavelengths_um is None:
         raise FileError(
@@ -267,7 +263,7 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
     return low, high
 
 
-def coverage(info: PictureInfo, interval_um: tuple[float, float] | None) -> float:
+def coverage(info: picture_info.PictureInfo, interval_um: tuple[float, float] | None) -> float:
     """Share of an interval that the bands cover, 0 to 1; of all from first to last without one."""
     low, high = band_ends_um(info)
     first, last = interval_um or (max(0.0, float(low.min())), float(high.max()))
@@ -276,7 +272,7 @@ def coverage(info: PictureInfo, interval_um: tuple[float, float] | None) -> floa
 
 
 def _check_coverage(
-    info: PictureInfo, cut_on_um: float, cut_off_um: float, min_coverage: float
+    info: picture_info.PictureInfo, cut_on_um: float, cut_off_um: float, min_coverage: float
 ) -> None:
     """Bands that are bad count here as if they were there: a warning tells of those."""
     every = replace(info, bad_bands=())
@@ -292,7 +288,7 @@ def _check_coverage(
     )
 
 
-def _per_um(info: PictureInfo) -> float:
+def _per_um(info: picture_info.PictureInfo) -> float:
     if not info.unit:
         return 1.0
     try:

@@ -7,14 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from core.errors import FileError
-from nodes.files.common.table_cells import (
-    cells_of,
-    lens_lines,
-    line_refused,
-    numbers_of,
-    read_once,
-    refuse_long_table,
-)
+from nodes.files.common import table_cells
 
 Column = tuple[float, ...]
 MTF_COLUMNS = ("mtf", "mtf_x", "mtf_y", "radial")
@@ -52,15 +45,15 @@ class MtfTable:
         return dict(self.columns).get(name)
 
 
-@read_once
+@table_cells.read_once
 def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     """Read a CSV table parted by comma, semicolon, tab or blanks, or Zemax's MTF as text.
 
     Lines that begin with ``#`` are passed over. `field` counts those of a listing of Zemax from 0,
     without the diffraction limit; its tangential column is the MTF along y, as for a field along y.
     """
-    refuse_long_table(path, _LONGEST_BYTES, "MTF against frequency")
-    lines = list(enumerate(lens_lines(path, what="frequency and MTF columns"), 1))
+    table_cells.refuse_long_table(path, _LONGEST_BYTES, "MTF against frequency")
+    lines = list(enumerate(table_cells.lens_lines(path, what="frequency and MTF columns"), 1))
     if any(_HEADING.fullmatch(line) for _, line in lines):
         return _zemax(path, lines, field)
     rows = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
@@ -86,7 +79,7 @@ def unit_of(text: str) -> str | None:
 def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     """Names of the columns, frequency first, and their units as far as they are named."""
     names, units = [], []
-    for cell in cells_of(line):
+    for cell in table_cells.cells_of(line):
         match = _NAME.fullmatch(cell.strip().strip('"'))
         name, unit = (match[1], match[2] or "") if match else (cell, "")
         name = name.strip().lower().replace(" ", "_")
@@ -98,29 +91,33 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     wrong = next((name for name in names[1:] if name not in known), None)
     repeated = len(set(names)) != len(names)
     if names[0] != "frequency" or len(names) < 2 or wrong is not None or repeated:
-        raise line_refused(
+        raise table_cells.line_refused(
             file, number,
             "a header line: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial; "
             "then, if known, phase, or phase_x and phase_y",
         )  # fmt: skip
     if not set(names) & set(MTF_COLUMNS):
-        raise line_refused(file, number, "column names, at least one of them for an MTF")
+        raise table_cells.line_refused(
+            file, number, "column names, at least one of them for an MTF"
+        )
     for alone, prefix in (("mtf", "mtf_"), ("phase", "phase_")):
         others = [name for name in names if name.startswith(prefix)]
         others += ["radial"] if alone == "mtf" and "radial" in names else []
         if alone in names and others:
             wanted = f"column names with either {alone} or {others[0]}, not both"
-            raise line_refused(file, number, wanted)
+            raise table_cells.line_refused(file, number, wanted)
     if units[0]:
         unit = unit_of(units[0])
         if unit is None:
-            raise line_refused(file, number, "a frequency in cyc/mm, cyc/mrad or cyc/pixel")
+            raise table_cells.line_refused(
+                file, number, "a frequency in cyc/mm, cyc/mrad or cyc/pixel"
+            )
         units[0] = unit
     for place, name in enumerate(names[1:], 1):
         allowed = ("", "rad", "deg") if name in PHASE_COLUMNS else ("", "1")
         if units[place] not in allowed:
             wanted = "a phase in rad or deg" if name in PHASE_COLUMNS else "an MTF without a unit"
-            raise line_refused(file, number, wanted)
+            raise table_cells.line_refused(file, number, wanted)
     return names, units
 
 
@@ -146,16 +143,16 @@ def _columns(
 ) -> list[Column]:
     table: list[tuple[float, ...]] = []
     for number, line in rows:
-        numbers = numbers_of(cells_of(line))
+        numbers = table_cells.numbers_of(table_cells.cells_of(line))
         if numbers is None or len(numbers) != len(names):
             wanted = f"{len(names)} numbers: {', '.join(names)}"
-            raise line_refused(file, number, wanted)
+            raise table_cells.line_refused(file, number, wanted)
         for value, (is_allowed, allowed) in zip(numbers, checks, strict=True):
             if not is_allowed(value):
-                raise line_refused(file, number, allowed)
+                raise table_cells.line_refused(file, number, allowed)
         if table and numbers[0] <= table[-1][0]:
             wanted = f"a frequency above the previous one, {table[-1][0]:g}"
-            raise line_refused(file, number, wanted)
+            raise table_cells.line_refused(file, number, wanted)
         table.append(numbers)
     if len(table) < 2:
         points = "1 point" if len(table) == 1 else f"{len(table)} points"
@@ -178,7 +175,7 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
             # The limit is what the lens would do without its aberrations, and no field of it.
             is_inside = not is_limit
             fields += [[]] if is_inside else []
-        elif is_inside and numbers_of(cells_of(line)) and line.strip():
+        elif is_inside and table_cells.numbers_of(table_cells.cells_of(line)) and line.strip():
             fields[-1].append((number, line))
         elif line.strip():
             is_inside = False

@@ -24,17 +24,7 @@ from numpy.typing import NDArray
 from core.atomic import atomic_file
 from core.errors import FileError
 from core.scratch import Empty
-from nodes.files.common.picture_info import (
-    FieldValue,
-    MetadataValue,
-    PictureInfo,
-    Samples,
-    delivered_dtype,
-    header_fields,
-    metadata_text,
-    refuse_impossible,
-    refuse_oversized,
-)
+from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
 from nodes.files.common.stored_samples import SAMPLE_TYPES
 from nodes.files.fits_header import check_sums, read_fits_header, refuse_unsupported
@@ -85,13 +75,13 @@ _DESCRIPTOR_LOCK = threading.Lock()
 _STDERR = 2
 
 
-def read_info(path: Path) -> PictureInfo:
+def read_info(path: Path) -> picture_info.PictureInfo:
     refuse_unsupported(path)
     with _opened(path) as picture:
         return _info(path, picture)
 
 
-def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_info.Samples:
     """Read one channel, in the order red, green, blue, alpha, others."""
     refuse_unsupported(path)
     refuse_damaged(path)
@@ -99,7 +89,7 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
         info = _info(path, picture)
         band = checked_band(band, info.bands, path)
         if empty is np.empty:
-            refuse_oversized(info)
+            picture_info.refuse_oversized(info)
         misread = info.kind == "tiff" and _is_misread(picture, path)
         if misread or (info.kind == "tiff" and is_deflated(path)):
             size = info.rows, info.columns, info.bands
@@ -114,13 +104,17 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
                 )
             check_deflate(path)
         values = _values(path, picture, info)
-        samples = empty((info.rows, info.columns), delivered_dtype(np.dtype(info.dtype)))
+        samples = empty(
+            (info.rows, info.columns), picture_info.delivered_dtype(np.dtype(info.dtype))
+        )
         for rows, stored in _strips(path, picture, band):
             samples[rows] = values(stored)
     return samples
 
 
-def write_by_oiio(path: Path, stored: NDArray[Any], metadata: Mapping[str, MetadataValue]) -> None:
+def write_by_oiio(
+    path: Path, stored: NDArray[Any], metadata: Mapping[str, picture_info.MetadataValue]
+) -> None:
     """Write samples (rows, columns, channels) as they are; same samples, same bytes.
 
     The format is that of the path's suffix; `metadata` become ``key = value`` lines of the
@@ -144,7 +138,7 @@ def write_by_oiio(path: Path, stored: NDArray[Any], metadata: Mapping[str, Metad
             raise FileError(f"cannot write {path}: {complaint or 'the disk may be full'}")
 
 
-def _values(path: Path, picture: Any, info: PictureInfo) -> Callable[[Array], Array]:
+def _values(path: Path, picture: Any, info: picture_info.PictureInfo) -> Callable[[Array], Array]:
     if info.kind == "fits":
         return read_fits_header(path).values
     return partial(_at_own_depth, bits=_stored_bits(path, picture.spec(), info.kind))
@@ -227,7 +221,7 @@ def _refuse_blank(path: Path) -> None:
         )
 
 
-def _info(path: Path, picture: Any) -> PictureInfo:
+def _info(path: Path, picture: Any) -> picture_info.PictureInfo:
     spec = picture.spec()
     kind = str(picture.format_name())
     if kind in _NOT_FORMATS:
@@ -243,8 +237,8 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     attributes = _attributes(spec)
     description = str(attributes.get("ImageDescription", ""))
     compression = str(attributes.get("compression", ""))
-    common = header_fields(attributes, description=description, where=str(path))
-    info = PictureInfo(
+    common = picture_info.header_fields(attributes, description=description, where=str(path))
+    info = picture_info.PictureInfo(
         path=path,
         rows=spec.height,
         columns=spec.width,
@@ -258,9 +252,9 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     if kind == "tiff":
         refuse_predictor(path)
     bits = _stored_bits(path, spec, kind) or 8 * np.dtype(info.dtype).itemsize
-    refuse_impossible(info, compression=compression, bits=bits)
+    picture_info.refuse_impossible(info, compression=compression, bits=bits)
     if kind != "tiff":  # of which rows are read one after the other
-        refuse_oversized(info)
+        picture_info.refuse_oversized(info)
     if kind == "fits":
         read_fits_header(path)  # refused where it cannot be used, before samples are read
     return info
@@ -318,16 +312,16 @@ def _is_misread(picture: Any, path: Path) -> bool:
 
 def _precision(name: str) -> tuple[int, str]:
     """Order of sample types: channels of mixed type are all delivered as the most precise."""
-    return delivered_dtype(np.dtype(name)).itemsize, name
+    return picture_info.delivered_dtype(np.dtype(name)).itemsize, name
 
 
 def _channel_type(spec: Any, band: int) -> Any:
     return spec.channelformats[band] if spec.channelformats else spec.format
 
 
-def _attributes(spec: Any) -> dict[str, FieldValue]:
+def _attributes(spec: Any) -> dict[str, picture_info.FieldValue]:
     """Return the header's texts and numbers; what is no text in any encoding is left out."""
-    fields: dict[str, FieldValue] = {}
+    fields: dict[str, picture_info.FieldValue] = {}
     for attribute in spec.extra_attribs:
         with contextlib.suppress(UnicodeDecodeError):
             value = attribute.value
@@ -355,7 +349,9 @@ def _at_own_depth(stored: Array, *, bits: int) -> Array:
     return np.rint(stored * np.float64(own_range / full_range))
 
 
-def _spec(stored: NDArray[Any], metadata: Mapping[str, MetadataValue], format_name: str) -> Any:
+def _spec(
+    stored: NDArray[Any], metadata: Mapping[str, picture_info.MetadataValue], format_name: str
+) -> Any:
     import OpenImageIO
 
     rows, columns, channels = stored.shape
@@ -368,7 +364,7 @@ def _spec(stored: NDArray[Any], metadata: Mapping[str, MetadataValue], format_na
     if stored.nbytes > _BIGTIFF_BYTES:
         spec.attribute("tiff:bigtiff", 1)
     if metadata:
-        spec.attribute("ImageDescription", metadata_text(metadata))
+        spec.attribute("ImageDescription", picture_info.metadata_text(metadata))
     return spec
 
 

@@ -37,22 +37,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from core.errors import FileError
-from nodes.files.common.table_cells import (
-    begins_with_number,
-    cells_of,
-    line_refused,
-    number_of,
-    point_rows,
-    read_once,
-    table_lines,
-)
+from nodes.files.common import table_cells
 
 Points = tuple[tuple[float, float], ...]
 _LARGEST_UM = 1e6
 _COLUMNS = "Hz, horizontal mrad²/Hz and, if it differs, vertical mrad²/Hz"
 
 
-@read_once
+@table_cells.read_once
 def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Points:
     """Points (wavelength in µm, value), rising in wavelength; values from `low` to `high`.
 
@@ -62,7 +54,7 @@ def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Point
     return _points(path, "wavelength", "µm", least, what, low, high)
 
 
-@read_once
+@table_cells.read_once
 def read_heights(path: Path, *, unit: str, what: str, low: float, high: float) -> Points:
     """Points (height in the field, value), rising from 0 or above; `unit` is that of heights."""
     least = 0.0, f"a height from 0 to {_LARGEST_UM:g} {unit}"
@@ -79,35 +71,39 @@ def _points(
     high: float,
 ) -> Points:
     columns = f"two columns, {unit} and {what}"
-    lines = table_lines(path, what=f"{what} against {place_name}", wanted=f" of {columns}")
+    lines = table_cells.table_lines(
+        path, what=f"{what} against {place_name}", wanted=f" of {columns}"
+    )
     points: list[tuple[float, float]] = []
     allowed = f"two numbers, {unit} and {what}"
-    for number, (place, value) in point_rows(path, lines, (2,), allowed, makes="curve"):
+    for number, (place, value) in table_cells.point_rows(path, lines, (2,), allowed, makes="curve"):
         if not least[0] <= place <= _LARGEST_UM:
-            raise line_refused(path, number, least[1])
+            raise table_cells.line_refused(path, number, least[1])
         if not (math.isfinite(value) and low <= value <= high):
-            raise line_refused(path, number, f"{what} from {low:g} to {high:g}")
+            raise table_cells.line_refused(path, number, f"{what} from {low:g} to {high:g}")
         if points and place <= points[-1][0]:
             allowed = f"a {place_name} above the previous one, {points[-1][0]:g} {unit}"
-            raise line_refused(path, number, allowed)
+            raise table_cells.line_refused(path, number, allowed)
         points.append((place, value))
     return tuple(points)
 
 
-@read_once
+@table_cells.read_once
 def read_motion(path: Path) -> tuple[Points, Points]:
     """Points (Hz, mrad²/Hz) of a motion across and along, rising in frequency.
 
     Two columns hold for both axes.
     """
-    lines = table_lines(path, what="power density", wanted=f" with the columns {_COLUMNS}")
+    lines = table_cells.table_lines(
+        path, what="power density", wanted=f" with the columns {_COLUMNS}"
+    )
     rows: list[tuple[float, ...]] = []
     allowed = f"numbers in the columns {_COLUMNS}"
-    for number, row in point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
+    for number, row in table_cells.point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
         if not all(0.0 < value < math.inf for value in row):
-            raise line_refused(path, number, "finite numbers above 0")
+            raise table_cells.line_refused(path, number, "finite numbers above 0")
         if rows and row[0] <= rows[-1][0]:
-            raise line_refused(
+            raise table_cells.line_refused(
                 path, number, f"a frequency above the previous one, {rows[-1][0]:g} Hz"
             )
         rows.append(row)
@@ -138,7 +134,7 @@ _FARTHEST = 4  # characters between the end of a number and that of its name
 _ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
 
 
-@read_once
+@table_cells.read_once
 def read_path_table(path: Path) -> tuple[Points, Points]:
     """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
 
@@ -146,7 +142,7 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
     ``transmission`` and ``path_radiance``, in any order and among others; without names, these
     three alone. Lines that begin with ``#`` are passed over.
     """
-    lines = table_lines(
+    lines = table_cells.table_lines(
         path,
         what="a path's transmission",
         wanted=": neither a tape7 nor a CSV",
@@ -179,27 +175,27 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = [cell.strip() for cell in cells_of(line)]
-        if places is None and not begins_with_number(line):
+        cells = [cell.strip() for cell in table_cells.cells_of(line)]
+        if places is None and not table_cells.begins_with_number(line):
             places = _places(cells, file, number)
             continue
         if places is None:
             places = (0, 1, 2)
             if len(cells) != len(COLUMNS):
-                raise line_refused(file, number, f"three numbers: {', '.join(COLUMNS)}")
+                raise table_cells.line_refused(file, number, f"three numbers: {', '.join(COLUMNS)}")
         try:
-            place, passed, added = (number_of(cells[index]) for index in places)
+            place, passed, added = (table_cells.number_of(cells[index]) for index in places)
         except (ValueError, IndexError):
-            raise line_refused(
+            raise table_cells.line_refused(
                 file, number, f"numbers in the columns {', '.join(COLUMNS)}"
             ) from None
         if not (0.0 < place <= _LARGEST_UM and 0.0 <= passed <= 1.0):
-            raise line_refused(file, number, _ALLOWED)
+            raise table_cells.line_refused(file, number, _ALLOWED)
         if not (0.0 <= added <= _LARGEST_RADIANCE and math.isfinite(added)):
-            raise line_refused(file, number, _ALLOWED)
+            raise table_cells.line_refused(file, number, _ALLOWED)
         if rows and place <= rows[-1][0]:
             allowed = f"a wavelength above the previous one, {rows[-1][0]:g} µm"
-            raise line_refused(file, number, allowed)
+            raise table_cells.line_refused(file, number, allowed)
         rows.append((place, passed, added))
     if len(rows) < 2:
         raise FileError(f"{file}: {len(rows)} points; a spectrum needs at least 2")
@@ -239,12 +235,12 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         wavenumber, passed = row["FREQ"], row["TOT TRANS"]
         added = sum(row.get(name, 0.0) for name in parts)
         if not 0.0 <= passed <= 1.0 + _ROUNDED:
-            raise line_refused(file, number, "TOT TRANS from 0 to 1")
+            raise table_cells.line_refused(file, number, "TOT TRANS from 0 to 1")
         if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
-            raise line_refused(file, number, "FREQ above 0 and radiance of at least 0")
+            raise table_cells.line_refused(file, number, "FREQ above 0 and radiance of at least 0")
         wavelength = 1e4 / wavenumber
         if transmission and not wavenumber > 1e4 / transmission[-1][0]:
-            raise line_refused(file, number, "a wavenumber above the previous one")
+            raise table_cells.line_refused(file, number, "a wavenumber above the previous one")
         transmission.append((wavelength, min(passed, 1.0)))
         radiance.append((wavelength, added * 1e8 / wavelength**2))
     if len(transmission) < 2:
@@ -261,7 +257,7 @@ def _rows(
             continue
         row = _row(lines[index], names)
         if row is None:
-            raise line_refused(
+            raise table_cells.line_refused(
                 file, index + 1, "numbers below the column names, up to the final -9999."
             )
         if row.get("FREQ") == _END:
@@ -269,7 +265,7 @@ def _rows(
                 raise FileError(f"{file}: contains several runs: keep one per file")
             return
         if any(name not in row for name in needed):
-            raise line_refused(file, index + 1, ", ".join(needed))
+            raise table_cells.line_refused(file, index + 1, ", ".join(needed))
         yield index + 1, row
     raise FileError(f"{file}: ends without -9999.: the run is incomplete")
 
@@ -278,7 +274,7 @@ def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
     """Values by name; None for a line that is no row."""
     cells = list(re.finditer(r"\S+", line))
     try:
-        values = [number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
+        values = [table_cells.number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
     except ValueError:
         return None
     if values and values[0] == _END:

@@ -23,17 +23,7 @@ from numpy.typing import NDArray
 
 from core.errors import FileError, how_to_install
 from core.scratch import Empty
-from nodes.files.common.picture_info import (
-    MetadataValue,
-    PictureInfo,
-    Samples,
-    delivered_dtype,
-    header_fields,
-    oversized,
-    refuse_oversized,
-    refuse_shape,
-    refuse_unreal,
-)
+from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import checked_band, first_bytes
 from nodes.files.store_folder import (
     atomic_store,
@@ -110,19 +100,19 @@ class _Opened:
         return samples.T if self.axes[0] > self.axes[1] else samples
 
 
-def read_info(path: Path) -> PictureInfo:
+def read_info(path: Path) -> picture_info.PictureInfo:
     return _info(path, _opened(path))
 
 
-def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_info.Samples:
     """Read one band of a store, or of an array within one; missing samples are NaN."""
     opened = _opened(path)
     info = _info(path, opened)
     if empty is np.empty:
-        refuse_oversized(info)
+        picture_info.refuse_oversized(info)
     high, wide, *_ = opened.chunks
-    dtype = delivered_dtype(np.dtype(info.dtype))
-    if reason := oversized(min(high, info.rows), min(wide, info.columns), dtype):
+    dtype = picture_info.delivered_dtype(np.dtype(info.dtype))
+    if reason := picture_info.oversized(min(high, info.rows), min(wide, info.columns), dtype):
         raise FileError(f"{path}: a single chunk is too large: {reason}")
     band = checked_band(band, info.bands, path)
     samples = empty((info.rows, info.columns), dtype)
@@ -169,7 +159,7 @@ def _absent(
 def write_store(
     path: Path,
     samples: Array,
-    metadata: Mapping[str, MetadataValue],
+    metadata: Mapping[str, picture_info.MetadataValue],
     dtype: np.dtype[Any] | None = None,
 ) -> None:
     """Write a picture, perhaps on disk, as a Zarr array of version 3, whole or not at all.
@@ -242,7 +232,7 @@ def _opened(folder: Path) -> _Opened:
 
 
 def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
-    refuse_shape(folder, shape)
+    picture_info.refuse_shape(folder, shape)
     words = [str(name).lower() for name in names] if isinstance(names, list | tuple) else []
     rows = [axis for axis, word in enumerate(words) if word in _ROWS]
     columns = [axis for axis, word in enumerate(words) if word in _COLUMNS]
@@ -252,9 +242,9 @@ def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
     return (*rows, *columns, *others)
 
 
-def _info(folder: Path, opened: _Opened) -> PictureInfo:
+def _info(folder: Path, opened: _Opened) -> picture_info.PictureInfo:
     dtype = np.dtype(opened.array.dtype)
-    refuse_unreal(folder, dtype)
+    picture_info.refuse_unreal(folder, dtype)
     attributes = opened.attributes
     fields = {
         key: value
@@ -262,7 +252,7 @@ def _info(folder: Path, opened: _Opened) -> PictureInfo:
         if isinstance(value, str | int | float) and not isinstance(value, bool)
     }
     rows, columns, *bands = opened.shape
-    return PictureInfo(
+    return picture_info.PictureInfo(
         path=folder,
         rows=rows,
         columns=columns,
@@ -273,7 +263,7 @@ def _info(folder: Path, opened: _Opened) -> PictureInfo:
             key for key, neutral in _SCALING if attributes.get(key, neutral) != neutral
         ),
         absent_chunks=opened.absent,
-        **vars(header_fields(fields, where=str(folder))),
+        **vars(picture_info.header_fields(fields, where=str(folder))),
     )
 
 

@@ -16,21 +16,13 @@ from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import checked_band
 from nodes.files.envi import coverage
 from nodes.files.formats import readable_formats
-from nodes.input_output.file_bands import bands_of
+from nodes.input_output import source_file
 from nodes.input_output.sample_unit import (
     DEFAULT_UNIT,
     is_spectral,
     radiance_caution,
     sample_unit,
     spectral_unit,
-)
-from nodes.input_output.source_file import (
-    HeldSamples,
-    Missing,
-    Source,
-    count_missing,
-    picture_source,
-    read_step,
 )
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.picture_preview import PicturePreview
@@ -127,14 +119,14 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}")
 
     def run(self, here: NodeContext) -> ImageOutput:
-        source = picture_source(self.path, here)
+        source = source_file.picture_source(self.path, here)
         info, stated = source.info, self._stated_band()
         if self.bands == "all":
             return ImageOutput(self._cube(source, here.node, missing=self.missing))
         spectral = stated is not None and is_spectral(info)
         band = 0 if spectral else self._channel(info)
         unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=spectral)
-        recipe = read_step(
+        recipe = source_file.read_step(
             source,
             band=band,
             scale=self.scale * unit.factor,
@@ -167,7 +159,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             raise ParameterError("bands", self.bands, why)
         return tuple(names.index(name) for name in "RGB")
 
-    def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
+    def of_samples(self, held: source_file.HeldSamples, node: str) -> ImageOutput:
         """The picture of samples in memory: that of a file which says no more of them."""
         info = held.info
         cube = info.wavelengths_um is not None
@@ -185,10 +177,15 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         recipe = held.step(scale=self.scale * unit.factor, offset=self.offset, node=node)
         return ImageOutput(self._picture(info, recipe, unit.name, self._stated_band()))
 
-    def _cube(self, cube: Source | HeldSamples, node: str, missing: Missing = "refuse") -> Image:
+    def _cube(
+        self,
+        cube: source_file.Source | source_file.HeldSamples,
+        node: str,
+        missing: source_file.Missing = "refuse",
+    ) -> Image:
         info, stated = cube.info, self._stated_band()
         unit = spectral_unit(info, typed=self.unit, scale=self.scale)
-        stack = bands_of(
+        stack = source_file.bands_of(
             cube, unit=unit, scale=self.scale, interval_um=stated, missing=missing, node=node
         )
         name = DEFAULT_UNIT if stack.density else info.unit or self.unit
@@ -349,7 +346,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         parameters = dict(read.parameters)
         if "missing" not in parameters:  # samples in memory: an array with any is refused
             return 0
-        return Step.of(count_missing, node=read.node, **parameters)
+        return Step.of(source_file.count_missing, node=read.node, **parameters)
 
     def _stated_band(self) -> tuple[float, float] | None:
         if self.cut_on_um is None or self.cut_off_um is None:

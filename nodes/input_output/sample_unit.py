@@ -15,13 +15,8 @@ from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.machine import ForEach, in_turn
 from core.modules.parameters import Caution
+from core.physics.radiometry import grey_body
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
-from core.physics.radiometry.spectra import (
-    COLDEST_SURFACE_K,
-    HOTTEST_SURFACE_K,
-    brightest_surface_radiance,
-    coldest_for_radiance,
-)
 from nodes.files.common.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"
@@ -157,7 +152,7 @@ def radiance_caution(
     between the coldest and the hottest land surface ever seen.
     """
     stats = statistics(samples, for_each=work.for_each)
-    limit = brightest_surface_radiance(band_um=band_um)
+    limit = grey_body.brightest_surface_radiance(band_um=band_um)
     kelvin = _like_kelvin(stats)
     if stats.mean > limit:
         where = (
@@ -170,7 +165,7 @@ def radiance_caution(
             f"{_REMEDY}; ignore this warning for flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:
-        least = coldest_for_radiance(radiance=stats.mean)
+        least = grey_body.coldest_for_radiance(radiance=stats.mean)
         return Caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
             "like temperatures in kelvin but are read as W/m²/sr, a radiance that no scene below "
@@ -182,7 +177,7 @@ def radiance_caution(
 
 def _like_kelvin(stats: Statistics) -> bool:
     low, high = stats.mean - 2 * stats.sigma, stats.mean + 2 * stats.sigma
-    return low >= COLDEST_SURFACE_K and high <= HOTTEST_SURFACE_K
+    return low >= grey_body.COLDEST_SURFACE_K and high <= grey_body.HOTTEST_SURFACE_K
 
 
 # Statistics and histogram of samples, in double precision and fixed blocks.

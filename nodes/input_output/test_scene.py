@@ -20,9 +20,8 @@ from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes import draw
-from nodes.scenes.draw import DRAWN, GEOMETRY, Kind, Shares, Spectra
+from nodes.scenes.draw import DRAWN, GEOMETRY, Emissivity, Kind, Shares, Spectra
 from nodes.scenes.scene_canvas import Canvas
-from nodes.scenes.spectral_surfaces import Emissivity
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.picture_preview import PicturePreview
 

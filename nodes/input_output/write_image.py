@@ -19,17 +19,11 @@ from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Section, param
+from nodes.files import frames
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
 from nodes.files.formats import WRITTEN, write_picture, written_format
-from nodes.files.frame_writing import (
-    FrameSeries,
-    envi_header_text,
-    frame_format,
-    header_beside_frames,
-    refuse_without_room,
-)
 from nodes.files.read import check_finite
 from nodes.files.zarr_array import check_zarr, write_store
 
@@ -143,12 +137,12 @@ class WriteImage(
     def _cube_files(self, image: Image, target: Path, work: Work) -> Files:
         dtype = _FLOATS.get(self.dtype, np.dtype(work.policy.dtype))
         cube = Cube(image, dtype, _metadata(image))
-        kind = frame_format(target)
+        kind = frames.frame_format(target)
         assert kind is not None
-        refuse_without_room([(target, kind, cube.series)])
+        frames.refuse_without_room([(target, kind, cube.series)])
         return [
             (target, partial(cube.write, work=work, name=target.name)),
-            (header_beside_frames(target), cube.write_header),
+            (frames.header_beside_frames(target), cube.write_header),
         ]
 
     def _as_they_are(self, unit: str) -> bool:
@@ -225,7 +219,7 @@ class Cube:
         return self.image.bands
 
     @property
-    def series(self) -> FrameSeries:
+    def series(self) -> frames.FrameSeries:
         bands, unit = self.bands, _plain(self.image.unit)
         header: dict[str, MetadataValue | tuple[float, ...]] = {**self.metadata}
         header["unit"] = f"{unit}/um" if bands.density else unit
@@ -235,7 +229,9 @@ class Cube:
         if _overlapping(bands):  # would be shared once more where it is read
             header["band_shares"] = bands.widths_um
         shape = self.image.shape if self.region is None else self.region.shape
-        return FrameSeries(bands.count, *shape, self.dtype.newbyteorder("<"), header, "bands")
+        return frames.FrameSeries(
+            bands.count, *shape, self.dtype.newbyteorder("<"), header, "bands"
+        )
 
     def write(self, path: Path, work: Work, *, name: str) -> None:
         dtype = self.series.dtype
@@ -248,7 +244,7 @@ class Cube:
                     file.write(np.ascontiguousarray(cut, dtype).data)
 
     def write_header(self, path: Path) -> None:
-        write_text(path, envi_header_text(self.series))
+        write_text(path, frames.envi_header_text(self.series))
 
     def _recipes(self) -> Iterator[Recipe]:
         """The bands, as many together as are read in one pass over a file."""

@@ -11,13 +11,7 @@ from core.chain.wires import Pupil, SampledTransfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.physics.optics import pupil_otf
-from core.physics.optics.pupil_shapes import (
-    PupilShape,
-    edge_offset_samples,
-    sample_pupil,
-    support_circle,
-)
+from core.physics.optics import pupil_otf, pupil_shapes
 from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
 from core.transfer.factors import Array, Law, Planar, WavelengthLaw
@@ -91,7 +85,7 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
     return finer, replace(scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2)
 
 
-def opening(shape: PupilShape) -> tuple[float, float]:
+def opening(shape: pupil_shapes.PupilShape) -> tuple[float, float]:
     diameter = 2 * shape.radius
     return (shape.radius if shape.shape == "half_moon" else diameter), diameter
 
@@ -109,7 +103,7 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
     return replace(factor, cutoff=cutoff, label=label, node=node)
 
 
-def _exact_factor(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Planar | None:
+def _exact_factor(pupil: Pupil, shape: pupil_shapes.PupilShape, scale: PupilScale) -> Planar | None:
     band: dict[str, Any] = {"wavelengths_um": scale.wavelengths_um, "weights": scale.weights}
     if not pupil.defocus_waves and shape.shape in ("clear", "cassegrain"):
         obscured = shape.shape == "cassegrain"
@@ -241,7 +235,7 @@ def _complex_samples(
         return complex_pupil(transmission=samples, wavefront_waves=measured)
     rows, columns = samples.shape
     if radius is None:
-        x, y, radius = support_circle(samples)
+        x, y, radius = pupil_shapes.support_circle(samples)
     else:
         x, y = (columns - 1) / 2, (rows - 1) / 2
     wavefront = ratio * wavefront_waves(
@@ -289,8 +283,8 @@ def _raw(
 
 
 @ends_lineage
-def sampled(work: Work, *, shape: PupilShape, **how: int) -> Array:
-    return sample_pupil(shape, **how)
+def sampled(work: Work, *, shape: pupil_shapes.PupilShape, **how: int) -> Array:
+    return pupil_shapes.sample_pupil(shape, **how)
 
 
 @ends_lineage
@@ -299,7 +293,7 @@ def _error(
     samples: Array,
     wavefront_map: Array | None = None,
     *,
-    shape: PupilShape | None,
+    shape: pupil_shapes.PupilShape | None,
     **wavefront: Any,
 ) -> float:
     pupil = _complex_samples(samples, wavefront_map, 1.0, **wavefront)
@@ -308,7 +302,9 @@ def _error(
     if shape is not None:
         fineness = max(1, round(wavefront["radius"] / shape.radius))
         rows, columns = samples.shape[0] // fineness, samples.shape[1] // fineness
-        uncertainty = edge_offset_samples(shape, rows=rows, columns=columns, oversampling=fineness)
+        uncertainty = pupil_shapes.edge_offset_samples(
+            shape, rows=rows, columns=columns, oversampling=fineness
+        )
     return float(
         error_estimate(pupil, correlation=correlation, edge_uncertainty_samples=uncertainty)
     )

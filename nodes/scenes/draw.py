@@ -12,11 +12,17 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from core.errors import ParameterError
 from core.machine import ForEach, in_turn
 from core.physics.radiometry.planck import band_radiance
-from nodes.scenes.airfield import airfield
+from core.physics.radiometry.spectra import (
+    SUNLIGHT_K,
+    CoarseSpectrum,
+    mean_by_planck,
+    white_surface_radiance,
+)
 from nodes.scenes.coverage import FloatArray
-from nodes.scenes.dormitory import dormitory
+from nodes.scenes.drawn_scenes import airfield, dormitory
 from nodes.scenes.scene_canvas import (
     Canvas,
     Layers,
@@ -26,7 +32,263 @@ from nodes.scenes.scene_canvas import (
     with_textures,
 )
 from nodes.scenes.scene_targets import draw_target
-from nodes.scenes.spectral_surfaces import Emissivity, surface_radiance, surface_spectra
+
+Emissivity = Literal["spectra", "grey"]
+
+
+def surface_spectra(
+    *,
+    edges_um: FloatArray,
+    temperature_K: float,
+    delta_K: float,
+    emissivity: Emissivity,
+    sun_elevation_deg: float,
+    reflectance: bool = False,
+) -> dict[str, FloatArray]:
+    """Spectral radiance of every surface, the mean over each band, (bands,) [W m⁻² sr⁻¹ µm⁻¹].
+
+    L = ε·L(T) + (1 − ε)·(L_sky + L_sun), where L_sky is the zenith's and L_sun that of a level,
+    white, matt surface in the Sun (`sun_elevation_deg` 0: none). Every surface is lit as level
+    ground is; those in the shade see the sky alone. ε is the mean over the band by the light in
+    question: of `MATERIALS`, or grey, one number a surface, as without bands. `edges_um` (bands +
+    1,) ascend. With `reflectance`, what a level, white, matt surface in the Sun would have to
+    reflect to look as bright in sunlight alone: (1 − ε)·(1 + ρ_sky), in the shade (1 − ε)·ρ_sky.
+    """
+    kelvins = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
+    names = list(SURFACES)
+    sky_K = float(kelvins[names.index("zenith")])
+    groups = _groups(emissivity)
+    zenith = next(one for one, places in groups if names.index("zenith") in places)
+    mirrors = np.array([name not in SKY for name in names])
+    lit = np.array([name not in SHADED for name in names])
+    spectra = np.empty((len(names), len(edges_um) - 1))
+    for band, (low, high) in enumerate(pairwise(edges_um.tolist())):
+        ends = {"cut_on_um": low, "cut_off_um": high}
+        own = band_radiance(temperature_K=np.array([*kelvins, sky_K]), **ends)
+        sun = white_surface_radiance(sun_elevation_deg=sun_elevation_deg, **ends)
+        # Shares that are reflected: of a surface's own light, of light as the sky's and the Sun's,
+        # and of that as much as the sky itself reflects.
+        once, twice = np.empty((3, len(names))), np.empty((2, len(names)))
+        for spectrum, places in groups:
+            lights = np.array([*kelvins[places], sky_K, SUNLIGHT_K])
+            means = mean_by_planck(spectrum, temperature_K=lights, **ends)
+            once[0, places], once[1:, places] = means[:-2], means[-2:, None]
+            means = mean_by_planck(spectrum, zenith, temperature_K=lights[-2:], **ends)
+            twice[:, places] = means[:, None]
+        if reflectance:
+            spectra[:, band] = once[2] * lit + twice[1] * mirrors
+            continue
+        light = (1.0 - once[0]) * own[:-1] + once[2] * sun * lit
+        light += ((once[1] - twice[0]) * own[-1] + twice[1] * sun) * mirrors
+        spectra[:, band] = light / (high - low)
+    return dict(zip(names, spectra, strict=True))
+
+
+def _groups(emissivity: Emissivity) -> list[tuple[CoarseSpectrum, list[int]]]:
+    """Reflectances, each with the places of the surfaces that have it."""
+    groups: dict[CoarseSpectrum, list[int]] = {}
+    for place, (_, grey, material) in enumerate(SURFACES.values()):
+        spectrum = MATERIALS[material]
+        if emissivity == "grey":
+            spectrum = CoarseSpectrum(((1.0, 1.0 - grey),))
+        groups.setdefault(spectrum, []).append(place)
+    return list(groups.items())
+
+
+# Reflectance spectra of the scenes' materials, 0.4 to 14 µm.
+#
+# Coarse points after the shapes of measured spectra (ASTER and ECOSTRESS spectral libraries:
+# Baldridge, Hook, Grove, Rivera 2009, Remote Sensing of Environment 113, 711; Meerdink, Hook,
+# Roberts, Abbott 2019, ibid. 230, 111196), from general knowledge and not read off single
+# samples:
+# they show where materials differ, and are no measurements. What is not reflected is emitted.
+
+
+def _percent(*points: tuple[float, float]) -> CoarseSpectrum:
+    return CoarseSpectrum(tuple((wavelength, value / 100.0) for wavelength, value in points))
+
+
+MATERIALS: Mapping[str, CoarseSpectrum] = MappingProxyType(
+    {
+        # (µm, percent reflected)
+        # Chlorophyll absorbs up to its edge at 0.7; water at 1.45, 1.94 and beyond 2.7.
+        "grass": _percent(
+            (0.40, 3), (0.50, 4), (0.55, 9), (0.60, 6), (0.67, 4), (0.70, 12), (0.75, 42),
+            (0.90, 50), (1.10, 50), (1.20, 44), (1.28, 46), (1.45, 14), (1.65, 30), (1.80, 25),
+            (1.94, 7), (2.20, 16), (2.50, 5), (2.75, 2), (3.00, 2), (3.80, 4), (4.50, 2),
+            (6.00, 1.5), (8.00, 2), (10.0, 2), (14.0, 1),
+        ),
+        "leaves": _percent(
+            (0.40, 4), (0.50, 5), (0.55, 11), (0.60, 7), (0.67, 5), (0.70, 14), (0.75, 46),
+            (0.90, 52), (1.10, 52), (1.20, 47), (1.28, 49), (1.45, 18), (1.65, 34), (1.80, 29),
+            (1.94, 9), (2.20, 19), (2.50, 6), (2.75, 3), (3.00, 3), (3.80, 5), (4.50, 3),
+            (6.00, 3), (8.00, 3), (10.0, 3), (14.0, 2),
+        ),
+        "bark": _percent(
+            (0.40, 8), (0.60, 16), (0.80, 30), (1.10, 42), (1.45, 36), (1.70, 44), (1.94, 30),
+            (2.20, 32), (2.75, 8), (3.00, 6), (3.80, 14), (5.00, 7), (8.00, 4), (10.0, 5),
+            (14.0, 5),
+        ),
+        "soil": _percent(
+            (0.40, 7), (0.50, 11), (0.60, 18), (0.80, 26), (1.10, 33), (1.40, 36), (1.45, 34),
+            (1.70, 41), (1.94, 34), (2.15, 41), (2.20, 38), (2.50, 33), (2.75, 10), (3.00, 9),
+            (3.80, 22), (4.50, 15), (5.00, 11), (6.50, 3), (7.50, 2), (8.20, 8), (9.00, 9),
+            (9.60, 7), (10.5, 4), (14.0, 4),
+        ),
+        "water": _percent(
+            (0.40, 4), (0.55, 4), (0.65, 3), (0.75, 2), (1.00, 2), (2.00, 2), (2.75, 1),
+            (3.05, 4), (3.30, 3.5), (3.80, 2.3), (5.00, 2), (6.05, 2.5), (8.00, 1.5), (10.8, 0.8),
+            (12.0, 1.7), (14.0, 4),
+        ),
+        "asphalt": _percent(
+            (0.40, 5), (0.60, 9), (0.80, 11), (1.20, 14), (1.60, 16), (2.20, 17), (2.30, 15),
+            (2.50, 15), (2.75, 8), (3.00, 8), (3.40, 8), (3.80, 12), (4.50, 10), (5.00, 8),
+            (6.50, 5), (8.00, 5), (9.00, 8), (9.60, 6), (10.5, 4), (14.0, 4),
+        ),
+        # Cement's carbonate at 4, 7 and 11.3; quartz sand at 8 to 9.5; its water at 3.
+        "concrete": _percent(
+            (0.40, 18), (0.50, 25), (0.60, 30), (0.80, 34), (1.10, 37), (1.40, 38), (1.45, 36),
+            (1.70, 40), (1.94, 33), (2.20, 36), (2.50, 27), (2.75, 8), (3.00, 7), (3.40, 12),
+            (3.80, 20), (4.00, 17), (4.50, 18), (5.00, 10), (6.00, 5), (6.50, 9), (7.20, 4),
+            (8.20, 8), (9.00, 11), (9.60, 8), (10.5, 4), (11.3, 7), (11.8, 4), (14.0, 4),
+        ),
+        # Iron oxide up to 0.6 and at 0.87; silicates at 8 to 10.
+        "brick": _percent(
+            (0.40, 6), (0.50, 9), (0.55, 13), (0.60, 24), (0.75, 34), (0.87, 33), (1.10, 40),
+            (1.70, 50), (2.20, 51), (2.50, 47), (2.75, 26), (3.00, 24), (3.80, 38), (4.50, 27),
+            (5.00, 17), (6.00, 7), (7.50, 2), (8.40, 6), (9.30, 12), (10.0, 8), (11.0, 5),
+            (12.5, 5), (14.0, 6),
+        ),
+        "roofing": _percent(
+            (0.40, 8), (0.60, 12), (1.00, 15), (1.60, 18), (2.20, 18), (2.50, 15), (2.75, 8),
+            (3.00, 7), (3.40, 7), (3.80, 13), (5.00, 9), (6.50, 5), (8.00, 6), (9.20, 12),
+            (10.0, 8), (11.0, 6), (14.0, 6),
+        ),
+        # Pigment in a binder, which absorbs at 3.4 and beyond 5.5.
+        "painted metal": _percent(
+            (0.40, 12), (0.45, 24), (0.60, 30), (0.80, 36), (1.10, 44), (1.70, 47), (2.20, 42),
+            (2.30, 34), (2.60, 30), (3.00, 12), (3.40, 5), (3.80, 22), (4.50, 18), (5.20, 12),
+            (5.80, 4), (8.00, 6), (9.50, 9), (12.0, 8), (14.0, 9),
+        ),
+        "white paint": _percent(
+            (0.38, 6), (0.42, 60), (0.50, 78), (0.80, 82), (1.10, 80), (1.70, 68), (2.20, 58),
+            (2.30, 45), (2.60, 40), (3.00, 12), (3.40, 5), (3.80, 20), (5.00, 12), (5.80, 4),
+            (8.00, 5), (9.50, 8), (12.0, 9), (14.0, 12),
+        ),
+        "weathered zinc": _percent(
+            (0.40, 36), (0.60, 42), (1.00, 38), (1.60, 50), (2.50, 56), (2.90, 45), (4.00, 56),
+            (6.00, 50), (6.60, 38), (8.00, 46), (10.0, 45), (14.0, 50),
+        ),
+        # What it lets through is lost in a room that is as good as black. Silica at 9 to 10.
+        "window glass": _percent(
+            (0.40, 9), (1.00, 8), (2.70, 7), (3.00, 5), (4.50, 4), (6.00, 3), (7.30, 1),
+            (7.80, 2), (8.40, 12), (9.00, 25), (9.60, 31), (10.2, 22), (11.0, 13), (12.5, 9),
+            (14.0, 8),
+        ),
+        "rubber": _percent((0.40, 4), (1.00, 5), (2.50, 6), (5.00, 5), (9.30, 6), (14.0, 4)),
+        # Of sunlight on white paper: what the sky sends of it, rough, and steeper in the blue.
+        "clear sky": _percent(
+            (0.40, 17), (0.45, 12), (0.50, 9), (0.60, 5), (0.70, 3.2), (0.85, 1.7), (1.00, 1),
+            (1.60, 0.2), (2.50, 0),
+        ),
+        "haze": _percent(
+            (0.40, 27), (0.50, 24), (0.60, 20), (0.70, 17), (1.00, 9), (1.60, 3), (2.50, 0),
+        ),
+        # Droplets: bright where water is clear.
+        "cloud": _percent(
+            (0.40, 60), (0.90, 58), (1.10, 54), (1.30, 46), (1.45, 18), (1.65, 34), (1.94, 9),
+            (2.20, 22), (2.60, 3), (3.00, 0.5), (3.80, 4), (4.50, 0),
+        ),
+    }
+)  # fmt: skip
+
+# Surfaces of the drawn scenes: how warm each is, how much of the sky it mirrors, what it is of.
+
+SKY_OFFSET = -2.6
+"""The zenith, and what surfaces mirror of it, in units of delta_K from temperature_K."""
+
+SURFACES: Mapping[str, tuple[float, float, str]] = MappingProxyType(
+    {
+        # name: (offset from temperature_K in units of delta_K, emissivity where grey, material)
+        "zenith": (SKY_OFFSET, 1.0, "clear sky"),
+        "horizon": (-1.45, 1.0, "haze"),
+        "cloud": (-1.9, 1.0, "cloud"),
+        "hills": (-0.95, 0.97, "leaves"),
+        "brick": (0.25, 0.94, "brick"),
+        "brick_shade": (0.02, 0.94, "brick"),
+        "mortar": (-0.12, 0.91, "concrete"),
+        "concrete": (0.60, 0.92, "concrete"),
+        "coping": (-0.45, 0.90, "concrete"),
+        "slab": (0.85, 0.92, "concrete"),
+        "roof": (-0.9, 0.90, "roofing"),
+        "metal": (-0.1, 0.55, "weathered zinc"),
+        "vent": (0.9, 0.85, "painted metal"),
+        "exhaust": (1.5, 0.95, "painted metal"),
+        "plume": (-0.2, 1.0, "cloud"),
+        "frame": (-0.20, 0.75, "white paint"),
+        "glass_cool": (-0.45, 0.84, "window glass"),
+        "glass_mid": (0.15, 0.84, "window glass"),
+        "glass_lit": (1.05, 0.86, "window glass"),
+        "glass_open": (1.5, 0.95, "rubber"),
+        "door": (1.35, 0.90, "painted metal"),
+        "grille": (1.2, 0.90, "painted metal"),
+        "lawn": (-0.5, 0.98, "grass"),
+        "lawn_near": (-0.2, 0.98, "grass"),
+        "asphalt": (0.6, 0.95, "asphalt"),
+        "paving": (0.42, 0.93, "concrete"),
+        "joint": (0.05, 0.95, "asphalt"),
+        "marking": (0.45, 0.90, "white paint"),
+        "kerb": (0.20, 0.92, "concrete"),
+        "shade": (-0.95, 0.98, "grass"),
+        "bark": (-0.45, 0.95, "bark"),
+        "leaf_cool": (-1.25, 0.97, "leaves"),
+        "leaf_warm": (-0.42, 0.97, "leaves"),
+        "car_cool": (-0.35, 0.90, "painted metal"),
+        "car_warm": (0.55, 0.92, "painted metal"),
+        "car_glass": (-0.95, 0.85, "window glass"),
+        "engine": (1.7, 0.92, "painted metal"),
+        "tyre": (0.95, 0.95, "rubber"),
+        "lamp": (1.4, 0.95, "window glass"),
+        "soil": (0.6, 0.95, "soil"),
+        "water": (-1.25, 0.97, "water"),
+    }
+)
+
+SKY = ("zenith", "horizon", "cloud", "plume")
+"""They mirror nothing: their light comes straight from them."""
+
+SHADED = ("shade", "brick_shade", "glass_open", "grille")
+"""They see the sky, and not the Sun."""
+
+
+def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
+    """Temperature of each of `SURFACES` [K]; parameters and error as `surface_radiance`."""
+    offsets = np.array([offset for offset, _, _ in SURFACES.values()])
+    temperatures = temperature_K + offsets * delta_K
+    if not float(temperatures.min()) > 0.0:
+        low, high = -temperature_K / offsets.max(), -temperature_K / offsets.min()
+        allowed = f"above {low:g} and below {high:g} for this scene"
+        raise ParameterError("delta_K", delta_K, allowed)
+    return np.asarray(temperatures)
+
+
+def surface_radiance(
+    *, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
+) -> dict[str, float]:
+    """Band radiance of every surface, emitted and mirrored [W m⁻² sr⁻¹].
+
+    L = emissivity·L_band(T) + (1 - emissivity)·L_band(T_sky), with opaque grey surfaces that
+    see the sky by reflection; they differ from the air's temperature_K by steps of delta_K.
+    """
+    temperatures = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
+    emissivity = np.array([share for _, share, _ in SURFACES.values()])
+    own = np.asarray(
+        band_radiance(cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=temperatures)
+    )
+    sky = own[list(SURFACES).index("zenith")]
+    total = emissivity * own + (1.0 - emissivity) * sky
+    return dict(zip(SURFACES, total.tolist(), strict=True))
+
 
 Kind = Literal[
     "dormitory",

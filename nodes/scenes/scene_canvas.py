@@ -14,16 +14,7 @@ import numpy.typing as npt
 
 from core.machine import ForEach, in_turn
 from core.scratch import Empty
-from nodes.scenes.coverage import (
-    FloatArray,
-    Profile,
-    band,
-    cell_edges,
-    ellipse_coverage,
-    half_plane_coverage,
-    span,
-    wave,
-)
+from nodes.scenes import coverage
 
 BLOCK_SAMPLES = 1 << 18
 FORMULA_SAMPLES = 1 << 16  # what a formula takes on its way then stays in the cache
@@ -36,15 +27,15 @@ Mix = Mapping[str, float]
 """Parts of named radiances: they sum to 1 for a surface, and to 0 for a difference."""
 
 Place = tuple[slice, slice]
-Patch = tuple[Mix, Place, FloatArray]
+Patch = tuple[Mix, Place, coverage.FloatArray]
 """What is drawn, in which rows and columns of the block, and as what share of each sample.
 
 The shares are the receiver's to change."""
 
-Patches = Callable[[FloatArray], Iterable[Patch]]
+Patches = Callable[[coverage.FloatArray], Iterable[Patch]]
 """What a stroke draws on the rows between the edges, in order."""
 
-Term = tuple[Profile, Profile]
+Term = tuple[coverage.Profile, coverage.Profile]
 """Profile in y, profile in x, or several of each."""
 
 Side = tuple[float, float, float]
@@ -112,7 +103,7 @@ class Canvas:
     empty: Empty = np.empty
 
     def filled(
-        self, rows: Callable[[int, int], FloatArray], samples: int = FORMULA_SAMPLES
+        self, rows: Callable[[int, int], coverage.FloatArray], samples: int = FORMULA_SAMPLES
     ) -> npt.NDArray[np.floating]:
         """A picture of `rows(start, stop)`, about so many samples at a time."""
         picture = self.empty((self.height, self.width), np.dtype(self.dtype))
@@ -136,14 +127,14 @@ class Stroke:
     top: float
     low: float
     names: frozenset[str]
-    bind: Callable[[FloatArray], Patches]
+    bind: Callable[[coverage.FloatArray], Patches]
     adds: bool = False
 
-    def on(self, x_edges: FloatArray) -> tuple[bool, Patches]:
+    def on(self, x_edges: coverage.FloatArray) -> tuple[bool, Patches]:
         """Whether it adds, and what it draws on columns that are known."""
         patches = self.bind(x_edges)
 
-        def there(y_edges: FloatArray) -> Iterable[Patch]:
+        def there(y_edges: coverage.FloatArray) -> Iterable[Patch]:
             touches = self.top < y_edges[-1] and self.low > y_edges[0]
             return patches(y_edges) if touches else ()
 
@@ -167,12 +158,12 @@ class Drawing:
         self.textures += (texture,)
         self.add({texture.name: 1.0}, *terms)
 
-    def paint(self, mix: Mix | str, y: Profile, x: Profile) -> None:
+    def paint(self, mix: Mix | str, y: coverage.Profile, x: coverage.Profile) -> None:
         """Cover with a surface, as densely as the product of two profiles from 0 to 1."""
         self._products(_mix(mix), ((y, x),), adds=False)
 
     def paint_box(self, mix: Mix | str, left: float, top: float, right: float, low: float) -> None:
-        self.paint(mix, band(top, low), band(left, right))
+        self.paint(mix, coverage.band(top, low), coverage.band(left, right))
 
     def paint_ellipse(
         self, mix: Mix | str, centre_x: float, centre_y: float, radius_x: float, radius_y: float
@@ -184,16 +175,16 @@ class Drawing:
     def paint_ellipses(
         self,
         mixes: Sequence[Mix],
-        centre_x: FloatArray,
-        centre_y: FloatArray,
-        radius_x: FloatArray,
-        radius_y: FloatArray,
+        centre_x: coverage.FloatArray,
+        centre_y: coverage.FloatArray,
+        radius_x: coverage.FloatArray,
+        radius_y: coverage.FloatArray,
     ) -> None:
         """Cover ellipses with axes along x and y, one after the other."""
         shapes = np.array([centre_x, centre_y, radius_x, radius_y])
 
-        def bind(x_edges: FloatArray) -> Patches:
-            def patches(y_edges: FloatArray) -> Iterator[Patch]:
+        def bind(x_edges: coverage.FloatArray) -> Patches:
+            def patches(y_edges: coverage.FloatArray) -> Iterator[Patch]:
                 for index, place, share in _ellipse_shares(shapes, x_edges, y_edges):
                     yield mixes[index], place, share
 
@@ -213,16 +204,16 @@ class Drawing:
             sides.append((sign, -sign * slope, sign * (start - slope * top)))
         left, right = min(at_top[0], at_low[0]), max(at_top[1], at_low[1])
 
-        def bind(x_edges: FloatArray) -> Patches:
-            columns = span(left, right, x_edges)
+        def bind(x_edges: coverage.FloatArray) -> Patches:
+            columns = coverage.span(left, right, x_edges)
             x_part = x_edges[columns.start : columns.stop + 1]
 
-            def patches(y_edges: FloatArray) -> Iterator[Patch]:
-                rows = span(top, low, y_edges)
+            def patches(y_edges: coverage.FloatArray) -> Iterator[Patch]:
+                rows = coverage.span(top, low, y_edges)
                 y_part = y_edges[rows.start : rows.stop + 1]
                 inside = np.clip(y_part, top, low)
                 planes = [
-                    half_plane_coverage(x_part, inside, normal_x=a, normal_y=b, offset=c)
+                    coverage.half_plane_coverage(x_part, inside, normal_x=a, normal_y=b, offset=c)
                     for a, b, c in sides
                 ]
                 # No point lies beyond both sides: the two overlaps add up to the intersection.
@@ -237,12 +228,12 @@ class Drawing:
         top, low = min(y.low for y, _ in terms), max(y.high for y, _ in terms)
         left, right = min(x.low for _, x in terms), max(x.high for _, x in terms)
 
-        def bind(x_edges: FloatArray) -> Patches:
-            columns = span(left, right, x_edges)
+        def bind(x_edges: coverage.FloatArray) -> Patches:
+            columns = coverage.span(left, right, x_edges)
             across = _stacked([x for _, x in terms], x_edges[columns.start : columns.stop + 1])
 
-            def patches(y_edges: FloatArray) -> Iterator[Patch]:
-                rows = span(top, low, y_edges)
+            def patches(y_edges: coverage.FloatArray) -> Iterator[Patch]:
+                rows = coverage.span(top, low, y_edges)
                 down = _stacked([y for y, _ in terms], y_edges[rows.start : rows.stop + 1])
                 yield mix, (rows, columns), down.T @ across if len(down) > 1 else down.T * across
 
@@ -254,16 +245,16 @@ class Drawing:
     def names(self) -> tuple[str, ...]:
         return tuple(sorted({self.background}.union(*(s.names for s in self._strokes))))
 
-    def bound(self, x_edges: FloatArray) -> list[tuple[bool, Patches]]:
+    def bound(self, x_edges: coverage.FloatArray) -> list[tuple[bool, Patches]]:
         """The strokes in order, ready for columns."""
         return [stroke.on(x_edges) for stroke in self._strokes]
 
     def render(self, radiances: Radiances, canvas: Canvas) -> npt.NDArray[np.floating]:
         known = with_textures(radiances, self.textures)
-        strokes = self.bound(cell_edges(count=canvas.width))
+        strokes = self.bound(coverage.cell_edges(count=canvas.width))
 
-        def rows(start: int, stop: int) -> FloatArray:
-            y_edges = cell_edges(count=canvas.height, start=start, stop=stop)
+        def rows(start: int, stop: int) -> coverage.FloatArray:
+            y_edges = coverage.cell_edges(count=canvas.height, start=start, stop=stop)
             block = np.full((stop - start, canvas.width), known[self.background])
             for adds, patches in strokes:
                 for mix, place, share in patches(y_edges):
@@ -279,13 +270,15 @@ def _mix(mix: Mix | str) -> Mix:
     return {mix: 1.0} if isinstance(mix, str) else mix
 
 
-def _stacked(profiles: Sequence[Profile], edges: FloatArray) -> FloatArray:
+def _stacked(
+    profiles: Sequence[coverage.Profile], edges: coverage.FloatArray
+) -> coverage.FloatArray:
     return np.concatenate([np.atleast_2d(profile.means(edges)) for profile in profiles])
 
 
 def _ellipse_shares(
-    shapes: FloatArray, x_edges: FloatArray, y_edges: FloatArray
-) -> Iterator[tuple[int, Place, FloatArray]]:
+    shapes: coverage.FloatArray, x_edges: coverage.FloatArray, y_edges: coverage.FloatArray
+) -> Iterator[tuple[int, Place, coverage.FloatArray]]:
     """Index, (rows, columns) and share of the samples around each ellipse that touches them."""
     centre_x, centre_y, radius_x, radius_y = shapes
     left, right = _spans(centre_x - radius_x, centre_x + radius_x, x_edges)
@@ -300,7 +293,7 @@ def _ellipse_shares(
     count = max(1, BATCH_SAMPLES // int(wide * tall))
     for begin in range(0, touching.size, count):
         batch = touching[begin : begin + count]
-        shares = ellipse_coverage(
+        shares = coverage.ellipse_coverage(
             x_edges[x_start[batch, None] + np.arange(wide + 1)],
             y_edges[y_start[batch, None] + np.arange(tall + 1)],
             centre_x=centre_x[batch],
@@ -316,7 +309,7 @@ def _ellipse_shares(
 
 
 def _spans(
-    low: FloatArray, high: FloatArray, edges: FloatArray
+    low: coverage.FloatArray, high: coverage.FloatArray, edges: coverage.FloatArray
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """First sample that each touches, and the one after the last."""
     last = edges.size - 1
@@ -333,7 +326,7 @@ MOTTLED = 0.4
 """Share of the least radiance within which mottling stays."""
 
 
-def scatter(count: int, *, seed: int) -> FloatArray:
+def scatter(count: int, *, seed: int) -> coverage.FloatArray:
     """Numbers in 0 to 1 from counters by 64-bit mixing, the same on every machine.
 
     Source: Steele, Lea, Flood 2014, SplitMix64.
@@ -343,7 +336,7 @@ def scatter(count: int, *, seed: int) -> FloatArray:
     )
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    numbers: FloatArray = (z ^ (z >> np.uint64(31))).astype(np.float64) / 2.0**64
+    numbers: coverage.FloatArray = (z ^ (z >> np.uint64(31))).astype(np.float64) / 2.0**64
     return numbers
 
 
@@ -375,12 +368,12 @@ def mottle(
     fx, fy = (np.where(f == 0.0, 1e-6, f) for f in (size * np.cos(angle), size * np.sin(angle)))
     fy = fy * stretch
     for_y = (
-        wave(top, low, cycles=fy, phase=0.0, height=weight),
-        wave(top, low, cycles=fy, phase=-0.5 * np.pi, height=-weight),
+        coverage.wave(top, low, cycles=fy, phase=0.0, height=weight),
+        coverage.wave(top, low, cycles=fy, phase=-0.5 * np.pi, height=-weight),
     )
     for_x = (
-        wave(left, right, cycles=fx, phase=phase),
-        wave(left, right, cycles=fx, phase=phase - 0.5 * np.pi),
+        coverage.wave(left, right, cycles=fx, phase=phase),
+        coverage.wave(left, right, cycles=fx, phase=phase - 0.5 * np.pi),
     )
     drawing.add_texture(texture, *zip(for_y, for_x, strict=True))
 
@@ -419,7 +412,7 @@ class Layers:
     textures: tuple[Texture, ...]
     tiles: tuple[Tiles, ...]
 
-    def means(self) -> FloatArray:
+    def means(self) -> coverage.FloatArray:
         height, width = self.shape
         return _share_sums(self.tiles, len(self.names)) / (width * height)
 
@@ -458,13 +451,13 @@ def layers_of(drawing: Drawing, canvas: Canvas) -> Layers:
     return Layers(shape, tile, drawing.names, drawing.textures, tiles)
 
 
-def mean_shares(drawing: Drawing, canvas: Canvas) -> FloatArray:
+def mean_shares(drawing: Drawing, canvas: Canvas) -> coverage.FloatArray:
     """Mean share of each of the drawing's names, without the shares of all samples in memory."""
     tiles = _tiles(drawing, replace(canvas, dtype=np.float64))
     return _share_sums(tiles, len(drawing.names)) / (canvas.width * canvas.height)
 
 
-def _share_sums(tiles: Iterable[Tiles], names: int) -> FloatArray:
+def _share_sums(tiles: Iterable[Tiles], names: int) -> coverage.FloatArray:
     sums = np.zeros(names)
     for several in tiles:
         # Beyond the frame tiles show nothing.
@@ -476,14 +469,14 @@ def _tiles(drawing: Drawing, canvas: Canvas) -> Iterator[Tiles]:
     width, height = canvas.width, canvas.height
     tall, wide = min(TILE, height), min(TILE, width)
     down, across = -(-height // tall), -(-width // wide)
-    strokes = drawing.bound(cell_edges(count=width))
+    strokes = drawing.bound(coverage.cell_edges(count=width))
     step = min(max(1, SHEET_SAMPLES // (tall * wide * across)), down)
     sheet = _Sheet(step, across, (tall, wide))
     # In turn: most strokes are small, and threads would wait for each other's Python.
     for first in range(0, down, step):
         last = min(first + step, down)
         start, stop = first * tall, min(last * tall, height)
-        y_edges = cell_edges(count=height, start=start, stop=stop)
+        y_edges = coverage.cell_edges(count=height, start=start, stop=stop)
         # From front to back: what is seen of a stroke is what later ones have left.
         clear = np.ones((stop - start, width))
         for adds, patches in reversed(strokes):
@@ -504,10 +497,10 @@ class _Sheet:
     def __init__(self, down: int, across: int, tile: tuple[int, int]) -> None:
         self._across, self._tile = across, tile
         self._shape = (down * tile[0], across * tile[1])
-        self._planes: dict[str, FloatArray] = {}
+        self._planes: dict[str, coverage.FloatArray] = {}
         self._used: dict[str, None] = {}
 
-    def add(self, name: str, place: Place, part: float, shares: FloatArray) -> None:
+    def add(self, name: str, place: Place, part: float, shares: coverage.FloatArray) -> None:
         """Add `part` of these shares to a surface's."""
         if name not in self._planes:
             self._planes[name] = np.zeros(self._shape)
@@ -548,7 +541,7 @@ class _Sheet:
             )
 
 
-def _squares(plane: FloatArray) -> FloatArray:
+def _squares(plane: coverage.FloatArray) -> coverage.FloatArray:
     """Sum of the squares in each tile of a plane of shape (down, tall, across, wide)."""
     down, tall, across, wide = plane.shape
     lines = plane.reshape(down, tall, across * wide)

@@ -10,20 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from nodes.scenes.coverage import (
-    FloatArray,
-    band,
-    ellipse_coverage,
-    half_plane_coverage,
-    star_coverage,
-    steps,
-)
+from nodes.scenes import coverage
 from nodes.scenes.scene_canvas import Canvas, Drawing, difference
 
-Rows = Callable[[int, int], FloatArray]
+Rows = Callable[[int, int], coverage.FloatArray]
 """The samples of the rows from one number to another."""
 
-Shares = Callable[[int, int], tuple[FloatArray, ...]]
+Shares = Callable[[int, int], tuple[coverage.FloatArray, ...]]
 """Shares of these samples, whose product is the signal's."""
 
 STAR_RADIUS = 0.45
@@ -49,7 +42,7 @@ def draw_target(
     if kind in ("two_panel", "four_bar"):
         drawing = Drawing("background")
         if kind == "two_panel":
-            drawing.add(_WARMER, (band(0.0, 1.0), band(0.5, 1.0)))
+            drawing.add(_WARMER, (coverage.band(0.0, 1.0), coverage.band(0.5, 1.0)))
         else:
             _four_bar(drawing, width, height, frequency)
         return drawing.render({"background": background, "signal": signal}, canvas)
@@ -68,7 +61,7 @@ def draw_target(
 def _even(width: int, background: float, row: int, column: int, signal: float) -> Rows:
     """The background, with the signal in one sample, if that is in the frame."""
 
-    def rows(start: int, stop: int) -> FloatArray:
+    def rows(start: int, stop: int) -> coverage.FloatArray:
         block = np.full((stop - start, width), background)
         if start <= row < stop:
             block[row - start, column] = signal
@@ -80,8 +73,8 @@ def _even(width: int, background: float, row: int, column: int, signal: float) -
 def _between(background: float, signal: float, shares: Shares) -> Rows:
     """From the background at shares of 0 to the signal where all of them are 1."""
 
-    def rows(start: int, stop: int) -> FloatArray:
-        above: float | FloatArray = signal - background
+    def rows(start: int, stop: int) -> coverage.FloatArray:
+        above: float | coverage.FloatArray = signal - background
         for share in shares(start, stop):
             above = above * share
         return np.asarray(background + above)
@@ -89,7 +82,7 @@ def _between(background: float, signal: float, shares: Shares) -> Rows:
     return rows
 
 
-def _sample_edges(*, count: int, start: int, stop: int) -> FloatArray:
+def _sample_edges(*, count: int, start: int, stop: int) -> coverage.FloatArray:
     """Edges of samples `start` to `stop`, in samples from the frame's centre."""
     return np.arange(start, stop + 1, dtype=np.float64) - 0.5 * count
 
@@ -105,9 +98,9 @@ def _slanted_edge(width: int, height: int, angle_deg: float) -> Shares:
 
     normal = {"normal_x": float(np.cos(turn)), "normal_y": float(np.sin(turn))}
 
-    def shares(start: int, stop: int) -> tuple[FloatArray]:
+    def shares(start: int, stop: int) -> tuple[coverage.FloatArray]:
         y_edges = _sample_edges(count=height, start=start, stop=stop)
-        return (half_plane_coverage(x_edges, y_edges, **normal, offset=0.0),)
+        return (coverage.half_plane_coverage(x_edges, y_edges, **normal, offset=0.0),)
 
     return shares
 
@@ -125,17 +118,17 @@ def _sine(
     along_y = frequency / width * float(np.sin(turn))
     swing = 0.5 * (signal - background) * float(np.sinc(along_x) * np.sinc(along_y))
 
-    def middle(count: int, start: int, stop: int) -> FloatArray:
+    def middle(count: int, start: int, stop: int) -> coverage.FloatArray:
         edges = _sample_edges(count=count, start=start, stop=stop)
         return 0.5 * (edges[1:] + edges[:-1])
 
     x_phase = 2.0 * np.pi * along_x * middle(width, 0, width)
     x_cosine, x_sine = swing * np.cos(x_phase), swing * np.sin(x_phase)
 
-    def rows(start: int, stop: int) -> FloatArray:
+    def rows(start: int, stop: int) -> coverage.FloatArray:
         phase = 2.0 * np.pi * along_y * middle(height, start, stop)[:, None]
         mean = 0.5 * (signal + background)
-        picture: FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
+        picture: coverage.FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
         return picture
 
     return rows
@@ -151,12 +144,12 @@ def _siemens_star(width: int, height: int, frequency: float) -> Shares:
     radius = STAR_RADIUS * min(width, height)
     x_edges = _sample_edges(count=width, start=0, stop=width)
 
-    def shares(start: int, stop: int) -> tuple[FloatArray, FloatArray]:
+    def shares(start: int, stop: int) -> tuple[coverage.FloatArray, coverage.FloatArray]:
         y_edges = _sample_edges(count=height, start=start, stop=stop)
-        disc = ellipse_coverage(
+        disc = coverage.ellipse_coverage(
             x_edges, y_edges, centre_x=0.0, centre_y=0.0, radius_x=radius, radius_y=radius
         )
-        return disc, star_coverage(x_edges, y_edges, spokes=int(frequency))
+        return disc, coverage.star_coverage(x_edges, y_edges, spokes=int(frequency))
 
     return shares
 
@@ -176,10 +169,10 @@ def _four_bar(drawing: Drawing, width: int, height: int, frequency: float) -> No
         starts = 2.0 * bar * np.arange(4)
         side = 7.0 * bar
         across = left + 9.0 * bar
-        upright = steps((left + starts) * unit_x, (left + starts + bar) * unit_x)
-        level = steps((top + starts) * unit_y, (top + starts + bar) * unit_y)
-        drawing.add(_WARMER, (band(top * unit_y, (top + side) * unit_y), upright))
-        drawing.add(_WARMER, (level, band(across * unit_x, (across + side) * unit_x)))
+        upright = coverage.steps((left + starts) * unit_x, (left + starts + bar) * unit_x)
+        level = coverage.steps((top + starts) * unit_y, (top + starts + bar) * unit_y)
+        drawing.add(_WARMER, (coverage.band(top * unit_y, (top + side) * unit_y), upright))
+        drawing.add(_WARMER, (level, coverage.band(across * unit_x, (across + side) * unit_x)))
 
 
 def _bar_layout(frequency: float, room_x: float, room_y: float) -> list[tuple[float, float, float]]:

@@ -17,13 +17,7 @@ from core.chain.random_fields import (
 from core.evaluation.recipes import Array, Region, Step, ends_lineage, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, Section, param
-from core.physics.noise.flicker_noise import (
-    FlickerBand,
-    flicker_wave,
-    wave_amplitude,
-    wave_at,
-    wave_frequency,
-)
+from core.physics.noise import flicker_noise
 
 HELD_BYTES = 1 << 28
 """Waves of larger frames are drawn anew for each frame, in place of being held for all."""
@@ -31,7 +25,7 @@ _AT_ONCE = 1 << 15  # samples, whose steps of a wave stay in the processor's cac
 
 
 def waves_of_all_frames(
-    *, stream: Stream, shape: tuple[int, int], band: FlickerBand, node: str
+    *, stream: Stream, shape: tuple[int, int], band: flicker_noise.FlickerBand, node: str
 ) -> tuple[Step, ...]:
     """The recipe of the waves to be held for `flicker_deviates`; none where they are too large."""
     if 3 * 8 * band.strata * shape[0] * shape[1] > HELD_BYTES:
@@ -41,7 +35,7 @@ def waves_of_all_frames(
 
 @ends_lineage
 def flicker_waves(
-    work: Work, *, stream: Stream, shape: tuple[int, int], band: FlickerBand
+    work: Work, *, stream: Stream, shape: tuple[int, int], band: flicker_noise.FlickerBand
 ) -> Array:
     """Frequency, amplitude and phase of the waves of every stratum, a sample after the other."""
     place = _uniform(work, stream, shape, "place")
@@ -52,8 +46,10 @@ def flicker_waves(
 
         def make(start: int, stratum: int = stratum, level: Array = level) -> None:
             part = slice(start, start + _AT_ONCE)
-            waves[stratum, 0, part] = wave_frequency(band=band, stratum=stratum, place=place[part])
-            waves[stratum, 1, part] = wave_amplitude(level=level[part])
+            waves[stratum, 0, part] = flicker_noise.wave_frequency(
+                band=band, stratum=stratum, place=place[part]
+            )
+            waves[stratum, 1, part] = flicker_noise.wave_amplitude(level=level[part])
 
         work.for_each(make, range(0, place.size, _AT_ONCE))
     return waves
@@ -66,7 +62,7 @@ def flicker_deviates(
     stream: Stream,
     number: FrameNumber,
     shape: tuple[int, int],
-    band: FlickerBand,
+    band: flicker_noise.FlickerBand,
     frame_s: float,
 ) -> Array:
     """1/f noise of variance 1 in a frame, of held waves or of the same ones drawn anew."""
@@ -77,11 +73,11 @@ def flicker_deviates(
         if place is None:
             frequency_hz, amplitude, phase = held[0][stratum]
             fields = {"frequency_hz": frequency_hz, "amplitude": amplitude, "phase": phase}
-            wave: Callable[..., Array] = wave_at
+            wave: Callable[..., Array] = flicker_noise.wave_at
         else:
             level, phase = _level_and_phase(work, stream, shape, stratum)
             fields = {"place": place, "level": level, "phase": phase}
-            wave = partial(flicker_wave, band=band, stratum=stratum)
+            wave = partial(flicker_noise.flicker_wave, band=band, stratum=stratum)
         add = partial(_add, total, partial(wave, time_s=time_s), fields)
         work.for_each(add, range(0, total.size, _AT_ONCE))
     total /= band.strata**0.5

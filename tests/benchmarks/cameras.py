@@ -11,7 +11,7 @@ from app.bench.tables import Table, judged
 from app.bench.timing import Settings, repeated
 from app.run.saving import save_frames
 from core.evaluation.work import Policy
-from nodes.files.frame_writing import FRAME_FORMATS
+from nodes.files.frames import FRAME_FORMATS
 
 OPTICS, CAMERA = "back.image", "camera.image"
 TIMES = tuple(1e-3 + 1e-5 * step for step in range(1, 32))

@@ -31,8 +31,7 @@ from app.tradeoff.tradeoff_results import SENSORS
 from app.user_folders import data_folder
 from core.atomic import write_bytes
 from core.errors import FileError, ImagechainError, UsageError
-from nodes.library import standard_library
-from nodes.plug_ins import missing_modules
+from nodes.library import missing_modules, standard_library
 
 FIRST = "mwir_camera"  # opened at the very first start: a whole camera at work
 

@@ -9,7 +9,7 @@ import pytest
 
 from core.errors import ParameterError
 from node_bench import NodeBench
-from nodes.atmosphere.modtran_tables import table_path
+from nodes.atmosphere.atmospheric_path import table_path
 from nodes.library import standard_library
 
 R = 6378.137

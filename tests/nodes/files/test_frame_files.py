@@ -9,7 +9,7 @@ import pytest
 from PIL import Image as Pillow
 
 from core.errors import FileError
-from nodes.files.frame_writing import (
+from nodes.files.frames import (
     STORE,
     FrameSeries,
     frame_format,

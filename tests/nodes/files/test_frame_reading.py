@@ -11,7 +11,7 @@ from PIL import Image as Pillow
 
 from child_process import PEAK, ROOT
 from core.errors import FileError
-from nodes.files.frame_reading import open_frames
+from nodes.files.frames import open_frames
 from picture_samples import envi
 
 FRAMES = np.random.default_rng(3).integers(0, 60000, (6, 9, 13)).astype(np.uint16)
@@ -116,7 +116,7 @@ def test_many_frames_take_the_memory_of_a_few(tmp_path, name):
     """Of 20 frames or of 600, 48 MB in all, in a process of their own."""
     code = (
         "import sys\nfrom pathlib import Path\n"
-        "from nodes.files.frame_reading import open_frames\n"
+        "from nodes.files.frames import open_frames\n"
         "print(sum(float(f.sum()) for f in open_frames(Path(sys.argv[1])).each()))\n"
         f"{PEAK}"
     )

@@ -6,7 +6,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from nodes.files.frame_writing import FrameSeries, tiled_head, write_tiled_tiff
+from nodes.files.frames import FrameSeries, tiled_head, write_tiled_tiff
 from nodes.files.read import read_info, read_pixels
 
 

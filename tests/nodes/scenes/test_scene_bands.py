@@ -9,8 +9,7 @@ from core.evaluation.work import Policy
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import draw
-from nodes.scenes.draw import KINDS, scene_spectra
-from nodes.scenes.spectral_surfaces import MATERIALS, SHADED, SKY, SURFACES
+from nodes.scenes.draw import KINDS, MATERIALS, SHADED, SKY, SURFACES, scene_spectra
 from planck_truth import band_radiance
 
 LIBRARY = standard_library()
