@@ -260,6 +260,7 @@ class Engine:
             if names is not None and readout.name not in names:
                 continue
             arguments = {name: known[name] for name in readout.needs}
+            arguments |= {"axis": readout.axis} if readout.axis else {}
             try:
                 with watched(node, planned.node.module):
                     values[readout.name] = getattr(planned.module, readout.method)(**arguments)

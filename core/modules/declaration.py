@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 import types
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -59,6 +60,10 @@ __all__ = [  # what a module is declared with; the rest is for those who read de
     "warning",
 ]  # fmt: skip
 
+_ALONG_Y = {
+    "Horizontal": "Vertical", "horizontal": "vertical", "width of the aperture": "height of the aperture",
+    "across the track": "along the track",
+}  # fmt: skip
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
 
@@ -100,7 +105,10 @@ def ports_text(ports: Iterable[Port]) -> str:
 
 @dataclass(frozen=True)
 class Readout:
-    """A figure shown on the panel; with `unit_of` in the unit of the picture at that input."""
+    """A figure shown on the panel; with `unit_of` in the unit of the picture at that input.
+
+    `axis` is x or y where the method gives one for each.
+    """
 
     name: str
     unit: str
@@ -108,6 +116,7 @@ class Readout:
     needs: tuple[str, ...]
     method: str
     unit_of: str = ""
+    axis: str = ""
 
 
 @dataclass(frozen=True)
@@ -163,7 +172,8 @@ def readout(
 
     Its arguments are named after the input ports it needs, or `outputs` for what `run` returned.
     It returns a value, or the recipe of one. `name` is for a read-out named like a parameter,
-    `unit_of` names the input of whose picture it has the unit.
+    `unit_of` names the input of whose picture it has the unit. A method with an argument `axis`
+    gives two, for x and y: its name and meaning are those for x.
     """
 
     def mark(method: Callable[..., Any]) -> Callable[..., Any]:
@@ -359,7 +369,15 @@ def _readouts(module: type[Module]) -> tuple[Readout, ...]:
     readouts = {}
     for attribute, method, meaning, needs in _marked(module, "readout_unit"):
         name, unit = method.readout_name or attribute, method.readout_unit
-        readouts[name] = Readout(name, unit, meaning, needs, attribute, method.readout_unit_of)
+        others = tuple(need for need in needs if need != "axis")
+        known = (others, attribute, method.readout_unit_of)
+        if others == needs:
+            readouts[name] = Readout(name, unit, meaning, *known)
+            continue
+        readouts[name] = Readout(name, unit, meaning, *known, "x")
+        of_y = re.sub(r"_x(?=_|$)", "_y", name)
+        words = re.sub("|".join(_ALONG_Y), lambda match: _ALONG_Y[match[0]], meaning)
+        readouts[of_y] = Readout(of_y, unit, words, *known, "y")
     return tuple(readouts.values())
 
 

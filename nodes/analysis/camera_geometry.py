@@ -453,24 +453,15 @@ class CameraGeometry(
         return swath_m(self.camera(image))
 
     @readout("m")
-    def gsd_x_m(self, image: Image) -> float:
+    def gsd_x_m(self, axis: str, image: Image) -> float:
         """Ground sample distance across the track, at the centre of the frame."""
-        return _sample(self.camera(image), 0.5)[0]
+        return _sample(self.camera(image), 0.5)["xy".index(axis)]
 
     @readout("m")
-    def gsd_y_m(self, image: Image) -> float:
-        """Ground sample distance along the track, at the centre of the frame."""
-        return _sample(self.camera(image), 0.5)[1]
-
-    @readout("m")
-    def gsd_edge_x_m(self, image: Image) -> float:
+    def gsd_edge_x_m(self, axis: str, image: Image) -> float:
         """Ground sample distance across the track, at the farther end of the middle line."""
-        return max(_sample(self.camera(image), end)[0] for end in (0.0, 1.0))
-
-    @readout("m")
-    def gsd_edge_y_m(self, image: Image) -> float:
-        """Ground sample distance along the track, at the farther end of the middle line."""
-        return max(_sample(self.camera(image), end)[1] for end in (0.0, 1.0))
+        camera = self.camera(image)
+        return max(_sample(camera, end)["xy".index(axis)] for end in (0.0, 1.0))
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
@@ -479,14 +470,10 @@ class CameraGeometry(
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 
     @readout("mrad")
-    def interval_x_mrad(self, outputs: CameraOutputs) -> float | None:
+    def interval_x_mrad(self, axis: str, outputs: CameraOutputs) -> float | None:
         """Sampling interval across the track, at nadir."""
-        return outputs.image.interval_x_mrad
-
-    @readout("mrad")
-    def interval_y_mrad(self, outputs: CameraOutputs) -> float | None:
-        """Sampling interval along the track, at nadir."""
-        return outputs.image.interval_y_mrad
+        image = outputs.image
+        return image.interval_x_mrad if axis == "x" else image.interval_y_mrad
 
     @readout("m")
     def line_spacing_m(self, image: Image) -> float | None:

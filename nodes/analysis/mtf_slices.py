@@ -102,24 +102,14 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
         return tuple(marks)
 
     @readout()
-    def at_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
+    def at_nyquist_x(self, axis: str, transfer: Transfer | Magnitude) -> Recipe | None:
         """Total MTF (or PTF, rad) at the horizontal Nyquist frequency of the image's samples."""
-        return _at(transfer, lineage.HORIZONTAL, _ends(transfer, lineage.HORIZONTAL)[0])
+        return _at(transfer, axis, 0)
 
     @readout()
-    def at_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total MTF (or PTF, rad) at the vertical Nyquist frequency of the image's samples."""
-        return _at(transfer, lineage.VERTICAL, _ends(transfer, lineage.VERTICAL)[0])
-
-    @readout()
-    def at_pixel_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
+    def at_pixel_nyquist_x(self, axis: str, transfer: Transfer | Magnitude) -> Recipe | None:
         """Total MTF (or PTF, rad) at the pixels' horizontal Nyquist frequency, 0.5 cycles/pitch."""
-        return _at(transfer, lineage.HORIZONTAL, _ends(transfer, lineage.HORIZONTAL)[1])
-
-    @readout()
-    def at_pixel_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total MTF (or PTF, rad) at the pixels' vertical Nyquist frequency, 0.5 cycles/pitch."""
-        return _at(transfer, lineage.VERTICAL, _ends(transfer, lineage.VERTICAL)[1])
+        return _at(transfer, axis, 1)
 
 
 def _ends(transfer: Transfer | Magnitude, line: lineage.Line) -> tuple[float, float | None]:
@@ -130,9 +120,10 @@ def _ends(transfer: Transfer | Magnitude, line: lineage.Line) -> tuple[float, fl
     return line.end(grid.nyquist_x, grid.nyquist_y), pixels if math.isfinite(pixels) else None
 
 
-def _at(
-    transfer: Transfer | Magnitude, line: lineage.Line, frequency: float | None
-) -> Recipe | None:
+def _at(transfer: Transfer | Magnitude, axis: str, which: int) -> Recipe | None:
+    """At the Nyquist frequency of the samples, 0, or of the pixels, 1."""
+    line = lineage.HORIZONTAL if axis == "x" else lineage.VERTICAL
+    frequency = _ends(transfer, line)[which]
     if frequency is None or (isinstance(transfer, Transfer) and transfer.own is not None):
         return None
     part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"

@@ -40,8 +40,8 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         factors = separable(
             aperture_mtf,
-            x={"effective_ifov_mrad": self.ifov_x_mrad(context)},
-            y={"effective_ifov_mrad": self.ifov_y_mrad(context)},
+            x={"effective_ifov_mrad": self.ifov_x_mrad("x", context)},
+            y={"effective_ifov_mrad": self.ifov_x_mrad("y", context)},
             label=self.title,
             node=here.node,
         )
@@ -54,29 +54,16 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("mrad")
-    def ifov_x_mrad(self, context: Context) -> float:
+    def ifov_x_mrad(self, axis: str, context: Context) -> float:
         """Horizontal instantaneous field of view times the fill factor."""
-        return self._ifov("x", context)
-
-    @readout("mrad")
-    def ifov_y_mrad(self, context: Context) -> float:
-        """Vertical instantaneous field of view times the fill factor."""
-        return self._ifov("y", context)
-
-    @readout("cyc/mrad")
-    def first_zero_x(self, context: Context) -> float:
-        """First zero of the horizontal MTF."""
-        return first_zero_cyc_per_mrad(effective_ifov_mrad=self._ifov("x", context))
-
-    @readout("cyc/mrad")
-    def first_zero_y(self, context: Context) -> float:
-        """First zero of the vertical MTF."""
-        return first_zero_cyc_per_mrad(effective_ifov_mrad=self._ifov("y", context))
-
-    def _ifov(self, axis: str, context: Context) -> float:
         pitch, fill = f"detector_{axis}_um", f"fill_{axis}"
         return ifov_mrad(
             pitch_um=given(pitch, getattr(self, pitch), context),
             focal_length_mm=given("focal_length_mm", self.focal_length_mm, context),
             fill=given(fill, getattr(self, fill), context),
         )
+
+    @readout("cyc/mrad")
+    def first_zero_x(self, axis: str, context: Context) -> float:
+        """First zero of the horizontal MTF."""
+        return first_zero_cyc_per_mrad(effective_ifov_mrad=self.ifov_x_mrad(axis, context))

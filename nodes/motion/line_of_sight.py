@@ -149,59 +149,30 @@ class LineOfSight(
         )
 
     @readout("mrad")
-    def within_x_mrad(self, outputs: OtfOutputs) -> float:
+    def within_x_mrad(self, axis: str, outputs: OtfOutputs) -> float:
         """Horizontal rms motion within an exposure, about its mean."""
-        return _rms_within(outputs, "x")
+        bound = _bound(outputs.mtf, axis)
+        return math.sqrt(float(np.dot(bound["variances"], bound["weights"]))) if bound else 0.0
 
     @readout("mrad")
-    def within_y_mrad(self, outputs: OtfOutputs) -> float:
-        """Vertical rms motion within an exposure, about its mean."""
-        return _rms_within(outputs, "y")
-
-    @readout("mrad")
-    def between_x_mrad(self, outputs: OtfOutputs) -> float:
+    def between_x_mrad(self, axis: str, outputs: OtfOutputs) -> float:
         """Horizontal rms shift from frame to frame."""
-        return _rms_between(outputs, "x")
+        bound = _bound(outputs.ptf, axis)
+        if not bound:
+            return 0.0
+        return between_exposures_mrad(spectrum=bound["spectrum"], exposure_s=bound["exposure_s"])
 
     @readout("mrad")
-    def between_y_mrad(self, outputs: OtfOutputs) -> float:
-        """Vertical rms shift from frame to frame."""
-        return _rms_between(outputs, "y")
-
-    @readout("mrad")
-    def shift_x_mrad(self, outputs: OtfOutputs) -> float:
+    def shift_x_mrad(self, axis: str, outputs: OtfOutputs) -> float:
         """Horizontal shift of frame 0."""
-        return _first_shift(outputs, "x")
-
-    @readout("mrad")
-    def shift_y_mrad(self, outputs: OtfOutputs) -> float:
-        """Vertical shift of frame 0."""
-        return _first_shift(outputs, "y")
+        bound = _bound(outputs.ptf, axis)
+        return shift_of_frame_mrad(**bound) if bound else 0.0
 
 
 def _bound(transfer: Transfer, axis: str) -> dict[str, Any]:
     """What is bound in the law of an axis; nothing where there is none."""
     laws = [getattr(factor, axis, None) for factor in transfer.factors]
     return dict(laws[0].parameters) if laws and laws[0] is not None else {}
-
-
-def _rms_within(outputs: OtfOutputs, axis: str) -> float:
-    bound = _bound(outputs.mtf, axis)
-    if not bound:
-        return 0.0
-    return math.sqrt(float(np.dot(bound["variances"], bound["weights"])))
-
-
-def _rms_between(outputs: OtfOutputs, axis: str) -> float:
-    bound = _bound(outputs.ptf, axis)
-    if not bound:
-        return 0.0
-    return between_exposures_mrad(spectrum=bound["spectrum"], exposure_s=bound["exposure_s"])
-
-
-def _first_shift(outputs: OtfOutputs, axis: str) -> float:
-    bound = _bound(outputs.ptf, axis)
-    return shift_of_frame_mrad(**bound) if bound else 0.0
 
 
 @lru_cache(maxsize=32)

@@ -54,7 +54,7 @@ class RelativeMotionMTF(
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        x, y = self.blur_x_mrad(context), self.blur_y_mrad(context)
+        x, y = self.blur_x_mrad("x", context), self.blur_x_mrad("y", context)
         return self.mtf_outputs(magnitude, *self._factors(x, y, here))
 
     def _factors(self, x: float, y: float, here: NodeContext) -> tuple[Factor, ...]:
@@ -75,16 +75,10 @@ class RelativeMotionMTF(
         return apart_from_context(self, context, "range_m")
 
     @readout("mrad")
-    def blur_x_mrad(self, context: Context) -> float:
+    def blur_x_mrad(self, axis: str, context: Context) -> float:
         """Signed width of the horizontal smear."""
-        return self._blur(self.platform_velocity_x - self.image_velocity_x, context)
-
-    @readout("mrad")
-    def blur_y_mrad(self, context: Context) -> float:
-        """Signed width of the vertical smear."""
-        return self._blur(self.platform_velocity_y - self.image_velocity_y, context)
-
-    def _blur(self, velocity: float, context: Context) -> float:
+        platform, image = f"platform_velocity_{axis}", f"image_velocity_{axis}"
+        velocity = getattr(self, platform) - getattr(self, image)
         if velocity == 0 or self.integration_time_s == 0:
             return 0.0
         return blur_mrad(

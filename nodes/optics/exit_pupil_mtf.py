@@ -204,36 +204,25 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         return replace(scale, wavelengths_um=places, weights=weights)
 
     @readout("cyc/mrad")
-    def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:
+    def pupil_interval_x(self, axis: str, context: Context, pupil: Pupil) -> float:
         """Horizontal frequency interval that corresponds to one pupil sample."""
         scale = self._scale(context, pupil)
-        return scale.pitch_x_mm / scale.mean_um
+        return (scale.pitch_x_mm if axis == "x" else scale.pitch_y_mm) / scale.mean_um
 
     @readout("cyc/mrad")
-    def pupil_interval_y(self, context: Context, pupil: Pupil) -> float:
-        """Vertical frequency interval that corresponds to one pupil sample."""
-        scale = self._scale(context, pupil)
-        return scale.pitch_y_mm / scale.mean_um
-
-    @readout("cyc/mrad")
-    def image_interval_x(self, context: Context) -> float:
+    def image_interval_x(self, axis: str, context: Context) -> float:
         """Horizontal frequency interval of the image."""
-        return context.grid.frequency_interval_x
+        grid = context.grid
+        return grid.frequency_interval_x if axis == "x" else grid.frequency_interval_y
 
     @readout("cyc/mrad")
-    def image_interval_y(self, context: Context) -> float:
-        """Vertical frequency interval of the image."""
-        return context.grid.frequency_interval_y
-
-    @readout("cyc/mrad")
-    def cutoff_x(self, context: Context, pupil: Pupil) -> Step | float:
+    def cutoff_x(self, axis: str, context: Context, pupil: Pupil) -> Step | float:
         """Horizontal cutoff: width of the aperture divided by the mean wavelength."""
-        return _cutoff(pupil, 1, self.pupil_interval_x(context, pupil))
-
-    @readout("cyc/mrad")
-    def cutoff_y(self, context: Context, pupil: Pupil) -> Step | float:
-        """Vertical cutoff: height of the aperture divided by the mean wavelength."""
-        return _cutoff(pupil, 0, self.pupil_interval_y(context, pupil))
+        interval: float = self.pupil_interval_x(axis, context, pupil)
+        along = axis == "y"
+        if pupil.shape is None:
+            return Step.of(_lit_extent, pupil.samples, axis=0 if along else 1, interval=interval)
+        return interval * opening(pupil.shape)[along]
 
     @readout()
     def estimated_error(self, context: Context, pupil: Pupil) -> Step | float:
@@ -267,13 +256,6 @@ def _weights_by_light(
         )
     shares = (light / light.sum()).tolist()
     return (*shares[:-1], 1.0 - sum(shares[:-1]))
-
-
-def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:
-    if pupil.shape is None:
-        return Step.of(_lit_extent, pupil.samples, axis=axis, interval=interval)
-    across, along = opening(pupil.shape)
-    return interval * (across if axis == 1 else along)
 
 
 @ends_lineage

@@ -251,14 +251,14 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("cyc/mrad")
-    def end_x(self, outputs: OtfOutputs) -> float | None:
+    def end_x(self, axis: str, outputs: OtfOutputs) -> float | None:
         """Highest frequency in the file's horizontal MTF."""
-        return _end(outputs.mtf.factors, 0)
-
-    @readout("cyc/mrad")
-    def end_y(self, outputs: OtfOutputs) -> float | None:
-        """Highest frequency in the file's vertical MTF."""
-        return _end(outputs.mtf.factors, 1)
+        for factor in outputs.mtf.factors:
+            if isinstance(factor, Planar):
+                return None if factor.cutoff is None else factor.cutoff["xy".index(axis)]
+            law = factor.x if axis == "x" else factor.y
+            return None if law is None else _points(law)[0][-1] / law.scale
+        return None
 
 
 def _separable(
@@ -295,15 +295,6 @@ def _ends(
             for law, nyquist in ((factor.x, nyquist_x), (factor.y, nyquist_y)):
                 if law is not None:
                     yield law, law.scale, nyquist
-
-
-def _end(factors: tuple[Factor, ...], axis: int) -> float | None:
-    for factor in factors:
-        if isinstance(factor, Planar):
-            return None if factor.cutoff is None else factor.cutoff[axis]
-        law = (factor.x, factor.y)[axis]
-        return None if law is None else _points(law)[0][-1] / law.scale
-    return None
 
 
 # A lens' file that a network names: found, described and read in the state it was planned with.

@@ -43,24 +43,16 @@ class NyquistReadouts(Module):
     """Base of modules with an MTF: read-outs at both Nyquist frequencies."""
 
     @readout()
-    def mtf_at_nyquist_x(self, outputs: Any) -> TransferAt | None:
+    def mtf_at_nyquist_x(self, axis: str, outputs: Any) -> TransferAt | None:
         """MTF at the horizontal Nyquist frequency of the image's samples."""
-        return at_nyquist(outputs.mtf, "x")
+        return at_nyquist(outputs.mtf, axis)
 
     @readout()
-    def mtf_at_nyquist_y(self, outputs: Any) -> TransferAt | None:
-        """MTF at the vertical Nyquist frequency of the image's samples."""
-        return at_nyquist(outputs.mtf, "y")
-
-    @readout()
-    def mtf_at_pixel_nyquist_x(self, context: Context, outputs: Any) -> TransferAt | None:
+    def mtf_at_pixel_nyquist_x(
+        self, axis: str, context: Context, outputs: Any
+    ) -> TransferAt | None:
         """MTF at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
-        return at_pixel_nyquist(outputs.mtf, context, "x")
-
-    @readout()
-    def mtf_at_pixel_nyquist_y(self, context: Context, outputs: Any) -> TransferAt | None:
-        """MTF at the pixels' vertical Nyquist frequency, half a cycle per detector pitch."""
-        return at_pixel_nyquist(outputs.mtf, context, "y")
+        return at_pixel_nyquist(outputs.mtf, context, axis)
 
 
 class BeforeDigits(Module):

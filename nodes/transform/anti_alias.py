@@ -75,14 +75,10 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
         return gaussian_mtf, {"sigma_mrad": self.factor * _SIGMA_SAMPLES}  # samples
 
     @readout("cyc/mrad")
-    def new_nyquist_x(self, image: Image) -> float | None:
+    def new_nyquist_x(self, axis: str, image: Image) -> float | None:
         """Horizontal Nyquist frequency after the samples are dropped."""
-        return None if image.interval_x_mrad is None else 0.5 / image.interval_x_mrad / self.factor
-
-    @readout("cyc/mrad")
-    def new_nyquist_y(self, image: Image) -> float | None:
-        """Vertical Nyquist frequency after the samples are dropped."""
-        return None if image.interval_y_mrad is None else 0.5 / image.interval_y_mrad / self.factor
+        interval = image.interval_x_mrad if axis == "x" else image.interval_y_mrad
+        return None if interval is None else 0.5 / interval / self.factor
 
 
 def lanczos_mtf(*, frequency: NDArray[np.float64], factor: int) -> NDArray[np.float64]:

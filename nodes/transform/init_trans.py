@@ -217,70 +217,46 @@ class InitTrans(
         return apart(self, sampled, where="from the picture's own sampling")
 
     @readout("mrad")
-    def interval_x_mrad(self, outputs: InitOutputs) -> float:
+    def interval_x_mrad(self, axis: str, outputs: InitOutputs) -> float:
         """Horizontal sampling interval."""
-        return outputs.context.grid.interval_x_mrad
+        return _along(axis, outputs.context.grid, "interval_{}_mrad")
 
     @readout("mrad")
-    def interval_y_mrad(self, outputs: InitOutputs) -> float:
-        """Vertical sampling interval."""
-        return outputs.context.grid.interval_y_mrad
-
-    @readout("mrad")
-    def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
+    def ifov_x_mrad(self, axis: str, outputs: InitOutputs) -> float | None:
         """Horizontal instantaneous field of view of a detector, including its fill factor."""
-        pixel = outputs.magnitude.pixel_mrad[0]
-        return None if pixel is None else pixel * outputs.context.fill_x
-
-    @readout("mrad")
-    def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
-        """Vertical instantaneous field of view of a detector, including its fill factor."""
-        pixel = outputs.magnitude.pixel_mrad[1]
-        return None if pixel is None else pixel * outputs.context.fill_y
+        pixel = _pixel(axis, outputs)
+        return None if pixel is None else pixel * _along(axis, outputs.context, "fill_{}")
 
     @readout("cyc/mrad")
-    def frequency_interval_x(self, outputs: InitOutputs) -> float:
+    def frequency_interval_x(self, axis: str, outputs: InitOutputs) -> float:
         """Spacing of the image's horizontal frequencies."""
-        return outputs.context.grid.frequency_interval_x
+        return _along(axis, outputs.context.grid, "frequency_interval_{}")
 
     @readout("cyc/mrad")
-    def frequency_interval_y(self, outputs: InitOutputs) -> float:
-        """Spacing of the image's vertical frequencies."""
-        return outputs.context.grid.frequency_interval_y
-
-    @readout("cyc/mrad")
-    def nyquist_x(self, outputs: InitOutputs) -> float:
+    def nyquist_x(self, axis: str, outputs: InitOutputs) -> float:
         """Horizontal Nyquist frequency of the image's samples."""
-        return outputs.context.grid.nyquist_x
+        return _along(axis, outputs.context.grid, "nyquist_{}")
 
     @readout("cyc/mrad")
-    def nyquist_y(self, outputs: InitOutputs) -> float:
-        """Vertical Nyquist frequency of the image's samples."""
-        return outputs.context.grid.nyquist_y
-
-    @readout("cyc/mrad")
-    def pixel_nyquist_x(self, outputs: InitOutputs) -> float | None:
+    def pixel_nyquist_x(self, axis: str, outputs: InitOutputs) -> float | None:
         """Horizontal Nyquist frequency of the pixels: half a cycle per detector pitch."""
-        pixel = outputs.magnitude.pixel_mrad[0]
-        return 0.5 / pixel if pixel else None
-
-    @readout("cyc/mrad")
-    def pixel_nyquist_y(self, outputs: InitOutputs) -> float | None:
-        """Vertical Nyquist frequency of the pixels: half a cycle per detector pitch."""
-        pixel = outputs.magnitude.pixel_mrad[1]
+        pixel = _pixel(axis, outputs)
         return 0.5 / pixel if pixel else None
 
     @readout("samples")
-    def oversampling_x(self, outputs: InitOutputs) -> float | None:
+    def oversampling_x(self, axis: str, outputs: InitOutputs) -> float | None:
         """Samples per horizontal detector pitch."""
-        pixel = outputs.magnitude.pixel_mrad[0]
-        return None if pixel is None else pixel / outputs.context.grid.interval_x_mrad
+        pixel, interval = _pixel(axis, outputs), self.interval_x_mrad(axis, outputs)
+        return None if pixel is None else pixel / interval
 
-    @readout("samples")
-    def oversampling_y(self, outputs: InitOutputs) -> float | None:
-        """Samples per vertical detector pitch."""
-        pixel = outputs.magnitude.pixel_mrad[1]
-        return None if pixel is None else pixel / outputs.context.grid.interval_y_mrad
+
+def _along(axis: str, of: Context | Grid, name: str) -> float:
+    value: float = getattr(of, name.format(axis))
+    return value
+
+
+def _pixel(axis: str, outputs: InitOutputs) -> float | None:
+    return outputs.magnitude.pixel_mrad["xy".index(axis)]
 
 
 def _fill(own: float | None, of_camera: float | None) -> float:

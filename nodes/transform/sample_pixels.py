@@ -133,18 +133,11 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         )
 
     @readout("cyc/mrad")
-    def nyquist_x(self, outputs: ImageOutput) -> float | None:
+    def nyquist_x(self, axis: str, outputs: ImageOutput) -> float | None:
         """Horizontal Nyquist frequency of the pixels."""
-        return _nyquist(outputs.image.interval_x_mrad)
-
-    @readout("cyc/mrad")
-    def nyquist_y(self, outputs: ImageOutput) -> float | None:
-        """Vertical Nyquist frequency of the pixels."""
-        return _nyquist(outputs.image.interval_y_mrad)
-
-
-def _nyquist(interval_mrad: float | None) -> float | None:
-    return 0.5 / interval_mrad if interval_mrad else None
+        image = outputs.image
+        interval = image.interval_x_mrad if axis == "x" else image.interval_y_mrad
+        return 0.5 / interval if interval else None
 
 
 # Averages over a detector's area that a picture has gone through already.
