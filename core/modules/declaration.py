@@ -61,9 +61,11 @@ __all__ = [  # what a module is declared with; the rest is for those who read de
 ]  # fmt: skip
 
 _ALONG_Y = {
-    "Horizontal": "Vertical", "horizontal": "vertical", "width of the aperture": "height of the aperture",
+    "Horizontal": "Vertical",
+    "horizontal": "vertical",
+    "width of the aperture": "height of the aperture",
     "across the track": "along the track",
-}  # fmt: skip
+}
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
 

@@ -324,8 +324,8 @@ class NoiseOf(Recipe):
         return (self._mean_of, *_behind(self.image.recipe, self.uniform))
 
     def compute(self, work: Work) -> ImageNoise:
-        known = _Follow(work, self.uniform, self._filtered)
-        noises = known.to(self.image.recipe, *self.image.shape)
+        picture, shape = self.image.recipe, self.image.shape
+        noises, unknown = _followed(work, picture, shape, self.uniform, self._filtered)
         if any(noise.pattern for noise in noises):
             noises = self._with_patterns(work, noises)
         terms = tuple(
@@ -334,7 +334,7 @@ class NoiseOf(Recipe):
         )
         mean = float(np.mean(work.value(self._mean_of), dtype=np.float64))
         spectrum = spectrum_of([noise.power for noise in noises if noise.temporal])
-        return ImageNoise(terms, mean, tuple(dict.fromkeys(known.unknown)), spectrum)
+        return ImageNoise(terms, mean, tuple(dict.fromkeys(unknown)), spectrum)
 
     def _with_patterns(self, work: Work, noises: list[Noise]) -> list[Noise]:
         """Known patterns as they show in the picture."""
@@ -395,65 +395,45 @@ def _needed(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
     return (*looked_at, *_behind(recipe, uniform))
 
 
-class _Follow:
-    """Walks up a picture's recipe, and down again with the noises on the way."""
-
-    def __init__(self, work: Work, uniform: bool = False, filtered: bool = True) -> None:
-        self._work = work
-        self._uniform = uniform
-        self._filtered = filtered
-        self.unknown: list[str] = []
-
-    def to(self, recipe: Recipe, rows: int, columns: int) -> list[Noise]:
-        noises: list[Noise] = []
-        way: list[tuple[Recipe, Lineage, int, int]] = []
-        for upstream, lineage in _way_up(recipe):
-            self._work.check()
-            if isinstance(upstream, Delivered):
-                behind: _Behind = self._work.value(_DeliveredNoise(upstream, self._uniform))
-                self.unknown += behind.unknown
-                noises = list(behind.noises)
-            elif lineage is None or lineage.picture is None:
-                noises = self._lost(upstream)
-            else:
-                way.append((upstream, lineage, rows, columns))
-                rows, columns = lineage.linear.size_before(rows, columns)
-        for step, lineage, rows, columns in reversed(way):
-            noises = self._changed(lineage.linear, noises)
-            if lineage.noise is not None:
-                assert isinstance(step, Step)
-                how = self._uniform, self._filtered
-                at = AtStep(self._work, step, rows, columns, tuple(noises), *how)
-                noises = [*noises, *lineage.noise.at(at)]
-        return noises
-
-    def delivered(self, recipe: Delivered) -> list[Noise]:
-        lineage = lineage_of(recipe)
-        if lineage is None or lineage.picture is None:
-            return self._lost(recipe)
-        before = self.to(lineage.picture, *recipe.magnitude.grid.shape)
-        return self._changed(lineage.linear, before)
-
-    def _changed(self, change: Linear, noises: list[Noise]) -> list[Noise]:
-        carried = (
-            (noise, change.carried(self._work, noise.power, temporal=noise.temporal))
-            for noise in noises
-        )
-        return [replace(noise, power=power) for noise, power in carried if power is not None]
-
-    def _lost(self, recipe: Recipe) -> list[Noise]:
-        """Nothing is known to come through; reported only where there was noise to be followed."""
-        if any(_is_noisy(source) for source in recipe.inputs):
-            self.unknown.append(recipe.node or "a node")
-        return []
+Followed = tuple[list[Noise], list[str]]
+"""Noises, and the nodes through which none could be followed."""
 
 
-@dataclass(frozen=True)
-class _Behind:
-    """Noises behind a transform, and the nodes through which none could be followed."""
+def _followed(
+    work: Work, recipe: Recipe, shape: tuple[int, int], uniform: bool, filtered: bool = True
+) -> Followed:
+    """Walk up a picture's recipe, and down again with the noises on the way."""
+    noises, unknown = list[Noise](), list[str]()
+    way: list[tuple[Recipe, Lineage, tuple[int, int]]] = []
+    for upstream, lineage in _way_up(recipe):
+        work.check()
+        if isinstance(upstream, Delivered):
+            noises, unknown = work.value(_DeliveredNoise(upstream, uniform))
+        elif lineage is None or lineage.picture is None:
+            unknown = _lost(upstream)
+        else:
+            way.append((upstream, lineage, shape))
+            shape = lineage.linear.size_before(*shape)
+    for step, lineage, shape in reversed(way):
+        noises = _carried(work, lineage.linear, noises)
+        if lineage.noise is not None:
+            assert isinstance(step, Step)
+            at = AtStep(work, step, *shape, tuple(noises), uniform, filtered)
+            noises = [*noises, *lineage.noise.at(at)]
+    return noises, unknown
 
-    noises: tuple[Noise, ...]
-    unknown: tuple[str, ...]
+
+def _carried(work: Work, change: Linear, noises: list[Noise]) -> list[Noise]:
+    carried = (
+        (noise, change.carried(work, noise.power, temporal=noise.temporal)) for noise in noises
+    )
+    return [replace(noise, power=power) for noise, power in carried if power is not None]
+
+
+def _lost(recipe: Recipe) -> list[str]:
+    """Nothing is known to come through; reported only where there was noise to be followed."""
+    noisy = any(_is_noisy(source) for source in recipe.inputs)
+    return [recipe.node or "a node"] if noisy else []
 
 
 @dataclass(frozen=True, eq=False)
@@ -484,10 +464,13 @@ class _DeliveredNoise(Recipe):
             return ()
         return _behind(source.recipe, self.uniform)
 
-    def compute(self, work: Work) -> _Behind:
-        known = _Follow(work, self.uniform)
-        noises = tuple(known.delivered(self.recipe))
-        return _Behind(noises, tuple(known.unknown))
+    def compute(self, work: Work) -> Followed:
+        lineage = lineage_of(self.recipe)
+        if lineage is None or lineage.picture is None:
+            return [], _lost(self.recipe)
+        size = self.recipe.magnitude.grid.shape
+        noises, unknown = _followed(work, lineage.picture, size, self.uniform)
+        return _carried(work, lineage.linear, noises), unknown
 
 
 def _by_samples(picture: Recipe) -> bool:

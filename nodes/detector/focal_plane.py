@@ -36,14 +36,7 @@ from nodes.detector.spectral_response import (
 from nodes.shared.context_defaults import pixel_mrad, pixel_of, t_number_caution
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import TableFigures
-from nodes.shared.shared_warnings import (
-    F_NUMBER_NEAR,
-    NEAR,
-    Band,
-    alike,
-    apart,
-    unit_caution,
-)
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, apart, unit_caution
 from nodes.shared.steps import difference, picture_range
 
 

@@ -346,8 +346,7 @@ class FocalPlanePanel(SeededModule):
         )
         optics = lens(context, optics_transmission=self.optics_transmission)
         housing = focal_plane_array.housing_sr(
-            solid_angle_sr=optics.solid_angle_sr,
-            cold_shield_efficiency=self.cold_shield_efficiency,
+            solid_angle_sr=optics.solid_angle_sr, cold_shield_efficiency=self.cold_shield_efficiency
         )
         weighting = self.photon_weighting if image.bands is None else "spectrum"
         passed = image.responses
@@ -405,7 +404,5 @@ class FocalPlanePanel(SeededModule):
         if kelvin is None or self.dark_reference_K is None or self.dark_doubling_K is None:
             return current
         return current * focal_plane_array.dark_factor(
-            detector_K=kelvin,
-            reference_K=self.dark_reference_K,
-            doubling_K=self.dark_doubling_K,
+            detector_K=kelvin, reference_K=self.dark_reference_K, doubling_K=self.dark_doubling_K
         )

@@ -24,13 +24,7 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates,
 from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, TableFigures
 from nodes.shared.shared_warnings import apart_from_context, band_caution, unit_caution
-from nodes.shared.steps import (
-    PictureRange,
-    difference,
-    filtered_lines,
-    picture_range,
-    quantized,
-)
+from nodes.shared.steps import PictureRange, difference, filtered_lines, picture_range, quantized
 
 _MOST_FRAMES = 64
 

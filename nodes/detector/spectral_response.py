@@ -126,11 +126,7 @@ class SpectralResponse(
         if source is None and band[0] < SHORTEST_THERMAL_UM:
             source = SUNLIGHT_K
         counted = here.step(
-            mean_response,
-            image.recipe,
-            response=response,
-            band_um=band,
-            source_K=source,
+            mean_response, image.recipe, response=response, band_um=band, source_K=source
         )
         dimmed = here.step(weighted, image.recipe, counted)
         return ImageOutput(image.with_recipe(dimmed, responses=passed))

@@ -107,9 +107,7 @@ def _is_number(text: str, number: float) -> bool:
         return False
 
 
-def _wavelengths(
-    layout: EnviLayout,
-) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
+def _wavelengths(layout: EnviLayout) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
     centres = _numbers(layout, "wavelength")
     widths = _numbers(layout, "fwhm")
     unit = _wavelength_unit(layout)

@@ -322,11 +322,7 @@ def _what_would_fit(layout: EnviLayout, size_bytes: int) -> list[str]:
     size = layout.dtype.itemsize
     per_item = layout.rows * layout.columns * layout.bands
     fits = []
-    for key, term in (
-        ("bands", layout.bands),
-        ("lines", layout.rows),
-        ("samples", layout.columns),
-    ):
+    for key, term in (("bands", layout.bands), ("lines", layout.rows), ("samples", layout.columns)):
         others = per_item // term * size
         if samples > 0 and samples % others == 0:
             fits.append(f"{key} = {samples // others}")

@@ -110,12 +110,7 @@ def read_plain_tiff(
 
 
 def channel_of(
-    content: StoredBytes,
-    layout: TiffLayout,
-    path: Path,
-    band: int = 0,
-    *,
-    empty: Empty = np.empty,
+    content: StoredBytes, layout: TiffLayout, path: Path, band: int = 0, *, empty: Empty = np.empty
 ) -> Samples:
     kind = np.dtype(layout.numpy_kind)
     stored_kind = np.dtype(f"{layout.order}{layout.numpy_kind}")

@@ -92,9 +92,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         Section("Field", ("kind", "positions")),
         Section("", ("tangential_mrad", "sagittal_mrad"), shown_when=("kind", ("gaussian",))),
         Section(
-            "Files",
-            ("path_1", "path_2", "path_3", "path_4"),
-            shown_when=("kind", ("mtf", "psf")),
+            "Files", ("path_1", "path_2", "path_3", "path_4"), shown_when=("kind", ("mtf", "psf"))
         ),
         Section("", ("sample_pitch_um",), shown_when=("kind", ("psf",))),
         Section("Tiles", ("tile",)),

@@ -27,11 +27,7 @@ class InitOutputs(NamedTuple):
 
 
 class InitTrans(
-    Module,
-    key="init_trans",
-    title="Init & Trans",
-    explained="Fourier transform",
-    group="Transform",
+    Module, key="init_trans", title="Init & Trans", explained="Fourier transform", group="Transform"
 ):
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 

@@ -64,9 +64,7 @@ def refuse_unreal(path: Path, dtype: np.dtype[Any]) -> None:
 
 
 def refuse_shape(
-    path: Path,
-    shape: tuple[int, ...],
-    allowed: str = "(rows, columns) or (rows, columns, bands)",
+    path: Path, shape: tuple[int, ...], allowed: str = "(rows, columns) or (rows, columns, bands)"
 ) -> None:
     if len(shape) not in (2, 3) or 0 in shape:
         raise FileError(
