@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -138,10 +139,20 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
 
     def run(self, here: NodeContext) -> ImageOutput:
         x, y = self.fov_x_deg, self.fov_y_deg
-        stack = self._stack(here) if self.bands else None
+        shares: tuple[Step, ...] = ()
+        drawing = self._named(*DRAWING)
+        if draw.in_two_steps(kind=self.kind, width=self.width, height=self.height):
+            placed = self._named("kind", "width", "height", *GEOMETRY[self.kind])
+            shares, drawing = (here.step(shares_drawn, **placed),), {"kind": self.kind}
+        sources = self._named(*SOURCES) | self._reflectances()
+        stack: SceneBands | None = None
+        recipe: Recipe = here.step(drawn, *shares, **drawing, **sources)
+        if self.bands:
+            stack = self._stack(shares, drawing, sources, here)
+            recipe = stack.picture(stack.whole)
         return ImageOutput(
             Image(
-                self._recipe(here) if stack is None else stack.picture(stack.whole),
+                recipe,
                 self.height,
                 self.width,
                 _interval("fov_x_deg", x, self.width),
@@ -153,27 +164,26 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             )
         )
 
-    def _recipe(self, here: NodeContext) -> Step:
-        sources = self._named(*SOURCES) | self._reflectances()
-        if (shares := self._shares(here)) is not None:
-            return here.step(shown, shares, kind=self.kind, **sources)
-        return here.step(drawn, **self._named(*DRAWING), **sources)
-
-    def _stack(self, here: NodeContext) -> SceneBands:
-        return SceneBands.of(
-            shares=self._shares(here),
-            drawing=self._named(*DRAWING),
-            bands=self.bands,
-            sources=self._named(*SOURCES, "emissivity", "sun_elevation_deg", "quantity")
-            | self._reflectances(),
-            node=here.node,
+    def _stack(
+        self,
+        shares: tuple[Step, ...],
+        drawing: dict[str, Any],
+        sources: dict[str, Any],
+        here: NodeContext,
+    ) -> SceneBands:
+        """Bands of equal width."""
+        how = sources | self._named("bands", "emissivity", "sun_elevation_deg", "quantity")
+        ends = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
+        edges = draw.band_edges(**ends, bands=self.bands)
+        return SceneBands(
+            tuple(((edges[1:] + edges[:-1]) / 2.0).tolist()),
+            tuple(np.diff(edges).tolist()),
+            here.step(spectra_made, kind=self.kind, **how),
+            shares,
+            tuple(sorted(drawing.items())),
+            here.node,
+            density=self.quantity == "radiance",
         )
-
-    def _shares(self, here: NodeContext) -> Step | None:
-        if not draw.in_two_steps(kind=self.kind, width=self.width, height=self.height):
-            return None
-        names = ("kind", "width", "height", *GEOMETRY[self.kind])
-        return here.step(shares_drawn, **self._named(*names))
 
     def _reflectances(self) -> dict[str, Any]:
         """Levels of a target in reflectance; none in radiance, and of surfaces with spectra."""
@@ -199,29 +209,28 @@ def _canvas(work: Work, width: int, height: int, **how: Any) -> Canvas:
     return replace(Canvas(width, height, work.policy.dtype, work.for_each), **how)
 
 
-@in_blocks()
-@source_step(area_means=True)
-def drawn(
+def _pictured(
     work: Work,
+    shares: tuple[Shares, ...],
+    radiances: Mapping[str, float],
     *,
-    kind: str,
-    width: int,
-    height: int,
-    angle_deg: float,
-    frequency: float,
-    **sources: Any,
+    width: int = 0,
+    height: int = 0,
+    **drawing: Any,
 ) -> NDArray[np.floating]:
+    """By the shares of all surfaces, where these are known, else drawn at once."""
+    if shares:
+        return draw.show_radiances(shares[0], radiances, work.for_each)
     canvas = _canvas(work, width, height, empty=work.empty)
-    radiances = draw.scene_radiances(kind=kind, **sources)
-    return draw.draw_radiances(
-        radiances, canvas, kind=kind, angle_deg=angle_deg, frequency=frequency
-    )
+    return draw.draw_radiances(radiances, canvas, **drawing)
 
 
 @in_blocks()  # a scene that is drawn in two steps is small
 @source_step(area_means=True)
-def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
-    return draw.show_radiances(shares, draw.scene_radiances(**values), work.for_each)
+def drawn(work: Work, *shares: Shares, **values: Any) -> NDArray[np.floating]:
+    places = {name: values.pop(name) for name in DRAWING if name in values}
+    radiances = draw.scene_radiances(kind=places["kind"], **values)
+    return _pictured(work, shares, radiances, **places)
 
 
 @ends_lineage
@@ -242,54 +251,23 @@ class SceneBands(BandStack):
     """
 
     spectra: Recipe
-    shares: Recipe | None
+    shares: tuple[Recipe, ...]
     drawing: Parameters
     node: str | None = field(default=None, compare=False)
 
-    @classmethod
-    def of(
-        cls,
-        *,
-        shares: Recipe | None,
-        drawing: dict[str, Any],
-        bands: int,
-        sources: dict[str, Any],
-        node: str,
-    ) -> SceneBands:
-        """Bands of equal width; `sources` as `scene_spectra` takes."""
-        ends = {name: sources[name] for name in ("cut_on_um", "cut_off_um")}
-        edges = draw.band_edges(**ends, bands=bands)
-        centres, widths = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges)
-        spectra = Step.of(spectra_made, node=node, kind=drawing["kind"], bands=bands, **sources)
-        return cls(
-            tuple(map(float, centres)),
-            tuple(map(float, widths)),
-            spectra,
-            shares,
-            tuple(sorted(drawing.items())) if shares is None else (),
-            node,
-            density=sources["quantity"] == "radiance",
-        )
-
     def _content(self) -> tuple[object, ...]:
-        shares = None if self.shares is None else self.shares.key
-        return self.spectra.key, shares, self.drawing
+        return self.spectra.key, *(shares.key for shares in self.shares), self.drawing
 
     def picture(self, weights: Row) -> Recipe:
-        weights = tuple(map(float, weights))
-        if self.shares is not None:
-            return Step.of(sum_shown, self.shares, self.spectra, node=self.node, weights=weights)
-        return Step.of(
-            sum_drawn, self.spectra, node=self.node, weights=weights, **dict(self.drawing)
-        )
+        how = {"weights": tuple(map(float, weights)), **dict(self.drawing)}
+        return Step.of(sum_drawn, self.spectra, *self.shares, node=self.node, **how)
 
     def sums(self, weights: Rows) -> Recipe:
         return stacked(tuple(self.picture(row) for row in weights))
 
     def means(self) -> Recipe:
-        if self.shares is not None:
-            return Step.of(means_shown, self.shares, self.spectra, node=self.node)
-        return Step.of(means_drawn, self.spectra, node=self.node, **dict(self.drawing))
+        how = dict(self.drawing)
+        return Step.of(means_drawn, self.spectra, *self.shares, node=self.node, **how)
 
 
 @ends_lineage
@@ -299,29 +277,17 @@ def spectra_made(_: Work, **values: Any) -> Spectra:
 
 @in_blocks()  # small, too
 @source_step(area_means=True)
-def sum_shown(
-    work: Work, shares: Shares, spectra: Spectra, *, weights: Row
-) -> NDArray[np.floating]:
-    return draw.show_radiances(shares, draw.weighted(spectra, weights), work.for_each)
-
-
-@in_blocks()
-@source_step(area_means=True)
 def sum_drawn(
-    work: Work, spectra: Spectra, *, weights: Row, width: int, height: int, **drawing: Any
+    work: Work, spectra: Spectra, *shares: Shares, weights: Row, **drawing: Any
 ) -> NDArray[np.floating]:
-    canvas = _canvas(work, width, height, empty=work.empty)
-    return draw.draw_radiances(draw.weighted(spectra, weights), canvas, **drawing)
-
-
-@ends_lineage
-def means_shown(_: Work, shares: Shares, spectra: Spectra) -> NDArray[np.float64]:
-    return draw.shown_means(shares, spectra)
+    return _pictured(work, shares, draw.weighted(spectra, weights), **drawing)
 
 
 @ends_lineage
 def means_drawn(
-    work: Work, spectra: Spectra, *, width: int, height: int, **drawing: Any
+    work: Work, spectra: Spectra, *shares: Shares, width: int = 0, height: int = 0, **drawing: Any
 ) -> NDArray[np.float64]:
+    if shares:
+        return draw.shown_means(shares[0], spectra)
     canvas = _canvas(work, width, height, dtype=np.float64)
     return draw.drawn_means(spectra, canvas, **drawing)

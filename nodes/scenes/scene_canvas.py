@@ -117,28 +117,9 @@ class Canvas:
         return picture
 
 
-@dataclass(frozen=True)
-class Stroke:
-    """Draws between `top` and `low`: over what is there, or added to it.
-
-    `bind` prepares it for the columns between the edges.
-    """
-
-    top: float
-    low: float
-    names: frozenset[str]
-    bind: Callable[[coverage.FloatArray], Patches]
-    adds: bool = False
-
-    def on(self, x_edges: coverage.FloatArray) -> tuple[bool, Patches]:
-        """Whether it adds, and what it draws on columns that are known."""
-        patches = self.bind(x_edges)
-
-        def there(y_edges: coverage.FloatArray) -> Iterable[Patch]:
-            touches = self.top < y_edges[-1] and self.low > y_edges[0]
-            return patches(y_edges) if touches else ()
-
-        return self.adds, there
+Stroke = tuple[float, float, frozenset[str], Callable[[coverage.FloatArray], Patches], bool]
+"""Draws from a top to a low end, of which names; its patches, once it knows the edges of the
+columns; whether it adds to what is there, and does not cover it."""
 
 
 class Drawing:
@@ -192,7 +173,7 @@ class Drawing:
 
         names = frozenset(name for mix in mixes for name in mix)
         top, low = float((centre_y - radius_y).min()), float((centre_y + radius_y).max())
-        self._strokes.append(Stroke(top, low, names, bind))
+        self._strokes.append((top, low, names, bind, False))
 
     def paint_trapezoid(self, mix: Mix | str, upper: Side, lower: Side) -> None:
         """Cover a trapezoid with level upper and lower sides."""
@@ -222,7 +203,7 @@ class Drawing:
 
             return patches
 
-        self._strokes.append(Stroke(top, low, frozenset(mixed), bind))
+        self._strokes.append((top, low, frozenset(mixed), bind, False))
 
     def _products(self, mix: Mix, terms: Sequence[Term], *, adds: bool) -> None:
         top, low = min(y.low for y, _ in terms), max(y.high for y, _ in terms)
@@ -239,15 +220,19 @@ class Drawing:
 
             return patches
 
-        self._strokes.append(Stroke(top, low, frozenset(mix), bind, adds))
+        self._strokes.append((top, low, frozenset(mix), bind, adds))
 
     @property
     def names(self) -> tuple[str, ...]:
-        return tuple(sorted({self.background}.union(*(s.names for s in self._strokes))))
+        return tuple(sorted({self.background}.union(*(names for _, _, names, *_ in self._strokes))))
 
     def bound(self, x_edges: coverage.FloatArray) -> list[tuple[bool, Patches]]:
-        """The strokes in order, ready for columns."""
-        return [stroke.on(x_edges) for stroke in self._strokes]
+        """Of each stroke in order whether it adds, and what it draws on columns that are known."""
+
+        def there(top: float, low: float, patches: Patches) -> Patches:
+            return lambda edges: patches(edges) if top < edges[-1] and low > edges[0] else ()
+
+        return [(adds, there(top, low, bind(x_edges))) for top, low, _, bind, adds in self._strokes]
 
     def render(self, radiances: Radiances, canvas: Canvas) -> npt.NDArray[np.floating]:
         known = with_textures(radiances, self.textures)
