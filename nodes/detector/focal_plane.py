@@ -1,12 +1,13 @@
 """Focal Plane: a camera's detector in electrons, as data sheets specify it today."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.engine import PlannedNode
-from core.chain.wires import Context, Image, Table, TableData
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.chain.wires import Context, Image, Table
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, warning
 from core.modules.preview import Preview
@@ -17,13 +18,13 @@ from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (
     Collection,
-    ElectronLevels,
     ReadOut,
     budget_preview,
     clipping_level,
     electron_levels,
     figures,
-    mean_clipped,
+    overflow_caution,
+    reference_caution,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.detector.spectral_response import (
@@ -340,20 +341,17 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def obscuration(self, image: Image, context: Context) -> Caution | None:
         """Diffraction and radiometry use different obscurations."""
         blocks = context.obscuration_ratio
-        for factor in passed_factors(image) if context.t_number is None else ():
-            for law in factor.laws:
-                aperture = dict(law.parameters).get("aperture")
-                if not isinstance(aperture, Aperture):
-                    continue
-                blurs = aperture.obscuration_ratio
-                if abs(blurs - blocks) > NEAR:
-                    return Caution(
-                        "electrons are counted for the wrong aperture: the blur uses "
-                        f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the radiometry "
-                        f"uses {blocks:.4g} on Camera or Init & Trans",
-                        "enter the obscuration on Camera and leave obscuration_ratio empty on "
-                        f"{factor.node}",
-                    )
+        for factor, bound in _laws(image) if context.t_number is None else ():
+            aperture = bound.get("aperture")
+            blurs = aperture.obscuration_ratio if isinstance(aperture, Aperture) else blocks
+            if abs(blurs - blocks) > NEAR:
+                return Caution(
+                    "electrons are counted for the wrong aperture: the blur uses "
+                    f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the radiometry "
+                    f"uses {blocks:.4g} on Camera or Init & Trans",
+                    "enter the obscuration on Camera and leave obscuration_ratio empty on "
+                    f"{factor.node}",
+                )
         return None
 
     @warning
@@ -364,22 +362,21 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def stages(self, image: Image) -> Caution | None:
         """The number of TDI stages differs from its value on TDI MTF."""
-        for factor in passed_factors(image):
-            for law in factor.laws:
-                stages = dict(law.parameters).get("stages")
-                if stages is not None and stages != self.tdi_stages:
-                    return Caution(
-                        f"tdi_stages = {self.tdi_stages} here but {stages} on {factor.node}: "
-                        "signal and blur are computed for different detectors",
-                        f"enter the number once and link it: tdi_stages = {factor.node}.stages",
-                    )
+        for factor, bound in _laws(image):
+            stages = bound.get("stages", self.tdi_stages)
+            if stages != self.tdi_stages:
+                return Caution(
+                    f"tdi_stages = {self.tdi_stages} here but {stages} on {factor.node}: signal "
+                    "and blur are computed for different detectors",
+                    f"enter the number once and link it: tdi_stages = {factor.node}.stages",
+                )
         return None
 
     @warning
     def exposure(self, image: Image) -> Caution | None:
         """The integration time differs from its value on Frame Transfer Smear."""
-        for factor in passed_factors(image):
-            if any({"ratio", "sides"} <= dict(law.parameters).keys() for law in factor.laws):
+        for factor, bound in _laws(image):
+            if {"ratio", "sides"} <= bound.keys():
                 return apart(
                     self,
                     {"integration_time_s": image.exposure_s},
@@ -450,11 +447,11 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if known is None:
             return None
         low, high = self._passed(known)
-        for factor in passed_factors(image):
-            band = _band_of(factor)
+        for factor, bound in _laws(image):
+            band: Any = bound.get("cut_on_um"), bound.get("cut_off_um")
             # The cutoff of the optics goes as 1 over the wavelength, as it goes as 1 over the
             # F-number: the middles of both bands may differ by as much as a nominal F-number may.
-            if band is not None and not alike(sum(band), low + high, near=F_NUMBER_NEAR):
+            if None not in band and not alike(band[0] + band[1], low + high, near=F_NUMBER_NEAR):
                 return Caution(
                     f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
                     f"computes the blur for {band[0]:g} to {band[1]:g} µm, but the cold filter "
@@ -586,41 +583,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     )  # fmt: skip
 
 
-def _band_of(factor: Factor) -> Band | None:
-    """Wavelengths over which a factor is a mean; None where it names none."""
-    for law in factor.laws:
-        bound = dict(law.parameters)
-        if "cut_on_um" in bound and "cut_off_um" in bound:
-            return bound["cut_on_um"], bound["cut_off_um"]
-    return None
-
-
-@ends_lineage
-def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
-    """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
-
-    Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
-    """
-    clipped = mean_clipped(levels, reading)
-    if clipped is not None:
-        return replace(clipped, message=f"{clipped.message}: NETD, SNR and NEI are left out")
-    saturation = reading.saturation_e
-    if levels.brightest_e > saturation:
-        return Caution(
-            f"the brightest pixels saturate: they reach {levels.brightest_e:.4g} e- and are "
-            f"clipped at {saturation:.4g} e-; SNR and noise refer to the mean, and "
-            "saturated_pixels counts the clipped pixels",
-            "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
-        )
-    return None
-
-
-@ends_lineage
-def reference_caution(work: Work, found: TableData) -> Caution | None:
-    (row,) = (row for row in found.rows if row.name == "snr_at_reference")
-    if not row.reason:
-        return None
-    return Caution(
-        f"{row.reason}: snr_at_reference is left out",
-        "lower reference_radiance or integration_time_s, or check full_well_e, gain and bits",
-    )
+def _laws(image: Image) -> Iterator[tuple[Factor, dict[str, Any]]]:
+    """The factors on the way to a picture, and what is bound in each of their laws."""
+    for factor in passed_factors(image):
+        for law in factor.laws:
+            yield factor, dict(law.parameters)

@@ -261,6 +261,37 @@ def _bent_slope(electrons: float, reading: ReadOut) -> float:
 
 
 @ends_lineage
+def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
+    """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
+
+    Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
+    """
+    clipped = mean_clipped(levels, reading)
+    if clipped is not None:
+        return replace(clipped, message=f"{clipped.message}: NETD, SNR and NEI are left out")
+    saturation = reading.saturation_e
+    if levels.brightest_e > saturation:
+        return Caution(
+            f"the brightest pixels saturate: they reach {levels.brightest_e:.4g} e- and are "
+            f"clipped at {saturation:.4g} e-; SNR and noise refer to the mean, and "
+            "saturated_pixels counts the clipped pixels",
+            "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
+        )
+    return None
+
+
+@ends_lineage
+def reference_caution(work: Work, found: TableData) -> Caution | None:
+    (row,) = (row for row in found.rows if row.name == "snr_at_reference")
+    if not row.reason:
+        return None
+    return Caution(
+        f"{row.reason}: snr_at_reference is left out",
+        "lower reference_radiance or integration_time_s, or check full_well_e, gain and bits",
+    )
+
+
+@ends_lineage
 def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> LevelChange:
     """What a read-out that ends does to small differences about the mean: nothing, or all."""
     clipped = mean_clipped(levels, reading)
