@@ -1,10 +1,4 @@
-"""Networks of random modules in random order against direct sums that share no code with them.
-
-Left out by rule, not by a wider tolerance: pictures that hang on rounding, made with the phase of
-(nearly) nothing or with a pattern of too many turns, and those on whose way a quantizer stood
-within the tolerance of the turn between two levels. Where a quantizer comes last, either level
-beside such a turn is right.
-"""
+"""Random chains and networks."""
 
 from __future__ import annotations
 
@@ -13,10 +7,15 @@ from random import Random
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from chain_runs import picture_of, run
+from drawn_chains import chains, ordinary
 from drawn_networks import LARGE, ON_PICTURE, ON_SPECTRUM, SMALL, Drawn, drawn
 from slow_comparison import TOLERANCE, Comparison, UndecidedError, error, reduced
 from slow_reference.network import IllConditionedError
+from thorough import examples
 
 NETWORKS, CHUNKS = 2000, 8
 LARGEST_SHARE = 0.05  # of networks left out
@@ -64,3 +63,29 @@ def test_frames_of_several_blocks_are_as_the_direct_sums_say(tmp_path, size, req
     random = Random(f"large frames {size}")
     count = 10 if request.config.option.thorough else 4
     check(comparison, [drawn(random, comparison.names, most=5) for _ in range(count)])
+
+
+KINDS = ("scene", "constant", "zero", "huge", "tiny", "wide", "negative", "below zero", "point",
+         "edge of single", "edge of double", "least")  # fmt: skip
+
+SETTINGS = settings(
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much,
+                           HealthCheck.data_too_large],
+)  # fmt: skip
+
+
+@settings(SETTINGS, max_examples=examples(150))
+@given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
+def test_ordinary_parameters(folder, drawn, precision):
+    size, chain = drawn
+    run(chain, picture_of("scene", size), folder, precision)
+
+
+@pytest.mark.parametrize("kind", KINDS[1:])
+@settings(SETTINGS, max_examples=examples(25))
+@given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
+def test_extreme_pictures(folder, kind, drawn, precision):
+    size, chain = drawn
+    run(chain, picture_of(kind, size), folder, precision)

@@ -1,4 +1,4 @@
-"""What an evaluation did not compute, with the modules of the library."""
+"""What a scene does not need is skipped."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ import math
 
 import pytest
 
+from core.chain.engine import Engine
+from core.chain.filtered_sum import ChosenWavelengths
 from core.chain.skipped import skips
+from core.evaluation.work import Policy
+from core.network.file import load_network
+from cube_network import BANDS, write_cube_network
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -113,3 +118,24 @@ def test_periodic_edges_are_not_mirrored(tmp_path):
 def test_the_share_of_the_inverse_that_folding_leaves(tmp_path):
     assert account(tmp_path)["pixels", "folded"].share == pytest.approx(1 / 6, rel=1e-15)
     assert ("pixels", "folded") not in account(tmp_path, pixels={"factor_x": 5})
+
+
+@pytest.mark.parametrize("port", ["back.image", "fpa.electrons"])
+def test_the_account_has_them_whoever_sums_the_bands(tmp_path, port):
+    library = standard_library()
+    write_cube_network(tmp_path, library, aperture_mm=100.0)
+    engine = Engine(library)
+    network = load_network(tmp_path / "cube.json", library=library)
+    plan = engine.plan(network, folder=tmp_path)
+    work = engine.work(Policy("double", 1e-3))
+    engine.value(plan, port, work)
+    made = [one for one in skips(plan, work) if one.kind == "wavelengths"]
+    (rank,) = (
+        work.value(recipe)
+        for recipe in list(work.log.requested.values())
+        if isinstance(recipe, ChosenWavelengths)
+    )
+    assert [one.node for one in made] == ["back"]
+    assert 0 < made[0].bound <= 1e-3
+    assert made[0].bound == rank.bound
+    assert made[0].share == len(rank.chosen) / BANDS < 1

@@ -1,13 +1,21 @@
-"""3-D Noise: 200 frames of one sensor, its prediction, and what it refuses."""
+"""3-D Noise: predicted, simulated and in files."""
+
+from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image as Pillow
 
+from core.chain.frame_sequence import at_frame
 from core.evaluation.work import Policy
 from core.network.network import Link, Node
-from noisy_sensors import noisy_sensor
+from core.physics.noise.noise_components import COMPONENTS, NoiseCube
+from node_bench import NodeBench
+from nodes.analysis.lineage import NoiseOf, noise_free
+from nodes.library import standard_library
+from noisy_sensors import SOURCES, noisy_sensor, picture_of
 
 ALL = ("photons", "gain", "bias", "detector", "amplifier", "quantization", "periodic")
 
@@ -74,3 +82,180 @@ def test_the_literal_gain_error_is_refused(tmp_path):
     )
     plan = engine.plan(network, folder=tmp_path)
     assert "gain_model = literal multiplies the picture" in str(plan.errors()[0])
+
+
+KINDS = ("photons", "published photons", *SOURCES, "periodic")
+SENSORS, FRAMES_OF_EACH = 20, 10
+SETTINGS = {
+    "staring": {"platform": "array"},
+    "pushbroom": {"platform": "push", "edges": "periodic", "resize": False},
+    "scanner": {"platform": "line", "factor": 5},
+}
+
+
+def simulated(folder, kinds, **settings):
+    """Estimates of 20 sensors with 10 frames each, and the prediction for the last sensor."""
+    engine, network = noisy_sensor(folder, *kinds, **settings)
+    found = []
+    for seed in range(SENSORS):
+        image, work = picture_of(engine, network, folder, seed)
+        clean = work.value(noise_free(image.recipe))
+        cube = NoiseCube(*image.shape)
+        for frame in range(FRAMES_OF_EACH):
+            cube.add(work.value(at_frame(image.recipe, frame)) - clean)
+        variances = cube.measured().variances
+        found.append([variances.variance(name) for name in COMPONENTS])
+    total = work.value(NoiseOf(image)).total
+    return np.array(found), np.array([total.variance(name) for name in COMPONENTS])
+
+
+@pytest.mark.thorough(but=14)
+@pytest.mark.parametrize("setting", SETTINGS)
+@pytest.mark.parametrize("kinds", [*((kind,) for kind in KINDS), ALL], ids=[*KINDS, "all"])
+def test_prediction_is_the_mean_of_estimates(tmp_path, setting, kinds):
+    """Within four standard errors of 200 frames, which the sensors' own scatter tells.
+
+    The samples, of 30, are rounded to 2^−48 in each step: below 1e−14 squared nothing is told.
+    """
+    found, predicted = simulated(tmp_path, kinds, **SETTINGS[setting])
+    error = found.std(axis=0, ddof=1) / np.sqrt(SENSORS)
+    largest = predicted.max()
+    off = np.abs(found.mean(axis=0) - predicted)
+    assert np.all(off < 4.0 * error + 1e-9 * largest + 1e-28), dict(
+        zip(COMPONENTS, zip(found.mean(axis=0), predicted, error, strict=True), strict=True)
+    )
+    assert largest > 0 or (setting, kinds) == ("scanner", ("bias",))
+
+
+def test_each_source_has_its_term(tmp_path):
+    image, work = picture_of(*noisy_sensor(tmp_path, *ALL), tmp_path, 1)
+    noise = work.value(NoiseOf(image))
+    told = {(term.node, term.name): term for term in noise.terms}
+    assert [(t.node, t.name, t.temporal) for t in noise.terms] == [
+        ("photons", "photons", True),
+        ("periodic", "periodic", False),
+        ("electronics", "gain", False),
+        ("electronics", "bias", False),
+        ("electronics", "detector", True),
+        ("electronics", "amplifier", True),
+        ("electronics", "quantization", True),
+        ("electronics", "quantization", False),
+    ]
+    assert noise.mean == pytest.approx(30.0, rel=0.01)
+    assert noise.unknown == ()
+    summed = sum(term.variances.total for term in noise.terms)
+    assert noise.total.total == pytest.approx(summed)
+    # 8 levels of noise stir a step of 80/63 fully: q²/12, less what interpolation averages.
+    stirred = told["electronics", "quantization"].variances
+    assert stirred.total == 0.0 or stirred.total < (80 / 63) ** 2 / 12
+
+
+def test_prediction_of_a_uniform_field_in_closed_form(tmp_path, monkeypatch):
+    """Unfiltered amplifier noise and gain of a uniform 30: σ = 30/SNR and 30 × 2 %."""
+    import noisy_sensors
+
+    monkeypatch.setattr(noisy_sensors, "scene", lambda: np.full((96, 120), 30.0))
+    quiet = {**noisy_sensors.QUIET, "use_mtf": False}
+    monkeypatch.setattr(noisy_sensors, "QUIET", quiet)
+    engine, network = noisy_sensor(tmp_path, "amplifier", "gain", resize=False)
+    image, work = picture_of(engine, network, tmp_path, 1)
+    found = work.value(NoiseOf(image)).total
+    assert found.sigma("tvh") == pytest.approx(30.0 / 40.0, rel=1e-9)
+    assert found.sigma("vh") == pytest.approx(30.0 * 0.02, rel=1e-6)
+    for name in ("t", "v", "h", "tv", "th"):
+        assert abs(found.sigma(name)) < 1e-6
+
+
+LIBRARY = standard_library()
+SIGMAS = {"tvh": 9.0, "vh": 6.0, "v": 3.0, "h": 4.0, "t": 2.0, "tv": 2.5, "th": 1.5}
+FRAMES, ROWS, COLUMNS = 150, 80, 120
+
+
+def drawn(seed=4):
+    """Frames that are sums of seven independent fields about a level of 5000."""
+    random = np.random.default_rng(seed)
+    sizes = {"t": FRAMES, "v": ROWS, "h": COLUMNS}
+    cube = np.full((FRAMES, ROWS, COLUMNS), 5000.0)
+    for name, sigma in SIGMAS.items():
+        shape = [sizes[axis] if axis in name else 1 for axis in "tvh"]
+        cube += sigma * random.standard_normal(shape)
+    return cube
+
+
+def write(folder, name, cube):
+    path = folder / name
+    if name.endswith(".npy"):
+        np.save(path, cube.astype(np.float32))
+    elif name.endswith(".tif"):
+        first, *others = (Pillow.fromarray(one) for one in cube.astype(np.float32))
+        first.save(path, save_all=True, append_images=others)
+    else:
+        cube.astype("<f4").tofile(path)
+        frames, rows, columns = cube.shape
+        path.with_name(f"{name}.hdr").write_text(
+            f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = {frames}\ndata type = 4\n"
+            "interleave = bsq\nbyte order = 0\ndata units = DN\n"
+        )
+
+
+def planned(folder, params, *, image=None):
+    nodes = {} if image is None else {"scene": ("read_image", image)}
+    return NodeBench(LIBRARY, folder, {**nodes, "noise": ("noise_3d", params)}, precision="single")
+
+
+def table(folder, params, **how):
+    bench = planned(folder, params, **how)
+    assert bench.plan.errors() == []
+    return bench.value("noise.table")
+
+
+@pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
+def test_components_of_a_file(tmp_path, name):
+    """Within four standard errors: σ²·√(2/degrees of freedom) of each component's own average."""
+    write(tmp_path, name, drawn())
+    made = table(tmp_path, {"path": name})
+    figures = made.as_dict()
+    free = {"t": FRAMES - 1, "v": ROWS - 1, "h": COLUMNS - 1}
+    sizes = {"t": FRAMES, "v": ROWS, "h": COLUMNS}
+    for component, sigma in SIGMAS.items():
+        # A mean square is of the components that contain its axes, each over what it averages.
+        square = sum(
+            other**2 * np.prod([sizes[axis] for axis in sizes if axis not in within], initial=1.0)
+            for within, other in SIGMAS.items()
+            if set(component) <= set(within)
+        ) / np.prod([sizes[axis] for axis in sizes if axis not in component], initial=1.0)
+        error = square * np.sqrt(2.0 / np.prod([free[axis] for axis in component]))
+        measured = figures[f"sigma_{component}_measured"]
+        assert abs(measured**2 - sigma**2) < 4 * 1.5 * error, component
+    assert figures["mean"] == pytest.approx(5000.0, abs=4 * np.hypot(2 / 12, 0.6))
+    assert figures["frames"] == FRAMES
+    assert {row.unit for row in made.rows} == {"DN" if name == "f.bsq" else "", ""}
+    assert f"sigma_{COMPONENTS[0]}" not in figures
+
+
+def test_what_is_refused(tmp_path):
+    cube = drawn()[:3]
+    for name in ("f.npy", "f.bsq"):
+        write(tmp_path, name, cube)
+    np.save(tmp_path / "one.npy", cube[0])
+    np.save(tmp_path / "small.npy", cube[0, :7])
+
+    def line(params, **how):
+        (error,) = planned(tmp_path, params, **how).plan.errors()
+        return str(error).replace(f"{tmp_path}/", "")
+
+    assert line({}) == (
+        "noise: path is empty: give a file of frames, or link an image"
+    )  # fmt: skip
+    assert line({"path": "none.npy"}) == "noise: none.npy: no such file"
+    assert line({"path": "one.npy"}) == (
+        "noise: one.npy has only one frame; temporal noise needs 2 or more"
+    )
+    assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
+        "noise: f.npy: frames of 80 × 120 samples, but the linked picture "
+        "has 7 × 120: link a picture from the same camera, or no picture"
+    )
+    assert line({"path": "f.bsq"}, image={"path": "one.npy", "unit": "K"}) == (
+        "noise: f.bsq: frames in 'DN', but the linked picture is in 'K': "
+        "link a picture in the same unit, or no picture"
+    )

@@ -1,4 +1,4 @@
-"""Wavefront maps of files on pupils: against the same Zernike polynomials typed in."""
+"""Exit pupils: files, wavefronts and bands."""
 
 from __future__ import annotations
 
@@ -6,15 +6,123 @@ import struct
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
+from core.evaluation.work import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
+from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 from picture_samples import fits as fits_of
 
 SIZE, RADIUS = 128, 40.0
-WAVELENGTH_UM, SIZE_CM = 10.0, 2.56
+WAVELENGTH, SIZE_CM = 10.0, 2.56
 SCENE = {"kind": "uniform", "width": 32, "height": 32, "fov_x_deg": 3.0, "fov_y_deg": 3.0}
+
+
+def defocused_disc(lag, w20):
+    """Overlap of two unit discs `lag` apart, of phases 2π·W20·ρ²: one integral across them."""
+    if lag >= 2:
+        return 0.0
+    end = 1 - lag / 2
+    return 2 / np.pi * quad(
+        lambda x: np.sqrt(max(1 - (abs(x) + lag / 2) ** 2, 0)) * np.cos(4 * np.pi * w20 * lag * x),
+        -end, end, points=[0.0], epsabs=1e-10, limit=400,
+    )[0]  # fmt: skip
+
+
+def mtf(folder, pupil, wavelength=WAVELENGTH):
+    """MTF, and the frequencies across that are below the cutoff."""
+    nodes = {
+        "scene": ("test_scene", SCENE),
+        "init": ("init_trans", {}),
+        "pupil": ("exit_pupil", pupil),
+        "optics": (
+            "exit_pupil_mtf",
+            {
+                "cut_on_um": wavelength,
+                "cut_off_um": wavelength,
+                "size_x_cm": SIZE_CM,
+                "size_y_cm": SIZE_CM,
+            },
+        ),
+    }
+    bench = NodeBench(standard_library(), folder, nodes)
+    assert bench.plan.errors() == []
+    return bench.value("optics.mtf")
+
+
+def saved(folder, shape="clear", shift=(0, 0), size=SIZE):
+    samples = sample_pupil(PupilShape(shape, radius=RADIUS), rows=SIZE, columns=SIZE)
+    array = np.zeros((size, size))
+    array[:SIZE, :SIZE] = samples
+    np.save(folder / "pupil.npy", np.roll(array, shift, axis=(0, 1)))
+    return {"shape": "file", "path": "pupil.npy"}
+
+
+def truth(w20):
+    """At the image's frequencies across: lags λ·xi over the aperture's radius."""
+    interval = np.radians(3.0) * 1000 / 32
+    xi = np.arange(16) / (32 * interval)
+    radius_mm = RADIUS / SIZE * SIZE_CM * 10
+    return np.array([defocused_disc(WAVELENGTH * f / radius_mm, w20) for f in xi])
+
+
+@pytest.mark.parametrize("w20", [0.5, -1.0, 2.0])
+@pytest.mark.parametrize("shift", [(0, 0), (17, -20)])
+def test_defocus_is_that_at_the_rim_of_the_aperture(tmp_path, w20, shift):
+    pupil = {**saved(tmp_path, shift=shift), "defocus_waves": w20}
+    expected = truth(w20)
+    assert np.ptp(expected) > 0.05  # it tells
+    np.testing.assert_allclose(mtf(tmp_path, pupil)[0, :16], np.abs(expected), atol=4e-3)
+
+
+def test_a_typed_radius_is_centred_on_the_array(tmp_path):
+    """Waves over a disc twice as wide are a quarter at the aperture's rim."""
+    pupil = {**saved(tmp_path), "defocus_waves": 2.0, "radius": 2 * RADIUS}
+    np.testing.assert_allclose(mtf(tmp_path, pupil)[0, :16], np.abs(truth(0.5)), atol=4e-3)
+
+
+@pytest.mark.parametrize("shape", ["half_moon", "cassegrain"])
+def test_a_file_is_as_the_shape_that_it_was_sampled_from(tmp_path, shape):
+    waves = {"zernike_waves": [0, 0, 0, 0.05, 0.08, 0, 0.1]}
+    geometric = {
+        "shape": shape, "radius": RADIUS, "obscuration_radius": 0.0, "size_x": SIZE, "size_y": SIZE,
+        **waves,
+    }  # fmt: skip
+    found = mtf(tmp_path, {**saved(tmp_path, shape), **waves})
+    np.testing.assert_allclose(found, mtf(tmp_path, geometric), atol=8e-3)
+
+
+@pytest.mark.parametrize(
+    ("pupil", "expected"),
+    [
+        ({"shape": "clear"}, 75.0),
+        ({"shape": "cassegrain", "radius": 60.0}, 60.0),
+        ({"shape": "file", "path": "pupil.npy"}, 13.0),
+        ({"shape": "file", "path": "pupil.npy", "radius": 20.0}, 20.0),
+    ],
+)
+def test_the_radius_that_was_taken_is_read_out(tmp_path, pupil, expected):
+    """Two open samples, 24 across and 10 along of one another: 26 apart, off the middle."""
+    array = np.zeros((64, 64))
+    array[10, 8] = array[20, 32] = 1.0
+    np.save(tmp_path / "pupil.npy", array)
+    bench = NodeBench(standard_library(), tmp_path, {"pupil": ("exit_pupil", pupil)})
+    assert bench.plan.nodes["pupil"].declaration.readouts[0].unit == "samples"
+    assert bench.readouts("pupil") == {"aperture_radius": pytest.approx(expected, abs=1e-9)}
+
+
+def test_the_amplitude_of_a_file_is_relative_to_its_largest(tmp_path):
+    array = np.zeros((64, 64))
+    array[20:30, 20:40], array[30:40, 20:40] = 0.5, 0.2
+    np.save(tmp_path / "pupil.npy", array)
+    pupil = {"shape": "file", "path": "pupil.npy"}
+    bench = NodeBench(standard_library(), tmp_path, {"pupil": ("exit_pupil", pupil)})
+    np.testing.assert_allclose(np.abs(bench.value("pupil.pupil")), 2 * array, rtol=1e-12)
+
+
+WAVELENGTH_UM = 10.0
 Z7 = [0, 0, 0, 0, 0, 0, 0.15]
 
 
@@ -236,3 +344,86 @@ def test_what_does_not_fit(tmp_path):
         (of(None, "other.npy"), "no such file"),
     ):
         assert words in refusal(tmp_path, pupil)
+
+
+LIBRARY = standard_library()
+
+CUBE_SIZE = (32, 40)
+INTERVAL = 0.035
+BANDS = 6
+PUPIL = {"size_x": 128, "size_y": 128, "radius": 50}
+
+
+@pytest.fixture
+def cube(tmp_path):
+    wavelengths, width = centres(BANDS)
+    samples = materials_cube(CUBE_SIZE, wavelengths)
+    write_cube(tmp_path, samples, wavelengths, width)
+    return samples, wavelengths, width
+
+
+def bench(folder, *, read, pupil=(), otf=()):
+    fov = {
+        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * CUBE_SIZE[1])),
+        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * CUBE_SIZE[0])),
+    }
+    nodes = {
+        "read": ("read_image", {**fov, **read}),
+        "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0}),
+        "pupil": ("exit_pupil", {**PUPIL, **dict(pupil)}),
+        "otf": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8, **dict(otf)}),
+        "back": ("back_transform", {}),
+    }
+    return NodeBench(LIBRARY, folder, nodes)
+
+
+def delivered(there):
+    work = there.engine.work(Policy("double", 0.0))
+    return there.engine.value(there.plan, "back.image", work)
+
+
+ALL = {"path": "cube.img", "bands": "all"}
+
+
+@pytest.mark.parametrize(
+    "pupil", [{"defocus_waves": 0.4}, {"zernike_waves": (0, 0, 0, 0, 0, 0, 0.12, 0.05)}]
+)
+def test_a_wavefront_error_counts_by_the_waves_of_every_band(tmp_path, cube, pupil):
+    """The same as the sum of pictures of one band, whose waves are those of the whole band."""
+    made = delivered(bench(tmp_path, read=ALL, pupil=pupil))
+    samples, wavelengths, width = cube
+    middle = 4.0
+    want = 0.0
+    for band, wavelength in zip(samples, wavelengths, strict=True):
+        np.save(tmp_path / "one.npy", band)
+        scaled = {
+            name: value * middle / wavelength
+            if np.isscalar(value)
+            else tuple(one * middle / wavelength for one in value)
+            for name, value in pupil.items()
+        }
+        at = {"cut_on_um": float(wavelength), "cut_off_um": float(wavelength)}
+        one = bench(tmp_path, read={"path": "one.npy"}, pupil=scaled, otf=at)
+        want = want + width * delivered(one)
+    assert np.abs(made - want).max() <= 1e-11 * np.ptp(want)
+
+
+@pytest.mark.parametrize(("weighting", "power"), [("photons", 4), ("energy", 5)])
+def test_wavelengths_of_one_band_count_by_the_light_of_a_body(tmp_path, weighting, power):
+    np.save(tmp_path / "flat.npy", np.ones(CUBE_SIZE))
+    there = bench(
+        tmp_path,
+        read={"path": "flat.npy", "cut_on_um": 3.0, "cut_off_um": 5.0},
+        otf={"wavelengths": 24, "weighting": weighting, "source_K": 300.0},
+    )
+    mtf = there.value("otf.mtf")
+    um = 3.0 + 2.0 * (np.arange(20000) + 0.5) / 20000
+    light = um**-power / np.expm1(C2_UM / um / 300.0)
+    row = np.asarray(mtf)[0] if np.asarray(mtf)[0, 0] == 1.0 else None
+    frequency = there.port("otf.mtf").grid.xi()
+    at = 5
+    want = np.sum(light * disc_otf(frequency[at], um, 100.0)) / light.sum()
+    measured = (
+        row[at] if row is not None else np.asarray(mtf)[CUBE_SIZE[0] // 2, CUBE_SIZE[1] // 2 + at]
+    )
+    assert measured == pytest.approx(want, abs=1e-6)

@@ -1,17 +1,22 @@
-"""Every read-out of the modules of blur against a formula, with unlike axes."""
+"""Read-outs of all modules."""
 
 from __future__ import annotations
 
 import cmath
 import math
 
+import numpy as np
 import pytest
 from scipy.special import j0
 
+from node_bench import NodeBench
+from nodes.library import standard_library
+from planck_truth import band_radiance
 from readout_bench import (
     COLUMNS,
     DX,
     DY,
+    F_NUMBER,
     FILL_X,
     FILL_Y,
     FOCAL_LENGTH_MM,
@@ -269,3 +274,201 @@ def test_readouts_of_photon_noise(tmp_path):
     assert noise.std() > 0
     expected = {"noise_mean": float(noise.mean()), "noise_sigma": float(noise.std())}
     check(bench.readouts("it"), expected)
+
+
+BLUR = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3}
+D_STAR, BANDWIDTH_HZ, GAIN = 1e9, 3e4, 0.02
+
+
+def test_slices_at_both_nyquist_frequencies(tmp_path):
+    bench = bench_of(tmp_path, "mtf_slices", {}, more={"blur": ("gaussian_mtf", BLUR)})
+    assert bench.readouts("it") == pytest.approx(
+        {
+            "at_nyquist_x": gaussian(0.4, NYQUIST_X),
+            "at_nyquist_y": gaussian(1.3, NYQUIST_Y),
+            "at_pixel_nyquist_x": gaussian(0.4, 0.5 * FOCAL_LENGTH_MM / PITCH_X_UM),
+            "at_pixel_nyquist_y": gaussian(1.3, 0.5 * FOCAL_LENGTH_MM / PITCH_Y_UM),
+        },
+        rel=1e-12,
+    )
+
+
+def noisy(folder, key, params, platform="array"):
+    """A blurred level through detectors with noise and errors of gain."""
+    noise = {
+        "material": "manual", "d_star": D_STAR, "bandwidth_Hz": BANDWIDTH_HZ,
+        "gain_percent": 100 * GAIN, "background_K": 290.0,
+    }  # fmt: skip
+    return bench_of(
+        folder, key, params, scene={"kind": "uniform"}, init={"platform": platform},
+        more={
+            "blur": ("gaussian_mtf", BLUR),
+            "back": ("back_transform", {}),
+            "noise": ("electronics_noise", noise),
+        },
+    )  # fmt: skip
+
+
+def detector_sigma():
+    """√(A·Δf)/D*·(1 + 4F²)/π/A, per m²."""
+    area_cm2 = PITCH_X_UM * FILL_X * PITCH_Y_UM * FILL_Y * 1e-8
+    g_number = (1 + 4 * F_NUMBER**2) / math.pi
+    return 1e4 * math.sqrt(area_cm2 * BANDWIDTH_HZ) / D_STAR * g_number / area_cm2
+
+
+def test_readouts_of_the_noise_budget(tmp_path):
+    bench = noisy(tmp_path, "noise_budget", {"frequency": 0.4})
+    level = float(bench.value("scene.image").mean())
+    one, two = detector_sigma(), GAIN * level
+    assert 0.05 < one / two < 20  # neither hides the other
+    found = bench.readouts("it")
+    assert found == pytest.approx(
+        {
+            "sigma": math.hypot(one, two),
+            "sigma_temporal": one,
+            "sigma_fixed": two,
+            "mtf_x": gaussian(0.4, 0.4 * NYQUIST_X),
+            "mtf_y": gaussian(1.3, 0.4 * NYQUIST_Y),
+            "xi": 0.4 * NYQUIST_X,
+            "eta": 0.4 * NYQUIST_Y,
+        },
+        rel=1e-3,
+    )
+
+
+def test_readouts_of_a_pushbroom(tmp_path):
+    """1000 m up; 20 and 30 µm at 40 mm are 0.5 and 0.75 m, out to the ends of a line."""
+    params = {
+        "kind": "pushbroom", "altitude_m": 1000.0, "ground_interval_m": 1.0, "columns": 20,
+        "rows": 12, "fov_x_deg": None, "pitch_x_um": 20.0, "pitch_y_um": 30.0,
+        "focal_length_mm": 40.0,
+    }  # fmt: skip
+    found = bench_of(tmp_path, "camera_geometry", params).readouts("it")
+    assert found == pytest.approx(
+        {
+            "swath_m": 10.0,
+            "gsd_x_m": 0.5,
+            "gsd_y_m": 0.75,
+            "gsd_edge_x_m": 0.5,
+            "gsd_edge_y_m": 0.75,
+            "panoramic_factor": 1.0,
+            "interval_x_mrad": 0.5,
+            "interval_y_mrad": 0.75,
+            "line_spacing_m": 0.75,
+            "lines": 12,
+            "footprint_error": 0.0,
+        },
+        rel=1e-9,
+    )
+
+
+BACKGROUND_K, AMPLIFIER_SNR, SPREAD = 290.0, 80.0, 0.3
+PARAMS = {
+    "material": "manual", "d_star": D_STAR, "background_K": BACKGROUND_K,
+    "amplifier_snr": AMPLIFIER_SNR, "optics_transmission": 0.8, "filter_transmission": 0.9,
+    "noise_variability_percent": 100 * SPREAD, "bits": 8,
+}  # fmt: skip
+
+
+def slope():
+    """dL/dT of Planck's law in 8 to 12 µm, by a difference."""
+    up, down = (float(band_radiance(8.0, 12.0, BACKGROUND_K + d)) for d in (0.01, -0.01))
+    return (up - down) / 0.02
+
+
+@pytest.mark.parametrize(
+    ("given", "bandwidth_Hz"),
+    [
+        ({}, SCAN_MRAD_PER_S / (2 * DX)),  # 1/(2τ), τ the time over one sample across
+        ({"time_constant_s": 2e-5}, 25e3),
+        ({"scan_mirror_rate_Hz": 2.0}, 2 * 2 * math.pi * 1000 / (2 * DX)),
+        ({"bandwidth_Hz": 4e4}, 4e4),
+    ],
+)
+def test_readouts_of_the_electronics(tmp_path, given, bandwidth_Hz):
+    bench = bench_of(tmp_path, "electronics_noise", {**PARAMS, **given})
+    found = bench.readouts("it")
+    area_cm2 = PITCH_X_UM * FILL_X * PITCH_Y_UM * FILL_Y * 1e-8
+    g_number = (1 + 4 * F_NUMBER**2) / (math.pi * 0.8 * 0.9)
+    nep = math.sqrt(area_cm2 * bandwidth_Hz) / D_STAR
+    ner = nep * g_number / (1e-4 * area_cm2)
+    mean = float(bench.value("scene.image").mean())
+    # All detectors together are noisier than one of mean noise, by the spread among them.
+    detectors, amplifier = ner * math.hypot(1, SPREAD), mean / AMPLIFIER_SNR
+    exact = {
+        "bandwidth_Hz": bandwidth_Hz,
+        "g_number": g_number,
+        "d_star": D_STAR,
+        "nep_W": nep,
+        "ner": ner,
+        "snr": mean / math.hypot(detectors, amplifier),
+        "background_K": BACKGROUND_K,
+    }
+    kelvin = {
+        "netd_detector_K": detectors / slope(),
+        "netd_amplifier_K": amplifier / slope(),
+        "netd_system_K": math.hypot(detectors, amplifier) / slope(),
+    }
+    error = bench.value("it.quantization_error")
+    rounding = {"quantization_rms": math.sqrt(float(np.mean(error**2)))}
+    assert found.keys() == {*exact, *kelvin, *rounding}
+    for names, rel in ((exact, 1e-11), (kelvin, 1e-6), (rounding, 1e-9)):
+        for name, value in names.items():
+            assert found[name] == pytest.approx(value, rel=rel), name
+
+
+PIXEL_X, PIXEL_Y = PITCH_X_UM / FOCAL_LENGTH_MM, PITCH_Y_UM / FOCAL_LENGTH_MM
+
+
+def test_readouts_of_the_transform(tmp_path):
+    found = bench_of(tmp_path, "jitter_mtf", {}).readouts("init")
+    assert found == pytest.approx(
+        {
+            "interval_x_mrad": DX,
+            "interval_y_mrad": DY,
+            "ifov_x_mrad": PIXEL_X * FILL_X,
+            "ifov_y_mrad": PIXEL_Y * FILL_Y,
+            "frequency_interval_x": 1 / (COLUMNS * DX),
+            "frequency_interval_y": 1 / (ROWS * DY),
+            "nyquist_x": NYQUIST_X,
+            "nyquist_y": NYQUIST_Y,
+            "pixel_nyquist_x": 0.5 / PIXEL_X,
+            "pixel_nyquist_y": 0.5 / PIXEL_Y,
+            "oversampling_x": PIXEL_X / DX,
+            "oversampling_y": PIXEL_Y / DY,
+        },
+        rel=1e-12,
+    )
+
+
+NEED_X = {"ifov_x_mrad", "oversampling_x", "pixel_nyquist_x"}
+NEED_Y = {"ifov_y_mrad", "oversampling_y", "pixel_nyquist_y"}
+
+
+@pytest.mark.parametrize(
+    ("missing", "empty"),
+    [("detector_x_um", NEED_X), ("detector_y_um", NEED_Y), ("focal_length_mm", NEED_X | NEED_Y)],
+)
+def test_readouts_of_the_transform_without_a_detector(tmp_path, missing, empty):
+    """What needs a length that is not given is empty, and nothing else."""
+    found = bench_of(tmp_path, "jitter_mtf", {}, init={missing: None}).readouts("init")
+    assert {name for name, value in found.items() if value is None} == empty
+
+
+@pytest.mark.parametrize("factor", [1, 3])
+def test_readouts_of_the_anti_aliaser(tmp_path, factor):
+    found = bench_of(tmp_path, "anti_alias", {"factor": factor}).readouts("it")
+    expected = {"new_nyquist_x": NYQUIST_X / factor, "new_nyquist_y": NYQUIST_Y / factor}
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_nyquist_of_sampled_pixels(tmp_path):
+    """Half a cycle in a pixel of three by two samples of 0.5 and 0.25 mrad."""
+    seen = {"width": 12, "height": 8, "fov_x_deg": math.degrees(6e-3),
+            "fov_y_deg": math.degrees(2e-3)}  # fmt: skip
+    nodes = {
+        "scene": ("test_scene", seen),
+        "pixels": ("sample_pixels", {"factor_x": 3, "factor_y": 2}),
+    }
+    bench = NodeBench(standard_library(), tmp_path, nodes, [("scene.image", "pixels.image")])
+    assert bench.readouts("pixels") == pytest.approx({"nyquist_x": 1 / 3, "nyquist_y": 1.0})

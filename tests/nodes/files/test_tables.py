@@ -1,14 +1,159 @@
-"""Tables of a path's transmission and radiance: MODTRAN's tape7, and CSV."""
+"""Tables of numbers in text."""
 
 from __future__ import annotations
 
 import json
+import random
 
 import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.spectrum_tables import read_path_table
+from nodes.files.arrays import read_matrix
+from nodes.files.common.table_cells import csv_lines, plain_cell, text_cell
+from nodes.files.lens_samples import read_listing
+from nodes.files.mtf_table import read_mtf_table
+from nodes.files.read import read_info
+from nodes.files.spectrum_tables import read_motion, read_path_table, read_wavelengths
+
+SLIPS = ["0_6", "\u0660.\u0666"]  # 6 and 0.6 by float()
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("3,{}\n4,1\n", lambda file: read_wavelengths(file, what="response", low=0, high=100)),
+        ("3,{},1\n4,1,1\n", read_path_table),
+        (" FREQ TOT TRANS PTH THRML\n 2500 {} 1E-7\n 2600 1 1E-7\n -9999.\n", read_path_table),
+    ],
+)
+def test_a_cell_in_pythons_own_writing_is_no_number(tmp_path, text, read, slip):
+    file = tmp_path / "table.csv"
+    file.write_text(text.format(slip), encoding="utf-8")
+    with pytest.raises(FileError, match=r"line [12]: must be"):
+        read(file)
+
+
+FORMULAS = ["=1+2", "+cmd", "-x", "@sum", "\tx", "\r=1", '=HYPERLINK("http://a")']
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_text_that_a_spreadsheet_would_run_is_written_as_text(text):
+    assert text_cell(text) == f"'{text}"
+    assert plain_cell(f"'{text}") == text
+    assert csv_lines([("a", text)]).count("'") == 1
+
+
+SECRET = "zebra:$6$salt$hash:19000:0:99999:7:::"
+
+
+@pytest.mark.parametrize("start", ["", "frequency (cyc/mm),mtf\n", "0,1\n", "1 2\n3 4\n"])
+@pytest.mark.parametrize(
+    "read",
+    [
+        read_mtf_table,
+        read_listing,
+        read_path_table,
+        read_matrix,
+        read_info,
+        read_motion,
+        lambda file: read_wavelengths(file, what="response", low=0, high=100),
+    ],
+)
+def test_text_of_a_file_is_not_quoted(tmp_path, read, start):
+    """A network of another person may name any file that the user can read."""
+    file = tmp_path / "secret.txt"
+    file.write_text(f"{start}{SECRET}\n{SECRET}\n")
+    with pytest.raises(FileError) as refusal:
+        read(file)
+    assert not any(part in str(refusal.value) for part in ("zebra", "salt", "hash", "19000"))
+    assert str(file) in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["lines", "interleave", "byte order", "file type", "header offset", "data type", "fov x",
+     "data ignore value", "file compression", "minor frame offsets", "wavelength", "fwhm", "bbl",
+     "data gain values"],
+)  # fmt: skip
+@pytest.mark.parametrize("text", ["x" * 5000, "{" + "x, " * 2000 + "}"])
+def test_errors_of_envi_headers_are_short(tmp_path, key, text):
+    fields = {"samples": 1, "lines": 1, "bands": 1, "data type": 1, "interleave": "bsq"}
+    lines = [f"{name} = {value}" for name, value in {**fields, key: text}.items()]
+    (tmp_path / "a.img").write_bytes(b"1")
+    (tmp_path / "a.img.hdr").write_text("\n".join(["ENVI", *lines]))
+    with pytest.raises(FileError) as refusal:
+        read_info(tmp_path / "a.img")
+    assert len(str(refusal.value)) < 400 + len(str(tmp_path))
+
+
+TABLE = "frequency (cyc/mm),mtf_x,mtf_y,phase_x (deg)\n0,1,1,0\n10,0.8,0.7,5\n20,0.3,0.2,9\n"
+LISTING = (
+    "Listing of Wavefront Map Data\n\n0.5500 µm at 0.0000 (deg).\nPupil grid size: 3 by 2\n"
+    "Center point is: 2, 2\n\n 0.1E+000\t-2.0E-001\t 3.0E-001\n 1.0E-001\t 2.0E-001\t 0.0E+000\n"
+)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_every_encoding_and_line_end(tmp_path, encoding, newline):
+    path = tmp_path / "a.txt"
+    path.write_bytes(LISTING.replace("\n", newline).encode(encoding))
+    listing = read_listing(path)
+    np.testing.assert_array_equal(listing.matrix, [[0.1, -0.2, 0.3], [0.1, 0.2, 0.0]])
+    assert listing.wavelength_um == 0.55
+    assert listing.spacing_um is None
+    path.write_bytes(TABLE.replace("\n", newline).encode(encoding))
+    table = read_mtf_table(path)
+    assert table.unit == "cyc/mm"
+    assert table.frequencies == (0.0, 10.0, 20.0)
+    assert table.column("mtf_y") == (1.0, 0.7, 0.2)
+    assert table.column("phase_x") == pytest.approx(np.radians([0.0, 5.0, 9.0]))
+    assert table.column("mtf") is None
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "frequency (cyc/mm),mtf", "Frequency [lp/mm];MTF", "frequency_cyc_per_mm mtf",
+        "Spatial Frequency (cycles per mm)\tMTF", '"frequency (c/mm)","mtf"', "frequency(1/mm),mtf",
+    ],
+)  # fmt: skip
+def test_ways_to_name_the_columns(tmp_path, heading):
+    mark = next((sign for sign in ",;\t" if sign in heading), " ")
+    path = tmp_path / "a.csv"
+    path.write_text(f"# a lens\n{heading}\n0{mark}1\n\n5{mark}0.5\n", encoding="utf-8")
+    table = read_mtf_table(path)
+    assert table.unit == "cyc/mm"
+    assert table.column("mtf") == (1.0, 0.5)
+
+
+@pytest.mark.parametrize("text", [TABLE, LISTING], ids=["table", "listing"])
+def test_damage_is_one_clear_line(tmp_path, text):
+    """Bytes changed, cut out and put in anywhere: what is read then is finite, or NaN in a map."""
+    draw = random.Random(5)
+    path = tmp_path / "a.txt"
+    refusals = []
+    for number in range(400):
+        content = bytearray(text.encode(draw.choice(["utf-8", "utf-16"])))
+        for _ in range(draw.randint(1, 4)):
+            place = draw.randrange(len(content))
+            content[place : place + draw.choice([0, 1, 1, 7])] = draw.randbytes(draw.randint(0, 3))
+        path.write_bytes(bytes(content) + b" " * number)  # of another size: another file
+        try:
+            if text is TABLE:
+                table = read_mtf_table(path)
+                assert np.isfinite([table.frequencies, *dict(table.columns).values()]).all()
+            else:
+                assert read_listing(path).matrix.ndim == 2
+        except FileError as error:
+            refusals.append(str(error))
+    assert len(refusals) > 100
+    for line in refusals:
+        assert "\n" not in line
+        assert len(line) < 500
+
 
 # As MODTRAN 4 writes it: a field of 7 or 8 for FREQ, then of 11, names at the right of their field.
 HEAD = (
