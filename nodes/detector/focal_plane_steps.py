@@ -233,31 +233,30 @@ def read_out(
     return _by_rows(work, picture, block)
 
 
-@dataclass(frozen=True, eq=False)
-class BadPixels:
-    dead: tuple[Array, Array]
-    hot: tuple[Array, Array]
+Places = tuple[Array, Array]
+"""Rows and columns of pixels."""
 
 
 @ends_lineage
-def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: float) -> BadPixels:
+def bad_pixels(
+    work: Work, *, stream: Stream, shape: tuple[int, int], percent: float
+) -> list[Places]:
+    """Dead pixels, and hot ones."""
     rows, columns = shape
     places, kinds = bad_pixel_places(
         rows=rows, columns=columns, percent=percent, generator=stream.generator(0)
     )
-    dead, hot = (np.divmod(places[kinds == kind], columns) for kind in (DEAD, HOT))
-    return BadPixels(dead, hot)
+    return [np.divmod(places[kinds == kind], columns) for kind in (DEAD, HOT)]
 
 
 def _bad_part(
     work: Work, region: Region, picture: Recipe, bad: Recipe, levels: Recipe, *, hot_e: float | None
 ) -> Array:
-    pixels: BadPixels = work.value(bad)
-    inside = BadPixels(_within(pixels.dead, region), _within(pixels.hot, region))
+    inside = [_within(places, region) for places in work.value(bad)]
     return _replaced(work.part(picture, region), inside, work.value(levels), hot_e)
 
 
-def _within(places: tuple[Array, Array], region: Region) -> tuple[Array, Array]:
+def _within(places: Places, region: Region) -> Places:
     rows, columns = places[0] - region.top, places[1] - region.left
     inside = (rows >= 0) & (rows < region.rows) & (columns >= 0) & (columns < region.columns)
     return rows[inside], columns[inside]
@@ -266,16 +265,19 @@ def _within(places: tuple[Array, Array], region: Region) -> tuple[Array, Array]:
 @picture_step(noise=lambda at, *_, **__: [at.known("bad pixels")])
 @in_parts(_bad_part)
 def with_bad_pixels(
-    work: Work, picture: Array, bad: BadPixels, levels: ElectronLevels, *, hot_e: float | None
+    work: Work, picture: Array, bad: list[Places], levels: ElectronLevels, *, hot_e: float | None
 ) -> Array:
     """Dead pixels give nothing, hot ones the most there is, in every frame."""
     return _replaced(picture, bad, levels, hot_e)
 
 
-def _replaced(picture: Array, bad: BadPixels, levels: ElectronLevels, hot_e: float | None) -> Array:
+def _replaced(
+    picture: Array, bad: list[Places], levels: ElectronLevels, hot_e: float | None
+) -> Array:
     changed = picture.copy()
-    changed[bad.dead] = 0.0
-    changed[bad.hot] = 2.0 * levels.brightest_e if hot_e is None else hot_e
+    dead, hot = bad
+    changed[dead] = 0.0
+    changed[hot] = 2.0 * levels.brightest_e if hot_e is None else hot_e
     return changed
 
 

@@ -7,6 +7,8 @@ equal to the header's ``data ignore value`` is missing: NaN. See
 ``wavelength``, ``wavelength units`` and ``fwhm``.
 """
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Callable, Iterator
@@ -69,7 +71,7 @@ def info_of(layout: EnviLayout) -> picture_info.PictureInfo:
         not_applied=_not_applied(layout),
         wavelengths_assumed=wavelengths_um is not None and not _wavelength_unit(layout),
         bad_bands=bad_bands if layout.bands > 1 else (),
-        **vars(common),
+        **common,
     )
 
 
@@ -310,25 +312,18 @@ Array = NDArray[Any]
 @dataclass(frozen=True, eq=False)
 class CubeInMemory:
     samples: Array
+    bands: int
+    rows: int
+    columns: int
+    dtype: np.dtype[Any]
     interleave: str = "bsq"
     missing: np.generic | None = None
     scaling: None = None
 
-    @property
-    def bands(self) -> int:
-        return int(self.samples.shape[0])
-
-    @property
-    def rows(self) -> int:
-        return int(self.samples.shape[1])
-
-    @property
-    def columns(self) -> int:
-        return int(self.samples.shape[2])
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        return self.samples.dtype
+    @classmethod
+    def of(cls, samples: Array) -> CubeInMemory:
+        bands, rows, columns = samples.shape
+        return cls(samples, bands, rows, columns, samples.dtype)
 
 
 Layout = EnviLayout | CubeInMemory

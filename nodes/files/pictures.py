@@ -247,7 +247,7 @@ def _info(path: Path, picture: Any) -> picture_info.PictureInfo:
         kind=kind,
         channels=() if kind == "fits" else _channel_names(spec),  # planes of a cube are no colours
         lossy=_is_lossy(path, kind=kind, compression=compression),
-        **vars(common),
+        **common,
     )
     if kind == "tiff":
         refuse_predictor(path)

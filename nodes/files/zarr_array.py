@@ -259,7 +259,7 @@ def _info(folder: Path, opened: _Opened) -> picture_info.PictureInfo:
             key for key, neutral in _SCALING if attributes.get(key, neutral) != neutral
         ),
         absent_chunks=opened.absent,
-        **vars(picture_info.header_fields(fields, where=str(folder))),
+        **picture_info.header_fields(fields, where=str(folder)),
     )
 
 

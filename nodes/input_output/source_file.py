@@ -331,7 +331,7 @@ def _is_file(*, cube: Cube, **_: Any) -> bool:
 @contextmanager
 def _opened(cube: Cube) -> Iterator[Layout]:
     if isinstance(cube, HeldSamples):
-        yield CubeInMemory(cube.samples)
+        yield CubeInMemory.of(cube.samples)
         return
     check_unchanged(cube.file, cube.stamps)
     yield read_layout(cube.file)

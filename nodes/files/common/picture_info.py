@@ -204,32 +204,20 @@ _QUANTITY = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]*
 FieldValue = str | int | float | Sequence[str]
 
 
-@dataclass(frozen=True)
-class HeaderFields:
-    """The fields every kind of header may offer; None where it does not."""
-
-    unit: str | None = None
-    focal_length_mm: float | None = None
-    fov_x_deg: float | None = None
-    fov_y_deg: float | None = None
-
-
 def header_fields(
     fields: Mapping[str, FieldValue], *, description: str = "", where: str
-) -> HeaderFields:
-    """Read the common fields from a header's keys, then from its description.
+) -> dict[str, Any]:
+    """Read what a `PictureInfo` has of all headers, from the keys, then from the description.
 
-    A key whose value is no length or no angle is refused; in the description, free text in which
-    ``key = value`` pairs may stand, it is prose. `where` names the file in messages.
+    What neither has is None. A key whose value is no length or no angle is refused; in the
+    description, free text in which ``key = value`` pairs may stand, it is prose. `where` names the
+    file in messages.
     """
     own = {_normal(key): _texts(value) for key, value in fields.items()}
     described = _in_description(description)
-    return HeaderFields(
-        unit=_unit(own) or _unit(described),
-        focal_length_mm=_focal_length(own, where) or _leniently(_focal_length, described),
-        fov_x_deg=_fov_x(own, where) or _leniently(_fov_x, described),
-        fov_y_deg=_fov_y(own, where) or _leniently(_fov_y, described),
-    )
+    read = {"focal_length_mm": _focal_length, "fov_x_deg": _fov_x, "fov_y_deg": _fov_y}
+    values = {name: one(own, where) or _leniently(one, described) for name, one in read.items()}
+    return {"unit": _unit(own) or _unit(described), **values}
 
 
 _Texts = Mapping[str, Sequence[str]]
