@@ -18,7 +18,7 @@ from library_battery import network as battery_network
 BEYOND = {
     "vibration_mtf": (
         {"amplitude_x_mrad": 1, "frequency_Hz": 1e300, "integration_time_s": 1e30},
-        "it: periods in one exposure = inf is not allowed: a finite number",
+        "it: vibration periods in one exposure = inf is not allowed: a finite number",
     ),
     "detector_mtf": (
         {"detector_x_um": 1e30, "focal_length_mm": 1e-300},
