@@ -12,7 +12,7 @@ import numpy as np
 from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.engine import PlannedNode
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
 from core.chain.wires import Context, Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError, how_to_install
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise

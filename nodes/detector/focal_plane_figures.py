@@ -105,7 +105,7 @@ class ElectronLevels:
     known, `radiance_per_photon` is the mean radiance over their mean.
     """
 
-    conversion: photon_conversion.Conversion
+    conversion: photon_conversion.SmoothRatio
     seen: PictureRange
     scene_K: float | None
     signal_e: float
@@ -458,6 +458,7 @@ def _worth(
 ) -> tuple[tuple[str, float | None, str, str], ...]:
     """What each other weighting would make of the signal, and by how much they differ."""
     rows: list[tuple[str, float | None, str, str]] = []
+    known_spectrum = collection.weights.used == "spectrum"
     for weighting in photon_conversion.WEIGHTINGS:
         signal: float | None = None
         weights = replace(collection.weights, weighting=weighting)

@@ -15,7 +15,7 @@ from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.machine import ForEach, in_turn
 from core.modules.parameters import Caution
-from core.physics.radiometry import grey_body
+from core.physics.radiometry import spectra
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
 
@@ -152,7 +152,7 @@ def radiance_caution(
     between the coldest and the hottest land surface ever seen.
     """
     stats = statistics(samples, for_each=work.for_each)
-    limit = grey_body.brightest_surface_radiance(band_um=band_um)
+    limit = spectra.brightest_surface_radiance(band_um=band_um)
     kelvin = _like_kelvin(stats)
     if stats.mean > limit:
         where = (
@@ -165,7 +165,7 @@ def radiance_caution(
             f"{_REMEDY}; ignore this warning for flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:
-        least = grey_body.coldest_for_radiance(radiance=stats.mean)
+        least = spectra.coldest_for_radiance(radiance=stats.mean)
         return Caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
             "like temperatures in kelvin but are read as W/m²/sr, a radiance that no scene below "
@@ -177,7 +177,7 @@ def radiance_caution(
 
 def _like_kelvin(stats: Statistics) -> bool:
     low, high = stats.mean - 2 * stats.sigma, stats.mean + 2 * stats.sigma
-    return low >= grey_body.COLDEST_SURFACE_K and high <= grey_body.HOTTEST_SURFACE_K
+    return low >= spectra.COLDEST_SURFACE_K and high <= spectra.HOTTEST_SURFACE_K
 
 
 # Statistics and histogram of samples, in double precision and fixed blocks.

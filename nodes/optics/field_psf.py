@@ -19,7 +19,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param, param
-from core.physics.optics import field_psf
+from core.physics.optics import field as field_optics
 from core.physics.optics.field import samples_at
 from core.physics.optics.veiling_glare import gaussian_mtf
 from core.transfer.factors import Factor, Grid, Separable, factor_at
@@ -230,7 +230,7 @@ class FieldSpread:
         y = (row - 0.5 * (grid.rows - 1)) * grid.interval_y_mrad
         xi = scipy.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
         eta = scipy.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
-        across, along = field_psf.field_frequencies(xi=xi, eta=eta, x=x, y=y)
+        across, along = field_optics.field_frequencies(xi=xi, eta=eta, x=x, y=y)
         shares, tables = (
             self.shares(2.0 * math.hypot(x, y) / math.hypot(*_extents(grid))),
             self.recipes,
@@ -288,7 +288,7 @@ def _sides(work: Work, spread: FieldSpread, grid: Grid, tile: int) -> tuple[int,
         side = scipy.fft.next_fast_len(tile + 1 + 2 * reach, real=True)
         otfs = (spread.otf(work, grid, side, *place) for place in places)
         if reach >= _MOST_REACH or all(
-            field_psf.light_within(otf=otf, side=side, reach=reach) > 1.0 - _LOST for otf in otfs
+            field_optics.light_within(otf=otf, side=side, reach=reach) > 1.0 - _LOST for otf in otfs
         ):
             return tile, reach, side
         reach = min(reach * 3 // 2, _MOST_REACH)
@@ -314,7 +314,7 @@ def blurred(
         work.value(recipe)
     kind = np.result_type(image.dtype, np.complex64)
 
-    def cell(place: tuple[field_psf.Cell, field_psf.Cell]) -> None:
+    def cell(place: tuple[field_optics.Cell, field_optics.Cell]) -> None:
         along, across = place
         rows, columns = (
             within_frame(np.arange(one.start - reach, one.start - reach + side), size, edges)
@@ -326,11 +326,11 @@ def blurred(
             for column in (across.low, across.high)
         ]
         patch = image[np.ix_(rows, columns)]
-        made[along.start : along.stop, across.start : across.stop] = field_psf.blended(
+        made[along.start : along.stop, across.start : across.stop] = field_optics.blended(
             patch=patch, otfs=otfs, along=along, across=across, reach=reach
         )
 
-    all_along, all_across = (field_psf.cells_of(size=size, tile=tile) for size in grid.shape)
+    all_along, all_across = (field_optics.cells_of(size=size, tile=tile) for size in grid.shape)
     work.for_each(cell, [(along, across) for along in all_along for across in all_across])
     return made
 
@@ -340,7 +340,8 @@ def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile
     """At the middles of cells and of their sides, in a quadrant."""
     tile, reach, side = _sides(work, spread, grid, tile)
     cells = [
-        one[len(one) // 2 :] for one in (field_psf.cells_of(size=n, tile=tile) for n in grid.shape)
+        one[len(one) // 2 :]
+        for one in (field_optics.cells_of(size=n, tile=tile) for n in grid.shape)
     ]
     few = [[one[i] for i in np.unique(np.linspace(0, len(one) - 1, _FIGURED).astype(int))]
            for one in cells]  # fmt: skip
@@ -360,7 +361,7 @@ def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile
                 (at[along.high, middle[1]], corners[2:]),
                 (at[middle[0], across.high], corners[1::2]),
             ):
-                found = field_psf.blending_error(otfs=ends, own=own, side=side, reach=reach)
+                found = field_optics.blending_error(otfs=ends, own=own, side=side, reach=reach)
                 worst = max(worst, found)
     return 100.0 * worst
 

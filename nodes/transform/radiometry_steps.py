@@ -11,7 +11,7 @@ from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Section, param, warning
-from core.physics.radiometry import grey_body
+from core.physics.radiometry import spectra
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
@@ -39,10 +39,10 @@ def radiance_change(
     work: Work, mean: float, *shares: float, surface: Surface, unit: str
 ) -> LevelChange:
     share = shares[0] if shares else surface.emissivity
-    kelvin = float(grey_body.in_kelvin(np.asarray(mean), unit=unit))
-    slope = grey_body.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
-    per_unit = float(np.diff(grey_body.in_kelvin(np.array([0.0, 1.0]), unit=unit))[0])
-    made = grey_body.grey_radiance(
+    kelvin = float(spectra.in_kelvin(np.asarray(mean), unit=unit))
+    slope = spectra.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    per_unit = float(np.diff(spectra.in_kelvin(np.array([0.0, 1.0]), unit=unit))[0])
+    made = spectra.grey_radiance(
         temperature_K=kelvin, emissivity=share, surroundings_K=surface.surroundings_K,
         **surface.band,
     )  # fmt: skip
@@ -54,12 +54,12 @@ def temperature_change(
     work: Work, mean: float, *shares: float, surface: Surface, factor: float
 ) -> LevelChange:
     share = shares[0] if shares else surface.emissivity
-    made = grey_body.grey_temperature(
+    made = spectra.grey_temperature(
         radiance=mean * factor, emissivity=share, surroundings_K=surface.surroundings_K,
         **surface.band,
     )  # fmt: skip
     kelvin = float(made)
-    slope = grey_body.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    slope = spectra.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
     return LevelChange(factor / slope, mean, kelvin)
 
 
@@ -75,8 +75,8 @@ def radiance_of_temperature(
     work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
 ) -> Array:
     def convert(samples: Array, share: Array | float) -> Array:
-        return grey_body.grey_radiance(
-            temperature_K=grey_body.in_kelvin(samples, unit=unit), emissivity=share,
+        return spectra.grey_radiance(
+            temperature_K=spectra.in_kelvin(samples, unit=unit), emissivity=share,
             surroundings_K=surface.surroundings_K, **surface.band,
         )  # fmt: skip
 
@@ -93,7 +93,7 @@ def temperature_of_radiance(
     """Temperatures, in kelvin, of band radiance; `factor` makes W/m²/sr of it."""
 
     def convert(samples: Array, share: Array | float) -> Array:
-        return grey_body.grey_temperature(
+        return spectra.grey_temperature(
             radiance=factor * samples.astype(np.float64), emissivity=share,
             surroundings_K=surface.surroundings_K, **surface.band,
         )  # fmt: skip

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from core.chain.engine import Engine
-from core.chain.filtered_sum import ChosenWavelengths
+from core.chain.filtered_sum import chosen_wavelengths
 from core.chain.skipped import skips
 from core.evaluation.work import Policy
 from core.network.file import load_network
@@ -133,7 +133,7 @@ def test_the_account_has_them_whoever_sums_the_bands(tmp_path, port):
     (rank,) = (
         work.value(recipe)
         for recipe in list(work.log.requested.values())
-        if isinstance(recipe, ChosenWavelengths)
+        if getattr(recipe, "function", None) is chosen_wavelengths
     )
     assert [one.node for one in made] == ["back"]
     assert 0 < made[0].bound <= 1e-3
