@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QMimeData, Qt
-from PySide6.QtGui import QDropEvent
+from PySide6.QtCore import QEvent, QMimeData, Qt
+from PySide6.QtGui import QDropEvent, QKeyEvent
 
 _ACTIONS = (Qt.DropAction.CopyAction, Qt.DropAction.LinkAction)
 
@@ -20,6 +20,12 @@ def accept_copy(event: QDropEvent) -> None:
             event.accept()
             return
     event.ignore()
+
+
+def is_escape(event: QEvent) -> bool:
+    """Whether Esc is pressed and may be kept from shortcuts: whoever accepts the event has it."""
+    override = event.type() == QEvent.Type.ShortcutOverride
+    return override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape
 
 
 def local_files(data: QMimeData) -> list[str]:

@@ -11,7 +11,7 @@ from app.editor.declared_text import FreeNumbers, error_text
 from app.run.write_rules import read_record, remember_chosen
 from core.editing.document import Document
 from core.editing.macros import at_level
-from core.editing.operations import Operation, set_parameter
+from core.editing.operations import Operation, restored, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration, Library
 from core.network.linked_values import (
@@ -149,6 +149,13 @@ class Session(QObject):
 
     def end_gesture(self) -> None:
         self.document.end_gesture()
+
+    def give_up(self, gesture: Hashable) -> None:
+        """Put all that a gesture has changed back, and end it."""
+        before = self.document.start_of(gesture)
+        if before is not None:
+            self.do(restored(before, ""), gesture)
+        self.end_gesture()
 
     def undo(self) -> None:
         self.document.undo()

@@ -70,10 +70,10 @@ class Document:
     def network(self) -> Network:
         return self._states[self.position][0]
 
-    @property
-    def start(self) -> Network | None:
-        """The network before the gesture that is going on, if one is."""
-        return self._states[self.position - 1][0] if self._gesture is not None else None
+    def start_of(self, gesture: Hashable) -> Network | None:
+        """The network before a gesture, if that is the one that is going on."""
+        going_on = gesture is not None and gesture == self._gesture
+        return self._states[self.position - 1][0] if going_on else None
 
     @property
     def last(self) -> int:
@@ -124,7 +124,7 @@ class Document:
             return False
         check_new_wires(before, after, self.library)
         self._add(after, operation, gesture)
-        start = self.start
+        start = self.start_of(gesture)
         if start is not None and self._same(start, after):  # the drag is back where it began
             self._states.pop()
             self.position -= 1

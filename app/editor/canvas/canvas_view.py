@@ -40,7 +40,7 @@ from app.editor.canvas.canvas_style import CanvasStyle
 from app.editor.canvas.content import Content
 from app.editor.canvas.node_item import head_colour
 from app.editor.canvas.nodegraphqt import NodeViewer
-from app.editor.gestures import accept_copy
+from app.editor.gestures import accept_copy, is_escape
 from app.editor.widgets import labelled
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
@@ -235,12 +235,7 @@ class GraphView(NodeViewer):
         """
         if event.type() == QEvent.Type.WindowBlocked:
             self.mouse.cancel()
-        if (
-            event.type() == QEvent.Type.ShortcutOverride
-            and isinstance(event, QKeyEvent)
-            and event.key() == Qt.Key.Key_Escape
-            and self.mouse.busy
-        ):
+        if is_escape(event) and self.mouse.busy:
             event.accept()
             return True
         return bool(QGraphicsView.event(self, event))

@@ -25,6 +25,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
 
 from app.editor.declared_text import label_of, shown_number, tip, titled
+from app.editor.gestures import is_escape
 from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
@@ -96,7 +97,9 @@ class TradeOffPlots(QWidget):
     moved = Signal(float)  # (value): the mark is dragged, or was put elsewhere by a click
     stepped = Signal(int)  # (steps): the mark is moved by the keys: so many small steps
     released = Signal()  # mouse or key is up
+    given_up = Signal()  # Esc during a drag
     pointed = Signal(float)  # (value): the mouse is at this abscissa; NaN where it is at none
+    _dragged: FigureChart | None = None
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -111,7 +114,6 @@ class TradeOffPlots(QWidget):
         self.label = ""
         self.across = 1
         self.charts: list[FigureChart] = []
-        self._dragged: FigureChart | None = None
         self._hint = centred_hint("", self)
         self._grid = filled(QGridLayout(self), self._hint, spacing=0)
 
@@ -143,6 +145,13 @@ class TradeOffPlots(QWidget):
         self.across = -(-count // -(-count // fitting))
         for index, chart in enumerate(self.charts):
             self._grid.addWidget(chart, *divmod(index, self.across))
+
+    def event(self, event: QEvent) -> bool:
+        if self._dragged is not None and is_escape(event):
+            self._dragged = None
+            self.given_up.emit()
+            event.accept()
+        return bool(super().event(event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
@@ -392,6 +401,11 @@ class Varied:
         if span.whole and present is not None and value == present:
             value = min(max(present + steps, span.low), span.high)
         self.move(value)
+
+    def give_up(self) -> None:
+        if self._gesture is not None:
+            self._session.give_up(self._gesture)
+            self._gesture = None
 
     def release(self) -> None:
         if self._gesture is not None:

@@ -194,6 +194,7 @@ class TradeOffView(Viewer):
         self.plots.moved.connect(self.varied.move)
         self.plots.stepped.connect(self._step)
         self.plots.released.connect(self.varied.release)
+        self.plots.given_up.connect(self.varied.give_up)
         self.plots.pointed.connect(self._read)
 
     def _begin(self) -> None:

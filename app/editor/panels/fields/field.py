@@ -8,7 +8,6 @@ from PySide6.QtGui import (
     QContextMenuEvent,
     QFontMetrics,
     QGuiApplication,
-    QKeyEvent,
     QMouseEvent,
     QPainter,
     QPaintEvent,
@@ -34,6 +33,7 @@ from app.editor.declared_text import (
     shown_value,
     tip,
 )
+from app.editor.gestures import is_escape
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,
@@ -358,8 +358,7 @@ class NameLabel(QLabel):
     def event(self, event: QEvent) -> bool:
         """End a drag by Esc, and by a dialog: the release of the button behind it never arrives."""
         if self._last is not None:
-            override = event.type() == QEvent.Type.ShortcutOverride
-            if override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
+            if is_escape(event):
                 self._last = None
                 self.given_up.emit()
                 event.accept()

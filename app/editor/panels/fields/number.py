@@ -17,6 +17,7 @@ from app.editor.declared_text import (
     tip,
     typed_number,
 )
+from app.editor.gestures import is_escape
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
 from app.editor.theme import CHANGED
@@ -192,7 +193,7 @@ class NumberField(TypedField):
 
     def _give_up_drag(self) -> None:
         if self._gesture is not None:
-            self.node.put_back(self.parameter.name, self._gesture)
+            self.node.session.give_up(self._gesture)
         self._end()
 
     def _end(self) -> None:
@@ -225,7 +226,8 @@ class Slider(QSlider):
     # steps: by keys or the wheel: small steps from the value, whatever the position shows of it
     stepped = Signal(int)
     finished = Signal()  # the mouse or the key is up, or the wheel rests
-    given_up = Signal()  # Esc during a drag
+    given_up = Signal()  # Esc while it is held
+    _held = False
 
     def __init__(self, positions: int, parent: QWidget | None = None) -> None:
         super().__init__(Qt.Orientation.Horizontal, parent)
@@ -255,17 +257,19 @@ class Slider(QSlider):
             self.finished.emit()
 
     def event(self, event: QEvent) -> bool:
-        """End a drag by Esc, and by a dialog: the release of the button behind it never arrives."""
-        if self.isSliderDown():
-            override = event.type() == QEvent.Type.ShortcutOverride
-            if override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
-                self.setSliderDown(False)
-                self.given_up.emit()
-                event.accept()
-            elif event.type() == QEvent.Type.WindowBlocked:
-                self.setSliderDown(False)
-                self.finished.emit()
+        """End a press by Esc, and by a dialog: the release behind that never arrives."""
+        given_up = is_escape(event)
+        if self._held and (given_up or event.type() == QEvent.Type.WindowBlocked):
+            self._held = False
+            self.setSliderDown(False)
+            self.setRepeatAction(QSlider.SliderAction.SliderNoAction)  # of a press beside it
+            (self.given_up if given_up else self.finished).emit()
+            event.setAccepted(given_up)
         return bool(super().event(event))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        self._held = True
+        super().mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self.isSliderDown():  # else it was given up
@@ -273,6 +277,7 @@ class Slider(QSlider):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         super().mouseReleaseEvent(event)
+        self._held = False
         self.finished.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:

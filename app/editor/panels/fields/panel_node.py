@@ -11,7 +11,6 @@ from core.editing.clipboard import copied_values, pasted_values
 from core.editing.operations import ABSENT, Operation, named, set_parameter, together
 from core.errors import ImagechainError, thaw
 from core.network.expressions import quoted
-from core.network.macro import unfolded
 
 
 class Requests(QObject):
@@ -46,15 +45,6 @@ class PanelNode:
     def put(self, parameter: str, value: object, gesture: object = None) -> None:
         """Give a value to the node, and to others selected with it; a gesture is one step."""
         self.do(_for_each(set_parameter(name, parameter, value) for name in self._alike), gesture)
-
-    def put_back(self, parameter: str, gesture: object) -> None:
-        """Give it the values from before the gesture, each node its own."""
-        before = self.session.document.start
-        if before is not None:
-            nodes = unfolded(before).nodes
-            values = {name: nodes[name].params.get(parameter, ABSENT) for name in self._alike}
-            steps = (set_parameter(name, parameter, thaw(value)) for name, value in values.items())
-            self.do(_for_each(steps), gesture)
 
     def names_beside(self) -> list[str]:
         """The numbers of the nodes that lie in the same macro, as expressions name them."""

@@ -32,6 +32,7 @@ from app.editor.viewers.pixels.picture_facts import (
     AUTOMATIC_LEVELS,
     Choices,
     Facts,
+    Levels,
     Scale,
     bands_of,
     laid_over,
@@ -88,6 +89,7 @@ class ImageViewer(Viewer):
         self.linked: weakref.WeakSet[ImageViewer] = weakref.WeakSet()
         self._place: tuple[int, int] | None = None  # row and column of the probe
         self._failed = False
+        self._before_drag: Levels | None = None
         self._sample: tuple[int, int] | None = None  # whose spectrum is shown
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self.ask)
@@ -323,6 +325,7 @@ class ImageViewer(Viewer):
         canvas.menu_wanted.connect(self._open_menu)
         canvas.zoomed.connect(self._apply_zoom)
         canvas.levels.dragged.connect(self._drag_levels)
+        canvas.levels.ended.connect(self._end_drag)
 
     def _choose(self, **changes: Any) -> None:
         before = self.choices
@@ -358,7 +361,13 @@ class ImageViewer(Viewer):
 
     def _drag_levels(self, low: float, high: float) -> None:
         if high > low:
+            self._before_drag = self._before_drag or self.choices.levels
             self._choose(levels=(low, high))
+
+    def _end_drag(self, given_up: bool) -> None:
+        before, self._before_drag = self._before_drag, None
+        if given_up and before is not None:
+            self._choose(levels=before)
 
     def _set_colours(self, name: str) -> None:
         self.bar.display.colours.choose(name)

@@ -104,7 +104,7 @@ class DisplayMenu(QObject):
         self.colours = Radio(colours, NAMES)
         self.histogram = self._toggle(menu, "histogram", "&Histogram")
         self.profile = self._toggle(menu, "profile", "Line &Profile")
-        self.means = self._toggle(menu, "means", "&Means of Rows and Columns")
+        self.means = self._toggle(menu, "means", "M&eans of Rows and Columns")
         self.spectra = self._toggle(menu, "spectra", "Spectrum over &Wavelength")
 
     def _toggle(self, menu: QMenu, name: str, text: str) -> QAction:
@@ -291,6 +291,7 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
     """Shows a histogram made elsewhere, as logarithms: so rare samples are seen, too."""
 
     dragged = Signal(float, float)  # low, high: the person drags the levels
+    ended = Signal(bool)  # the drag is over; whether it was given up
 
     def __init__(self) -> None:
         hidden = "matplotlib" not in sys.modules
@@ -301,6 +302,7 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             del sys.modules["matplotlib"]
         self._writing = False
         self._spread: Range | None = None
+        self._before: Range = 0.0, 1.0  # the levels before the drag
         self._next: tuple[Spread, Range, tuple[Spread, ...]] | None = None
         self._pause = QTimer(singleShot=True, interval=SPREAD_MS)
         self._pause.timeout.connect(self._show_next)
@@ -318,6 +320,17 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         # The curve is turned: its bars grow to the left of zero, up to 1.
         self.vb.setXRange(-1.02, 0.0, padding=0.0)
         self.sigLevelsChanged.connect(self._levels_changed)
+        self.sigLevelChangeFinished.connect(self._level_change_finished)
+
+    def give_up(self) -> bool:
+        """Let go of what is dragged; whether anything was."""
+        held = [part for part in (*self.region.lines, self.region) if part.moving]
+        for part in held:
+            part.moving = False
+        if held:
+            self._write(self._before)
+            self.ended.emit(True)
+        return bool(held)
 
     def set_theme(self, theme: Theme) -> None:
         paint_axis(self.axis, theme)
@@ -359,9 +372,8 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             plot.setData(*(_bars(channel, ends) if channel is not None else ([], [])))
         self._see(low, high, levels)
         if not any(line.moving for line in (*self.region.lines, self.region)):
-            self._writing = True
-            self.setLevels(*levels)
-            self._writing = False
+            self._write(levels)
+            self._before = levels
 
     def _see(self, low: float, high: float, levels: Range) -> None:
         """Keep histogram and levels in view, without jumping while levels or sliders are dragged.
@@ -377,6 +389,16 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         if first <= bottom and top <= last and top - bottom >= least:
             return
         self.setHistogramRange(bottom, top, padding=_ROOM)
+
+    def _write(self, levels: Range) -> None:
+        self._writing = True
+        self.setLevels(*levels)
+        self._writing = False
+
+    def _level_change_finished(self) -> None:
+        if not self._writing:
+            self._before = self.getLevels()
+            self.ended.emit(False)
 
     def _levels_changed(self) -> None:
         if not self._writing:

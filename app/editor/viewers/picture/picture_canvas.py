@@ -12,6 +12,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, Qt, 
 from PySide6.QtGui import QContextMenuEvent, QImage, QKeyEvent, QPainter, QTransform
 from PySide6.QtWidgets import QWidget
 
+from app.editor.gestures import is_escape
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
 from app.editor.viewers.picture.plots_below import PlotBelow
@@ -220,6 +221,11 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             (x, y, width), place = zoom, self._place
             middle = QPointF(place.left() + x * place.width(), place.top() + y * place.height())
             self._see(middle, width * place.width())
+
+    def event(self, event: QEvent) -> bool:
+        if is_escape(event) and self.levels.give_up():
+            event.accept()
+        return bool(super().event(event))
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)

@@ -7,20 +7,20 @@ from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QTransform
+from PySide6.QtGui import QTransform
 from PySide6.QtWidgets import QGraphicsRectItem, QToolButton
 
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.gestures import is_escape
 from app.editor.session import Session
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
 from core.chain.wires import Image
-from core.editing.operations import ABSENT, set_parameter, together
+from core.editing.operations import set_parameter, together
 from core.errors import ImagechainError, ParameterError, thaw
 from core.modules.declaration import Declaration
-from core.network.macro import unfolded
 
 PARAMETERS = ("region_x", "region_y", "region_width", "region_height")
 Region = tuple[int, int, int, int]  # first column and row, width, height
@@ -225,18 +225,11 @@ class RegionTool(QObject):
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         """Esc gives up a drag: the region is as before, and the mouse moves it no more."""
-        override = event.type() == QEvent.Type.ShortcutOverride
-        if not (override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape):
-            return False
-        before = self._session.document.start
-        if self._gesture is None or before is None:
+        if self._gesture is None or not is_escape(event):
             return False
         for part in (self.frame, *self.frame.getHandles()):
             part.isMoving = False
-        params = unfolded(before).nodes[self._node].params
-        values = {name: thaw(params.get(name, ABSENT)) for name in PARAMETERS}
-        steps = [set_parameter(self._node, name, value) for name, value in values.items()]
-        self._session.do(together(steps, ""), gesture=self._gesture)
+        self._session.give_up(self._gesture)
         self._end()
         self.follow()
         event.accept()
