@@ -43,7 +43,7 @@ from app.editor.panels.fields.field_menu import (
     typed_text,
 )
 from app.editor.panels.fields.panel_node import PanelNode
-from app.editor.panels.fields.type_in import TypeIn, discard_typing
+from app.editor.panels.fields.type_in import TypeIn, discard_typing, step_factor
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
 from app.editor.widgets import (
     Check,
@@ -320,7 +320,6 @@ class TypedField(Field):
 
 PIXELS_A_STEP = 4
 START_PIXELS = 3
-FINER, COARSER = 0.1, 10.0
 
 
 class NameLabel(QLabel):
@@ -375,9 +374,7 @@ class NameLabel(QLabel):
         way = 0.0 if self._last is None else event.position().x() - self._last
         if way and (self._moving or abs(way) >= START_PIXELS):
             self._moving, self._last = True, event.position().x()
-            finer = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
-            coarser = event.modifiers() & Qt.KeyboardModifier.ControlModifier
-            self.dragged.emit(way / PIXELS_A_STEP * (FINER if finer else COARSER if coarser else 1))
+            self.dragged.emit(way / PIXELS_A_STEP * step_factor(event.modifiers()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         if self._last is not None and event.button() == Qt.MouseButton.LeftButton:

@@ -20,6 +20,7 @@ from app.editor.declared_text import (
 from app.editor.gestures import is_escape
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
+from app.editor.panels.fields.type_in import step_factor
 from app.editor.theme import CHANGED
 from app.editor.widgets import filled, plain_label, takes_wheel
 from core.editing.operations import set_parameter
@@ -33,7 +34,8 @@ _HOW_TO_DRAG = "Drag the name sideways to change the value (Shift: finer, Ctrl: 
 _UNLINK = "To unlink, type a value or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
-    "expression with other parameters"
+    "expression with other parameters. Arrow keys and the wheel change it in steps "
+    "(Shift: finer, Ctrl: coarser)"
 )
 
 
@@ -50,6 +52,7 @@ class NumberField(TypedField):
         edit.textEdited.connect(self._offer_names)
         edit.stepped.connect(self._step_freely)
         edit.step_ended.connect(self._end)
+        edit.turned.connect(self._turn)
         self.slider = Slider(self.scale.positions, self)
         self.named(self.slider, ", slider", "slider")
         self.slider.setToolTip(tip(about(self.parameter)))
@@ -114,6 +117,12 @@ class NumberField(TypedField):
             how = f"Linked: = {link.text}\nValue: {value}\n{_UNLINK}"
         self.edit.setToolTip(tip(f"{about(self.parameter)}\n{how}"))
 
+    def _turn(self, event: Any) -> None:
+        """Take the wheel over the typed number."""
+        if self.link is None:
+            self.edit.commit()
+            self.slider.turn(event, self.edit)
+
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
         self._end()
@@ -158,11 +167,11 @@ class NumberField(TypedField):
         else:
             self.put(raw)
 
-    def _step(self, steps: int) -> None:
+    def _step(self, steps: float) -> None:
         stepped = self.scale.stepped(self.value, steps)
         self._offer_moved(self.scale.within(stepped, self.value))
 
-    def _step_freely(self, steps: int) -> None:
+    def _step_freely(self, steps: float) -> None:
         if self.link is not None:
             self._show_problem(f"{self.title} follows {self.link.text}: {_UNLINK}")
         elif not self.edit.marked:
@@ -224,7 +233,7 @@ _STEPS = {
 class Slider(QSlider):
     moved = Signal(int)  # position: dragged, clicked, or sent to an end
     # steps: by keys or the wheel: small steps from the value, whatever the position shows of it
-    stepped = Signal(int)
+    stepped = Signal(float)
     finished = Signal()  # the mouse or the key is up, or the wheel rests
     given_up = Signal()  # Esc while it is held
     _held = False
@@ -247,7 +256,7 @@ class Slider(QSlider):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() in _STEPS:
-            self.stepped.emit(_STEPS[Qt.Key(event.key())])
+            self.stepped.emit(_STEPS[Qt.Key(event.key())] * step_factor(event.modifiers()))
         else:
             super().keyPressEvent(event)
 
@@ -287,11 +296,15 @@ class Slider(QSlider):
             self.finished.emit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
+        self.turn(event, self)
+
+    def turn(self, event: QWheelEvent, control: QWidget) -> None:
+        """Take a turn of the wheel over a control, unless it is to scroll."""
         turned = event.angleDelta().y()
-        if not turned or not takes_wheel(self):
+        if not turned or not takes_wheel(control):
             event.ignore()
             return
-        self.stepped.emit(1 if turned > 0 else -1)
+        self.stepped.emit(math.copysign(step_factor(event.modifiers()), turned))
         self._rest.start()
         event.accept()
 
@@ -379,6 +392,8 @@ class Scale:
     def stepped(self, value: float | None, steps: float) -> float | int:
         """So many small steps from a number, which keeps its own digits."""
         start = self.rest if value is None else value
+        if self.whole:
+            steps = math.copysign(max(1.0, abs(steps)), steps)
         result = start + steps * self._step(start, down=steps < 0)
         if self.logarithmic and start > 0:
             result = max(result, start / 10)

@@ -9,6 +9,7 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPalette,
     QPen,
+    QWheelEvent,
 )
 from PySide6.QtWidgets import QCompleter, QLineEdit, QWidget
 
@@ -16,7 +17,15 @@ from app.editor.theme import ERROR
 
 _STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 _OF_LIST = {*_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab, Qt.Key.Key_Escape}
+FINER, COARSER = 0.1, 10.0
 _UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
+
+
+def step_factor(keys: Qt.KeyboardModifier) -> float:
+    """How large steps are: Shift makes them finer, Ctrl coarser."""
+    if keys & Qt.KeyboardModifier.ShiftModifier:
+        return FINER
+    return COARSER if keys & Qt.KeyboardModifier.ControlModifier else 1.0
 
 
 class TypeIn(QLineEdit):
@@ -25,7 +34,8 @@ class TypeIn(QLineEdit):
     # text: Enter, or the focus has left; only if something was typed since it was shown
     committed = Signal(str)
     given_up = Signal()  # Esc: what was typed does not count
-    stepped = Signal(int)  # steps: an arrow key (±1) or a page key (±10), where `steps` is set
+    stepped = Signal(float)  # steps: an arrow key (±1) or a page key (±10), where `steps` is set
+    turned = Signal(object)  # event: the wheel, which scrolls what is around unless it is accepted
     step_ended = Signal()  # that key was released
 
     def __init__(
@@ -89,7 +99,7 @@ class TypeIn(QLineEdit):
             self.give_up()
         elif self._steps and event.key() in _STEPS:
             self.commit()
-            self.stepped.emit(_STEPS[Qt.Key(event.key())])
+            self.stepped.emit(_STEPS[Qt.Key(event.key())] * step_factor(event.modifiers()))
         else:
             super().keyPressEvent(event)
 
@@ -97,6 +107,10 @@ class TypeIn(QLineEdit):
         super().keyReleaseEvent(event)
         if self._steps and event.key() in _STEPS and not event.isAutoRepeat():
             self.step_ended.emit()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()
+        self.turned.emit(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         super().focusOutEvent(event)
