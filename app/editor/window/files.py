@@ -303,17 +303,20 @@ class Drops(QObject):
         if paths:
             accept_copy(event)
             if event.type() == QEvent.Type.Drop:
-                self.files(paths, QPointF(*self._canvas.cursor_point()))
+                self._add(paths, QPointF(*self._canvas.cursor_point()))
         return bool(paths)
 
     def files(self, paths: list[str], point: QPointF) -> None:
         """Open a network, or read pictures: each becomes a Read Image at the point."""
+        under = self._canvas.node_or_thumbnail_at(point)
+        alone = len(paths) == 1 and not paths[0].lower().endswith(NETWORK_SUFFIX)
+        if not (alone and under is not None and self._replaced(under, Path(paths[0]))):
+            self._add(paths, point)
+
+    def _add(self, paths: list[str], point: QPointF) -> None:
         networks = [path for path in paths if path.lower().endswith(NETWORK_SUFFIX)]
         if networks:
             self._files.open(networks[0])
-            return
-        under = self._canvas.node_or_thumbnail_at(point)
-        if len(paths) == 1 and under is not None and self._replaced(under, Path(paths[0])):
             return
         steps: list[Operation] = []
         names, network = [], self._session.network
