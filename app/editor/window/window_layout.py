@@ -78,13 +78,15 @@ class WindowLayout(QObject):
         """Give an empty network a large canvas; the docks of pictures come with its first node."""
         docks, shown = Docks(self._window), []
         if empty:
-            beside = (*docks.viewers, *docks.tools, *docks.beside)
+            beside = [*docks.viewers, *docks.tools, *docks.beside]
+            if self._window.dockWidgetArea(docks.panels) == _Area.BottomDockWidgetArea:
+                beside.append(docks.panels)  # which would keep the whole band below the canvas
             shown = [dock for dock in beside if not (dock.isHidden() or dock.isFloating())]
         away, self._away = self._away, self._away + shown if empty else []
         for dock in shown if empty else away:
             dock.setVisible(not empty)
         if away and not empty:
-            for dock in (docks.curves, docks.viewers[0]):
+            for dock in (docks.curves, docks.panels, docks.viewers[0]):
                 dock.raise_()
             self._size()
             QTimer.singleShot(0, self, self._size)  # once Qt has laid them out

@@ -116,6 +116,8 @@ class FiguresStrip(Viewer):
         )
         if figures:
             self._name_slots([(figure.name, figure.caption) for figure in figures.values()])
+        elif answer is not None and answer.node is None:
+            self._name_slots(ELECTRONICS_FIGURES)  # not those of a sensor that is gone
         for name in self._names:
             label = self.label(name)
             figure: Figure | None = figures.get(name)
