@@ -110,6 +110,15 @@ def test_f_shows_all_and_with_a_selection_that(window, hand, chain):
     assert visible(window).contains(window.canvas.content.nodes["blur"].frame())
 
 
+def test_home_shows_all_and_a_click_with_ctrl_and_shift_a_nodes_picture(window, hand, chain):
+    hand.select("blur")
+    window.canvas.view.pan(QPoint(5000, 3000))
+    hand.key(KEY.Key_Home)
+    assert visible(window).contains(window.canvas.content.bounds())
+    hand.click(hand.head("scene"), CTRL | SHIFT)
+    assert window.viewers.images[1].choices.port == "scene.image"
+
+
 def test_d_lets_nodes_pass_their_input_through_and_again_not(hand, chain):
     hand.select("init", "back")
     hand.key(KEY.Key_D)
