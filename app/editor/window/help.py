@@ -55,7 +55,7 @@ class Help(QObject):
         show_beside(self._window, ShortcutList(actions, self._window))
 
     def module(self) -> None:
-        self.handbook_of((*self._session.selection, "")[-1])
+        self.handbook_of(("", *self._session.selection)[-1])
 
     def handbook_of(self, name: str) -> None:
         declared = self._session.declared(name)

@@ -50,6 +50,14 @@ def lines(window):
     return said
 
 
+def test_help_is_about_the_selected_module(window, monkeypatch):
+    asked = []
+    monkeypatch.setattr(window.help.handbook, "open", asked.append)
+    window.session.select([add(window, "jitter_mtf")])
+    window.actions_by_name["module_help"].trigger()
+    assert asked == ["jitter_mtf"]
+
+
 @pytest.mark.thorough  # it writes the whole handbook
 def test_help_leads_to_the_page_of_the_module(window, browser, written, lines, qtbot):
     window.session.select([add(window, "jitter_mtf")])
