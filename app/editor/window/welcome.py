@@ -6,10 +6,9 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Signal
-from PySide6.QtGui import QIcon, QShowEvent
+from PySide6.QtCore import QEvent, QSize, QSizeF, Qt, Signal
+from PySide6.QtGui import QEnterEvent, QIcon, QShowEvent
 from PySide6.QtWidgets import (
-    QCommandLinkButton,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -27,8 +26,9 @@ from app.editor.window.recent_files import folder_text
 from app.run.shipped import shipped_networks
 from core.network.file import read_network
 
-_PICTURE = QSize(6, 5)  # in lines of text
-_CARD = 52  # letters that a card is wide at least
+_PICTURE = QSizeF(6, 5)  # in lines of text
+_CARD = 50  # letters that a card is wide at least
+_LETTERS, _LARGEST = 230.0, 2.2  # a page wider than that has larger cards, at most this much
 
 
 class WelcomePage(QScrollArea):
@@ -73,16 +73,13 @@ class WelcomePage(QScrollArea):
 
     def _card(self, file: Path, line: str) -> QWidget:
         network = read_network(file, library={})  # which loads no module
-        card = QCommandLinkButton(network.name.replace("&", "&&"), line)
-        labelled(card, f"welcome.{file.stem}", network.name, f"<p>{network.description}</p>")
-        card.setAccessibleDescription(network.description)
         pictures = file.parent / "pictures"
         curves = pictures / f"card_{file.stem}.png"
         picture = curves if curves.exists() else pictures / f"thumbnail_{file.stem}.png"
-        card.setIcon(QIcon(str(picture)))
-        card.setIconSize(_PICTURE * self.fontMetrics().height())
-        width = max(_CARD * self.fontMetrics().averageCharWidth(), card.sizeHint().width())
-        card.setFixedSize(width, card.heightForWidth(width))
+        letters = self.width() / self.fontMetrics().averageCharWidth()
+        card = Card(network.name, line, picture, min(max(letters / _LETTERS, 1.0), _LARGEST))
+        labelled(card, f"welcome.{file.stem}", network.name, f"<p>{network.description}</p>")
+        card.setAccessibleDescription(network.description)
         card.clicked.connect(partial(self.chosen.emit, file.stem))
         return card
 
@@ -117,9 +114,8 @@ class WelcomePage(QScrollArea):
         self.back.setText(f"Back to {network}".replace("&", "&&"))
 
     def _recent_row(self, path: Path) -> QWidget:
-        row = QCommandLinkButton(path.stem.replace("&", "&&"), folder_text(path.parent))
+        row = Card(path.stem, folder_text(path.parent))
         labelled(row, f"welcome.recent.{path.name}", f"Open {path}", str(path))
-        row.setIcon(QIcon())
         row.clicked.connect(partial(self.chosen.emit, str(path)))
         return row
 
@@ -146,6 +142,49 @@ class WelcomePage(QScrollArea):
         button.setAccessibleName(f"{button.text()} {what}")
         layout.addWidget(button)
         return button
+
+
+class Card(QPushButton):
+    """A name, a line and a picture. QCommandLinkButton writes in 9 points, whatever the font is."""
+
+    def __init__(
+        self, name: str, line: str, picture: Path | None = None, larger: float = 1.0
+    ) -> None:
+        super().__init__()
+        self.setFlat(True)
+        shown, about = QLabel(), QLabel(line, wordWrap=True)
+        title = heading(name, 1.0)
+        words = filled(QVBoxLayout(), title, about, None, spacing=0)
+        metrics = self.fontMetrics()
+        if picture is not None:
+            size = (_PICTURE * metrics.height() * larger).toSize()
+            shown.setPixmap(QIcon(str(picture)).pixmap(size, self.devicePixelRatioF()))
+        shown.setVisible(picture is not None)
+        self._parts = layout = filled(
+            QHBoxLayout(self), shown, (words, 1), margins=(6, 6, 6, 6), spacing=8
+        )
+        layout.setAlignment(shown, Qt.AlignmentFlag.AlignTop)
+        for label in (shown, title, about):
+            label.setTextFormat(Qt.TextFormat.PlainText)
+            label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        if picture is not None:
+            width = round(_CARD * larger * metrics.averageCharWidth())
+            width = max(width, layout.minimumSize().width())
+            self.setFixedSize(width, layout.heightForWidth(width))
+
+    def sizeHint(self) -> QSize:
+        return self._parts.sizeHint()
+
+    def minimumSizeHint(self) -> QSize:
+        return self._parts.minimumSize()
+
+    def enterEvent(self, event: QEnterEvent) -> None:
+        super().enterEvent(event)
+        self.setFlat(False)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        super().leaveEvent(event)
+        self.setFlat(True)
 
 
 def gallery() -> dict[str, dict[str, str]]:

@@ -4,11 +4,12 @@ import json
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QFont
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QCommandLinkButton, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QWidget
 
 from app.editor.window.main_window import MainWindow
-from app.editor.window.welcome import gallery
+from app.editor.window.welcome import Card, gallery
 from app.run.shipped import shipped_networks
 
 SENSORS = ("inframetrics", "kodak_kir310")
@@ -35,11 +36,24 @@ def test_cards_stand_in_groups_with_their_lines_and_the_sensors_of_1996_last(win
     assert sorted(names[-4:]) == sorted(f"{one}{year}" for one in SENSORS for year in ("", "_1996"))
     for name, card in zip(names, cards(window), strict=True):
         document = json.loads(shipped_networks()[name].read_text())
-        assert card.text() == document["name"]
+        assert card.accessibleName() == document["name"]
         assert card.accessibleDescription() == document["description"]
-        assert not card.icon().isNull()
+        assert any(not label.pixmap().isNull() for label in card.findChildren(QLabel))
         assert card.width() >= card.minimumSizeHint().width()  # nothing is cut
-        assert card.height() >= card.heightForWidth(card.width())
+        assert card.height() >= card.layout().heightForWidth(card.width())
+
+
+def test_cards_are_written_in_the_fonts_of_the_window(make_window):
+    before = QApplication.font()
+    large = QFont(before)
+    large.setPointSizeF(1.6 * before.pointSizeF())
+    QApplication.setFont(large)
+    try:
+        window = make_window()
+        sizes = {label.font().pointSizeF() for label in cards(window)[0].findChildren(QLabel)}
+        assert sizes == {large.pointSizeF()}
+    finally:
+        QApplication.setFont(before)
 
 
 def test_one_key_shows_them_and_leads_back(make_window, qtbot):
@@ -85,7 +99,7 @@ def test_opening_a_network_at_the_start_builds_no_card(library, settings, tmp_pa
     window.open_first("first_steps")
     window.show()
     qtbot.waitExposed(window)
-    assert window.findChildren(QCommandLinkButton) == []
+    assert window.findChildren(Card) == []
     window.show_welcome()
     assert len(cards(window)) == len(shipped_networks())
     assert all(card.isVisible() for card in cards(window))
