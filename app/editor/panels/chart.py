@@ -248,8 +248,5 @@ class ChartWidget(QWidget):
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self.theme.base))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        font = painter.font()
-        font.setPointSizeF(0.9 * font.pointSizeF())
-        painter.setFont(font)
         self.draw(painter, QRectF(self.rect()).adjusted(4, 2, -4, -2))
         painter.end()

@@ -86,9 +86,6 @@ class FiguresStrip(Viewer):
     def _add(self, name: str, caption: str) -> None:
         both = QWidget(self)
         head = ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", both)
-        font = head.font()
-        font.setPointSizeF(font.pointSizeF() * 0.85)
-        head.setFont(font)
         head.show_text(caption)
         value = ElidedLabel(f"{self.owner}.{name}", caption, both)
         filled(QVBoxLayout(both), head, value, spacing=0)

@@ -295,8 +295,7 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
         self.cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(theme.accent))
         self.cursor.setVisible(False)
         self.addItem(self.cursor)
-        self._theme, self._small = theme, QFont(font)
-        self._small.setPointSizeF(0.85 * font.pointSizeF())
+        self._theme, self._font = theme, QFont(font)
 
     def show_lines(
         self, drawing: Drawing, panel: Panel, shown: Collection[str], pens: Mapping[str, QPen]
@@ -331,7 +330,7 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
                 continue
             line.setValue(mark.x)
             text = f"{mark.text} {mark.x:.4g}"
-            wide = QFontMetrics(self._small).horizontalAdvance(text)
+            wide = QFontMetrics(self._font).horizontalAdvance(text)
             if wide > 0.97 * self.getViewBox().height():
                 text = f"{mark.x:.4g}"
             line.label.setFormat(text if named else "")
@@ -353,7 +352,7 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
                 "fill": see_through(self._theme.base, 190),
             },
         )
-        line.label.setFont(self._small)
+        line.label.setFont(self._font)
         line.setZValue(5)
         self.addItem(line)
         self.marks.append(line)
