@@ -8,7 +8,7 @@ from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QIcon, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QGraphicsItem, QListWidget, QListWidgetItem, QWidget
 
 from app.editor.declared_text import tip
@@ -67,6 +67,18 @@ class EndingAxis(pg.AxisItem):  # type: ignore[misc]
             (spacing, [value for value in values if low - slack <= value <= high + slack])
             for spacing, values in levels
         ]
+
+    def tickStrings(self, values: Sequence[float], scale: float, spacing: float) -> list[str]:
+        """None where they would touch: pyqtgraph reckons with the room of the whole axis."""
+        texts: list[str] = super().tickStrings(values, scale, spacing)
+        if self.ends is None or not texts:
+            return texts
+        along, metrics = self.geometry(), QFontMetricsF(self.style["tickFont"] or QFont())
+        wide = max(map(metrics.horizontalAdvance, texts)) + metrics.averageCharWidth()
+        across = self.orientation == "bottom"
+        length, needed = (along.width(), wide) if across else (along.height(), metrics.height())
+        apart = spacing * length / max(abs(self.range[1] - self.range[0]), 1e-12)
+        return texts if apart >= needed else [""] * len(texts)
 
 
 def bare(plot: pg.PlotItem) -> None:
