@@ -40,6 +40,7 @@ _PORTS_FROM = 0.2
 _PLATE = 14.0  # height of the output's mark, half of it below the node
 OUTPUT_MARK = "output"
 _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
+_BESIDE = 10.0  # left and right of a title together, at least
 _TALLER = 34.0  # the title of a small node may be, above its frame
 
 
@@ -142,15 +143,17 @@ class NodeItem(AbstractNodeItem):
         """The title as it is drawn in the overview; measured once for a zoom."""
         made_for = zoom, self.title_room, self.style
         if self._title is None or self._title[0] != made_for:
-            room = QSizeF(self.title_room - 10, self._height + _TALLER - 4)
-            self._title = made_for, fitted(self.face, room, zoom, self.style)
+            high = self._height + _TALLER - 4
+            rooms = (QSizeF(self.title_room - less, high) for less in (_beside(zoom), _BESIDE))
+            titles = (fitted(self.face, room, zoom, self.style) for room in rooms)
+            self._title = made_for, next(filter(None, titles), None)
         return self._title[1]
 
     def plate(self, zoom: float) -> QRectF:
         frame, title = self.geometry.frame, self.title_at(zoom)
         if title is None:
             return frame
-        beside = max(0.0, title.size.width() + 10 - frame.width()) / 2
+        beside = max(0.0, title.size.width() + _beside(zoom) - frame.width()) / 2
         above = max(0.0, title.size.height() + 4 - frame.height())
         return frame.adjusted(-beside, -above, beside, 0)
 
@@ -299,6 +302,11 @@ def _head(width: float, height: float) -> QPainterPath:
     path.addRoundedRect(QRectF(0, 0, width, height), _ROUND, _ROUND)
     path.addRect(QRectF(0, height - _ROUND, width, _ROUND))
     return path
+
+
+def _beside(zoom: float) -> float:
+    """The room left and right of a title: as wide on the screen at every zoom."""
+    return max(_BESIDE, 8.0 / zoom)
 
 
 class Fitted(NamedTuple):
