@@ -208,6 +208,11 @@ _HINT = (
     "files; you can also drop files here. Imagechain finds the edges and measures the MTF across "
     "each one."
 )
+_FIT_HINT = (
+    "Choose Pictures… or drop measured pictures here. To let the fit change a number, right-click "
+    "it on a panel and choose Free for a fit. Then click Fit."
+)
+_CENTRED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap)
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Down: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_Up: -1}
 _ZOOMS = {Qt.Key.Key_Plus: 0.8, Qt.Key.Key_Equal: 0.8, Qt.Key.Key_Minus: 1.25}
 
@@ -399,11 +404,13 @@ class SpreadChart(ChartWidget):
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         edge = self.edge
-        reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
+        if edge is None:
+            painter.setPen(QColor(self.theme.text))
+            painter.drawText(area, _CENTRED, _FIT_HINT)
+            return
+        reach = max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
         x = Axis(-reach, reach, "distance from the edge (samples)")
         chart = Chart(painter, area, x, Axis(-0.2, 1.2, "fraction of the step"), self.theme)
-        if edge is None:
-            return
         samples, line = self.theme.faint_text, self.theme.curves[0]
         order = np.argsort(edge.distance, kind="stable")
         few = order[:: max(1, len(order) // _MOST)]

@@ -271,8 +271,8 @@ class MeasureView(WorkerView):
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")
         self.tabs.tabBar().setAccessibleName("Figures or edges")
-        right = split(Qt.Orientation.Vertical, (self.chart, 1), (self.tabs, 1))
-        halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (right, 4))
+        self.right = split(Qt.Orientation.Vertical, (self.chart, 1), (self.tabs, 1))
+        halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (self.right, 4))
         about = "Status of the measurement, or why no measurement is possible"
         self.status = StatusLine("measure", about, "Values there", self)
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
@@ -351,6 +351,7 @@ class MeasureView(WorkerView):
         self.pictures.setVisible(len(names) > 1)
         self._show_picture(0)
         self.table.show_measured(measured)
+        self.right.setVisible(measured is not None)
         if measured is None:
             self.figures.show_rows(())
             self.notices.show_notices(())
