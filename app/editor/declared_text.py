@@ -72,6 +72,7 @@ _NAMES: Mapping[str, str] = MappingProxyType(
         "reference_K": "Reference background",
         "reference_f_number": "Reference F number",
         "bad_pixel_percent": "Bad pixels",
+        "quantum_efficiency_percent": "QE in per cent",
         "cut_on_um": "Cut-on",
         "cut_off_um": "Cut-off",
         "use_mtf": "Use pre-amplifier MTF",
