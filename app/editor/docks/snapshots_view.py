@@ -95,7 +95,8 @@ class SnapshotsView(Viewer):
         parts.addWidget(self.list)
         parts.addWidget(self.figures)
         parts.setSizes([5 * line, 15 * line])
-        filled(QVBoxLayout(self), bar, (parts, 1), self.title, spacing=1)
+        margins = (0, 0, 0, 4)  # the line keeps off the ring of focus
+        filled(QVBoxLayout(self), bar, (parts, 1), self.title, margins=margins, spacing=1)
 
     def _follow_snapshots(self) -> None:
         way, chosen = self._snapshots.way, self._snapshots.chosen
