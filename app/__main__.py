@@ -1,7 +1,5 @@
 """``python -m app`` is the same command."""
 
-from __future__ import annotations
-
 import sys
 
 from app.command.cli import main

@@ -1,7 +1,5 @@
 """What every module declares, kept in the cache: to list modules, none of their files is loaded."""
 
-from __future__ import annotations
-
 import io
 import os
 import pickle

@@ -1,7 +1,5 @@
 """Where this user's programs keep settings, records, unsaved work, and what can be made again."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import platformdirs

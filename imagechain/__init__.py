@@ -49,16 +49,13 @@ if TYPE_CHECKING:
     from imagechain import modules, physics
     from imagechain.building.camera import Camera
     from imagechain.building.chain import Chain, networks, open
-    from imagechain.building.chain_node import ChainNode
+    from imagechain.building.chain_state import ChainNode
     from imagechain.building.chain_study import study
-    from imagechain.building.fitted_chain import FittedChain, fit
-    from imagechain.building.measure_pictures import MeasuredPictures, measure
-    from imagechain.parts.module_functions import part, preset, presets
-    from imagechain.parts.module_part import Expression, Part
+    from imagechain.building.measure_pictures import FittedChain, MeasuredPictures, fit, measure
+    from imagechain.parts.module_part import Expression, Part, part, preset, presets
     from imagechain.parts.scene_array import scene
-    from imagechain.results.chain_picture import Picture
     from imagechain.results.chain_result import Result
-    from imagechain.results.tables import ReadoutTable, StageCurves, StudyTable
+    from imagechain.results.tables import Picture, ReadoutTable, StageCurves, StudyTable
 
     expression = Expression
     __version__: str
@@ -112,16 +109,13 @@ _NAMES = {
     "core.modules.parameters": "Caution",
     "imagechain.building.camera": "Camera",
     "imagechain.building.chain": "Chain networks open",
-    "imagechain.building.chain_node": "ChainNode",
+    "imagechain.building.chain_state": "ChainNode",
     "imagechain.building.chain_study": "study",
-    "imagechain.building.fitted_chain": "FittedChain fit",
-    "imagechain.building.measure_pictures": "MeasuredPictures measure",
-    "imagechain.parts.module_functions": "part preset presets",
-    "imagechain.parts.module_part": "Expression Part",
+    "imagechain.building.measure_pictures": "FittedChain MeasuredPictures fit measure",
+    "imagechain.parts.module_part": "Expression Part part preset presets",
     "imagechain.parts.scene_array": "scene",
-    "imagechain.results.chain_picture": "Picture",
     "imagechain.results.chain_result": "Result",
-    "imagechain.results.tables": "ReadoutTable StageCurves StudyTable",
+    "imagechain.results.tables": "Picture ReadoutTable StageCurves StudyTable",
 }
 _PLACES = {name: place for place, names in _NAMES.items() for name in names.split()}
 

@@ -7,8 +7,7 @@ Modules of another installed package are under the name of that package:
 from collections.abc import Callable
 
 from core.modules.declaration import local_key, package_of
-from imagechain.parts.module_functions import module_function
-from imagechain.parts.module_part import Part
+from imagechain.parts.module_part import Part, module_function
 from nodes.library import standard_library
 
 

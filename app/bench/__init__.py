@@ -62,7 +62,7 @@ def measured(
 
 
 def bench_page(facts: Mapping[str, Any], parts: Measured) -> str:
-    from app.bench.charts import chart_png
+    from app.bench.tables import chart_png
     from app.report.html_page import Block, Drawn, Grid, Heading, Text, html_page
 
     settings = facts["settings"]

@@ -54,10 +54,14 @@ class Chain:
         self.engine = Engine(standard_library(), self.store)
         self.work = self.engine.work(policy)
         self.scene = self.value(network, SCENE) if scene is None else scene.astype(policy.dtype)
-        key = self.engine.plan(network).output(SCENE).recipe.key
-        self.store.hold(f"{key}/{policy.key}", self.scene)
+        self._key = f"{self.engine.plan(network).output(SCENE).recipe.key}/{policy.key}"
+        self.take(self.scene)
         self.store.clear()
         self._edits = 0
+
+    def take(self, scene: Any) -> None:
+        """Begin with another picture from now on."""
+        self.store.hold(self._key, scene)
 
     def value(self, network: Network, port: str) -> Any:
         return self.engine.value(self.engine.plan(network), port, self.work)

@@ -1,7 +1,5 @@
 """Time that measuring a picture takes, and fitting a network to one."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

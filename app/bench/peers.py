@@ -17,16 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench.chains import SCENE, SceneStore, sensor_network
+from app.bench.chains import Chain, sensor_network
 from app.bench.tables import T0_HEADS, Chart, Table
 from app.bench.timing import Settings, paired, round_trip, seconds
 from app.bench.truth import Sensor
 from app.run.process import version
-from core.chain.engine import Engine
 from core.evaluation.work import Policy, Precision
 from core.transfer.factors import Planar
 from core.transfer.planar_blocks import Axes, Known
-from nodes.library import standard_library
 
 Array = NDArray[Any]
 Deliver = Callable[[Array], Array]
@@ -105,38 +103,34 @@ def _delivered(task: Task, build: Callable[[Task], Deliver], settings: Settings)
     return row | {"note": getattr(deliver, "note", "")}
 
 
-class Chain:
+class Ours(Chain):
     """The frame through our aperture and pixel; nothing computed before, or the OTF known."""
 
     def __init__(self, edges: str, precision: Precision, known: bool, task: Task) -> None:
         across = float(np.degrees(task.size * task.interval_mrad * 1e-3))
         init = {"focal_length_mm": task.focal_length_mm, "detector_x_um": task.pixel_um}
         scene = {"kind": "uniform", "width": task.size, "height": task.size}
-        self._network = sensor_network(
+        network = sensor_network(
             ("test_scene", {**scene, "fov_x_deg": across, "fov_y_deg": across}),
             {**init, "detector_y_um": task.pixel_um, "edges": edges},
             {"pixel": ("detector_mtf", {})},
             disc=(task.aperture_mm, task.wavelength_um),
         )
-        self._store = SceneStore()
-        self._engine = Engine(standard_library(), self._store)
-        self._work = self._engine.work(Policy(precision=precision))
-        plan = self._engine.plan(self._network)
-        self._key = f"{plan.output(SCENE).recipe.key}/{self._work.policy.key}"
+        super().__init__(network, Policy(precision=precision))
         self.note = ""
         if known:
+            plan = self.engine.plan(network)
             factor = plan.output("optics.mtf").factors[0]
             assert isinstance(factor, Planar)
             axes: Axes = "mirrored" if edges == "reflect" else "periodic"
             grid = plan.output("init.context").grid
-            self.note = self._work.value(Known(factor, grid, axes, node=factor.node)).description
-        self._known = self._store.keys()
+            self.note = self.work.value(Known(factor, grid, axes, node=factor.node)).description
+        self._known = self.store.keys()
 
     def __call__(self, frame: Array) -> Array:
-        self._store.forget_all_but(self._known)
-        self._store.hold(self._key, frame.astype(self._work.policy.dtype, copy=False))
-        plan = self._engine.plan(self._network)
-        return np.asarray(self._engine.value(plan, "back.image", self._work))
+        self.store.forget_all_but(self._known)
+        self.take(frame.astype(self.policy.dtype, copy=False))
+        return np.asarray(self.value(self.network, "back.image"))
 
 
 def _pybsm(task: Task) -> dict[str, Any]:
@@ -221,11 +215,11 @@ def prysm(task: Task) -> Deliver:
 
 Way = tuple[str, str, Callable[[Task], Deliver]]
 OURS: tuple[Way, ...] = (
-    ("imagechain", "Imagechain, periodic", partial(Chain, "periodic", "single", False)),
-    ("imagechain", "Imagechain, periodic, known", partial(Chain, "periodic", "single", True)),
-    ("imagechain", "Imagechain, periodic, double", partial(Chain, "periodic", "double", False)),
-    ("imagechain", "Imagechain, mirrored", partial(Chain, "reflect", "single", False)),
-    ("imagechain", "Imagechain, mirrored, known", partial(Chain, "reflect", "single", True)),
+    ("imagechain", "Imagechain, periodic", partial(Ours, "periodic", "single", False)),
+    ("imagechain", "Imagechain, periodic, known", partial(Ours, "periodic", "single", True)),
+    ("imagechain", "Imagechain, periodic, double", partial(Ours, "periodic", "double", False)),
+    ("imagechain", "Imagechain, mirrored", partial(Ours, "reflect", "single", False)),
+    ("imagechain", "Imagechain, mirrored, known", partial(Ours, "reflect", "single", True)),
 )
 PEERS: tuple[Way, ...] = (
     ("pybsm", "pyBSM simulate_image", pybsm_simulate_image),

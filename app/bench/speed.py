@@ -10,14 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench.chains import (
-    FINAL,
-    KODAK,
-    PIXELS,
-    SHIPPED_SIZE,
-    Chain,
-    Kodak,
-)
+from app.bench.chains import FINAL, KODAK, PIXELS, SHIPPED_SIZE, Chain, Kodak
 from app.bench.tables import Chart, Table, judged
 from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
 from app.run.shipped import command
@@ -113,10 +106,8 @@ def _unchanged(kodak: Kodak, settings: Settings) -> Any:
     kodak.value(kodak.network, FINAL)
     before = kodak.engine.plan(kodak.network)
     per_node = 1e6 / len(kodak.network.nodes)
-    times_us = [
-        kodak.looked_at_again(FINAL, before, kodak.network) * per_node
-        for _ in range(settings.pairs * LOOKS)
-    ]
+    again = partial(kodak.looked_at_again, FINAL, before, kodak.network)
+    times_us = [again() * per_node for _ in range(settings.pairs * LOOKS)]
     low, middle, high = statistics.quantiles(times_us, n=4)
     row = {"subject": "nothing changed", "value": middle, "unit": "µs per node"}
     return {**row, "low": low, "high": high, **judged(middle, 50.0)}

@@ -1,7 +1,5 @@
 """Studies of many points and of many pictures, beside the same loops in Python."""
 
-from __future__ import annotations
-
 import resource
 import tempfile
 import time
@@ -15,7 +13,7 @@ import numpy as np
 from app.bench.chains import sensor_network
 from app.bench.tables import Table, verdict
 from app.bench.timing import Settings
-from app.study.carrying_out import run_study
+from app.study.carrying_out import Workers, run_study
 from app.study.study_request import StudyRows
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
@@ -60,9 +58,8 @@ def points_table(side: int, across: int, jobs: Sequence[int]) -> Table:
                 yield blurred.with_parameter("electronics", "amplifier_snr", snr)
 
     vary = {"blur.sigma_x_mrad": sigmas, "electronics.amplifier_snr": snrs}
-    rows = _measured(
-        variants, lambda n: run_study(network, vary=vary, figures=FIGURES, jobs=n), jobs, 1.3
-    )
+    asked: dict[str, Any] = {"vary": vary, "figures": FIGURES}
+    rows = _measured(variants, lambda n: run_study(network, Workers(n), **asked), jobs, 1.3)
     text = (
         "Every combination of a Gaussian's width and the amplifier's signal-to-noise ratio, with "
         f"two figures of merit at each point. {HOW}"
@@ -83,10 +80,8 @@ def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
                 path = str(Path(f"s{number}.npy").absolute())
                 yield network.with_parameter("scene", "path", path)
 
-        over = {"scene.path": "s*.npy"}
-        rows = _measured(
-            variants, lambda n: run_study(network, over=over, figures=FIGURES, jobs=n), jobs, 1.2
-        )
+        asked: dict[str, Any] = {"over": ["scene.path=s*.npy"], "figures": FIGURES}
+        rows = _measured(variants, lambda n: run_study(network, Workers(n), **asked), jobs, 1.2)
     text = f"Each picture is a separate file and is read once. {HOW}"
     title = f"Study of {count} pictures, {side}², single precision"
     return Table("study_scenes", title, HEADS, rows, text)
@@ -99,12 +94,8 @@ def _sensor(source: str, scene: dict[str, Any]) -> Network:
         "background_K": 300.0,
     }  # fmt: skip
     blur = {"sigma_x_mrad": 0.1, "sigma_y_mrad": 0.1}
-    return sensor_network(
-        (source, scene),
-        init,
-        {"blur": ("gaussian_mtf", blur)},
-        {"electronics": ("electronics_noise", noise)},
-    )
+    behind = {"electronics": ("electronics_noise", noise)}
+    return sensor_network((source, scene), init, {"blur": ("gaussian_mtf", blur)}, behind)
 
 
 def _measured(

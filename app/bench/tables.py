@@ -1,4 +1,4 @@
-"""Results of a benchmark: tables that the terminal, the JSON file and the page share."""
+"""Results of a benchmark: tables that terminal, JSON file and page share, and their pictures."""
 
 import math
 import textwrap
@@ -6,6 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from app.report.drawing.picture_drawing import figure, load_matplotlib
 from app.run.readout_tables import columns
 
 Row = Mapping[str, Any]
@@ -97,3 +100,118 @@ def verdict(value: float, reach: float | None, aim: float | None = None) -> str:
 
 def judged(value: float, reach: float | None, aim: float | None = None) -> dict[str, Any]:
     return {"reach": reach, "aim": aim, "verdict": verdict(value, reach, aim)}
+
+
+# Pictures of tables: time against error, and bars with their targets.
+
+WIDTH, HEIGHT = 8.2, 4.9  # inches
+# Distinct in every kind of colour vision (Okabe and Ito 2008), their light ones darkened for
+# letters on white.
+COLOURS = ("#0072B2", "#D55E00", "#00805C", "#A8508A", "#8A6D00", "#2B2B2B", "#3C9BD6")
+FAINT, DARK, OTHER = "#8a8a8a", "#333333", "#9a9a9a"
+MARKS = "osD^vPX"
+LEAST = 1e-16  # no error at all has no place on a logarithmic axis: it is drawn at rounding
+STYLE: Any = {"font.size": 10.5, "axes.labelsize": 11.0, "axes.axisbelow": True}
+
+
+def chart_png(table: Table, *, titled: bool = True) -> bytes | None:
+    """The table's picture; None where it has none, or nothing was measured."""
+    chart = table.chart
+    rows = [row for row in table.rows if chart is not None and chart.draws(row)]
+    if chart is None or not rows:
+        return None
+    height = HEIGHT if chart.error else 1.5 + 0.42 * len(rows)
+    with figure(WIDTH, height) as (drawn, out), load_matplotlib().rc_context(STYLE):
+        drawn.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        if titled:
+            title = textwrap.fill(chart.title or table.title, 84)
+            drawn.suptitle(title, x=0.012, ha="left", fontsize=12.0, fontweight="bold")
+        axis = drawn.subplots()
+        if chart.error:
+            _draw_errors(axis, chart, rows)
+        else:
+            _draw_bars(axis, rows)
+    return bytes(out.getvalue())
+
+
+def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
+    groups: dict[Any, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(row[chart.group] if chart.group else "", []).append(row)
+    named = bool(chart.group) and not chart.by_colour
+    points, words = [], []
+    for number, (group, members) in enumerate(groups.items()):
+        colour = COLOURS[number % len(COLOURS)]
+        places = [(float(row["t0"]), max(float(row["error"]), LEAST)) for row in members]
+        points += places
+        axis.plot(
+            *zip(*places, strict=True), marker=MARKS[number % len(MARKS)], color=colour,
+            ms=7, mec="white", mew=0.8, ls="-" if chart.lines and chart.group else "none", lw=1.4,
+            label=figure_text(group), zorder=3,
+        )  # fmt: skip
+        shown = colour if chart.by_colour else DARK
+        texts = [row.get(chart.label) for row in members]
+        words += [(text, *each, shown) for text, each in zip(texts, places, strict=True)]
+    _scale(axis, points)
+    taken: list[tuple[float, float]] = []
+    for text, t0, error, colour in words:
+        if text is None:
+            continue
+        x, y = axis.transData.transform((t0, error))
+        heights = [y + up for up in (5, -17, 27, -39)]  # pixels
+        free = (h for h in heights if all(abs(h - o) > 19 or abs(x - p) > 200 for p, o in taken))
+        taken.append((x, next(free, heights[0])))
+        axis.annotate(
+            figure_text(text), (t0, error), xytext=(8, 0.72 * (taken[-1][1] - y)),
+            textcoords="offset points", fontsize=9.5, color=colour,
+        )  # fmt: skip
+    axis.set_xlabel(
+        "time in multiples of T0, one forward and one inverse Fourier transform of the picture"
+    )
+    axis.set_ylabel(chart.error)
+    if named:
+        axis.figure.legend(loc="outside lower center", ncols=min(len(groups), 4), frameon=False)
+    axis.annotate(
+        "↙ faster and more accurate", (0.0, 0.0), xycoords="axes fraction", xytext=(5, 4),
+        textcoords="offset points", fontsize=8.5, color=FAINT,
+    )  # fmt: skip
+    low, high = axis.get_xlim()
+    if low < 1.0 < high:
+        axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
+
+
+def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
+    """Logarithmic, with room about the points for their names, and at least 1.6 decades high."""
+    x, y = np.log10(np.array(points)).T
+    reaches = max(np.ptp(x), 0.5), max(np.ptp(y), 1.6)
+    (low, high), (bottom, top) = (
+        10.0 ** (0.5 * (values.min() + values.max()) + reach * np.array([-0.66, 0.66]))
+        for values, reach in zip((x, y), reaches, strict=True)
+    )
+    axis.set(xscale="log", yscale="log", xlim=(low, high), ylim=(bottom, top))
+
+
+def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:
+    for place, row in enumerate(rows):
+        value, reach, aim = float(row["value"]), row.get("reach"), row.get("aim")
+        colour = OTHER if reach is None else COLOURS[value > reach]
+        axis.barh(place, value, height=0.62, color=colour, zorder=2)
+        for target, width, dashes in ((reach, 2, "-"), (aim, 1, ":")):
+            if target is not None:
+                ends = [place - 0.42, place + 0.42]
+                axis.plot([target, target], ends, color=DARK, lw=width, ls=dashes, zorder=3)
+        said = f"{figure_text(value)} T0, {figure_text(float(row['ms']))} ms"
+        axis.annotate(said, (max(value, reach or 0.0), place), xytext=(7, 0),
+                      textcoords="offset points", va="center", fontsize=10)  # fmt: skip
+    axis.set_yticks(range(len(rows)), [textwrap.fill(row["subject"], 30) for row in rows])
+    axis.set_ylim(len(rows) - 0.4, -0.6)
+    axis.set_xlim(0, 1.3 * max(max(row["value"], row.get("reach") or 0.0) for row in rows))
+    axis.grid(visible=False, axis="y")
+    axis.tick_params(axis="y", length=0)
+    axis.spines["left"].set_visible(False)
+    axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
+    axis.set_xlabel(
+        "time in multiples of T0, one forward and one inverse Fourier transform of the scene "
+        "(dashed)\nsolid mark: limit, dotted: target; blue: limit met, orange: limit missed",
+        fontsize=10,
+    )

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import scipy
 import scipy.fft
 from numpy.typing import NDArray
 
 from app.run import shipped as own_process
-from app.run.process import version
+from app.run.process import versions
 from core.errors import UsageError
 from core.machine import physical_bytes
 from core.transfer.periodic import backend
@@ -113,9 +112,8 @@ def isolate() -> None:
 
 
 def environment() -> dict[str, str]:
-    return own_process.environment(
-        {name: value for name, value in os.environ.items() if name not in STEADY}
-    )
+    usual = {name: value for name, value in os.environ.items() if name not in STEADY}
+    return own_process.environment(usual)
 
 
 def machine_facts() -> dict[str, Any]:
@@ -127,12 +125,7 @@ def machine_facts() -> dict[str, Any]:
         "load": os.getloadavg()[0],
         "system": platform.platform(),
         "fft": backend(),
-        "versions": {
-            "imagechain": version(),
-            "python": platform.python_version(),
-            "numpy": np.__version__,
-            "scipy": scipy.__version__,
-        },
+        "versions": versions(),
     }
 
 

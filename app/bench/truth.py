@@ -62,9 +62,8 @@ def mirrored_frame(scene: Array, sensor: Sensor) -> Array:
     spectrum = cosine_spectrum(scene)
     even = np.asarray(transfer * charge.real, np.float64)
     odd = np.asarray(transfer * charge.imag, np.float64)
-    return np.asarray(
-        cosine @ (spectrum * even) @ cosine.T - cosine @ (spectrum * odd) @ sine.T, np.float64
-    )
+    frame = cosine @ (spectrum * even) @ cosine.T - cosine @ (spectrum * odd) @ sine.T
+    return np.asarray(frame, np.float64)
 
 
 def mirrored_picture(scene: Array, sensor: Sensor) -> Array:
@@ -124,9 +123,8 @@ def pupil_otf(radius: float, shift_x: float, shift_y: float, *, half_moon: bool 
     common = 0.0
     for low, high in pairwise(sorted({one for one in breaks if abs(one) <= radius})):
         rows = low + (high - low) * node
-        here, there = (
-            np.sqrt(np.maximum((radius - rows + own) * (radius + rows - own), 0)) for own in y
-        )
+        squares = ((radius - rows + own) * (radius + rows - own) for own in y)
+        here, there = (np.sqrt(np.maximum(square, 0)) for square in squares)
         left = max(0.0, shift_x) if half_moon else np.maximum(-here, shift_x - there)
         length = np.maximum(np.minimum(here, shift_x + there) - left, 0.0)
         common += (high - low) * float(np.sum(weight * length))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json as json_module
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.command import options
 from app.command.results import Progress, check_stop, show, written
@@ -78,17 +78,17 @@ def measure(
 
     Example: imagechain measure picture.tif --report measured.html --csv mtf.csv
     """
-    from app.measure.measurement_files import measurement_json, measurement_text
+    from app.measure.measurement_page import measurement_json, measurement_text
     from app.measure.measurement_text import figure_rows, frame_rows, refused_lines, remarks
-    from app.measure.measuring import MeasurePlan, measure_files
+    from app.measure.measuring import measure_files
     from app.run.readout_tables import columns
 
-    plan = MeasurePlan(pictures, band, fov_x_deg, dark, offset_dn, pitch_um)
     inputs = [*pictures, *([dark] if dark is not None else [])]
 
     def made() -> PictureMeasurement:
         with Progress(len(inputs)) as progress:
-            return measure_files(plan, check=partial(check_stop, stop), report=progress)
+            how: Any = {"check": partial(check_stop, stop), "report": progress}
+            return measure_files(pictures, band, fov_x_deg, dark, offset_dn, pitch_um, **how)
 
     outputs = [path for path in (json, csv, report) if isinstance(path, Path)]
     measured = written(outputs, inputs, stop, made, measurement_text)
@@ -228,7 +228,7 @@ def photon_transfer(
     Example: imagechain photon-transfer flat1.tif flat2.tif flat3.tif --dark dark.tif --output
     camera.json
     """
-    from app.measure.photon_transfer import TransferMeasurement, measured_transfer
+    from app.measure.uniform_fields import TransferMeasurement, measured_transfer
 
     inputs = [*flats, *filter(None, [dark])]
 
@@ -267,7 +267,7 @@ def netd(
 
     Example: imagechain netd cold.tif=20C middle.tif=25C hot.tif=30C --output netd.json
     """
-    from app.measure.netd import NetdMeasurement, measured_netd
+    from app.measure.uniform_fields import NetdMeasurement, measured_netd
 
     def made() -> NetdMeasurement:
         with Progress(2 * len(fields)) as progress:

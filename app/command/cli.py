@@ -1,7 +1,5 @@
 """The command ``imagechain``: exit codes 0 done, 2 a fault of the input, 1 a failure of ours."""
 
-from __future__ import annotations
-
 import gc
 import os
 import sys

@@ -76,16 +76,10 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
     declared = list(declarations(library).values())
     found = key != "" and key not in library
     if found:
-        by_name = [
-            entry
-            for entry in declared
-            if any(word in text.casefold() for text in (entry.key, entry.listed, entry.summary))
-        ]
-        declared = by_name or [
-            entry
-            for entry in declared
-            if any(word in parameter.name.casefold() for parameter in entry.parameters)
-        ]
+        texts = {e.key: f"{e.key}\n{e.listed}\n{e.summary}".casefold() for e in declared}
+        names = {e.key: "\n".join(p.name.casefold() for p in e.parameters) for e in declared}
+        by_text = [entry for entry in declared if word in texts[entry.key]]
+        declared = by_text or [entry for entry in declared if word in names[entry.key]]
     elif key:
         declared = [entry for entry in declared if entry.key == key]
     if not declared:
@@ -119,8 +113,7 @@ def _described(declared: Declaration) -> dict[str, Any]:
         "summary": declared.summary,
         "text": declared.text,
         "formulas": [
-            {"tex": formula.tex, "where": formula.where, "when": formula.when}
-            for formula in declared.formulas
+            {"tex": one.tex, "where": one.where, "when": one.when} for one in declared.formulas
         ],
         "sink": declared.sink,
         "inputs": [
@@ -130,8 +123,7 @@ def _described(declared: Declaration) -> dict[str, Any]:
         "outputs": [{"name": port.name, "types": list(port.types)} for port in declared.outputs],
         "parameters": [_parameter(parameter) for parameter in declared.parameters],
         "readouts": [
-            {"name": readout.name, "unit": readout.unit, "meaning": readout.meaning}
-            for readout in declared.readouts
+            {"name": r.name, "unit": r.unit, "meaning": r.meaning} for r in declared.readouts
         ],
     }
 
@@ -139,14 +131,10 @@ def _described(declared: Declaration) -> dict[str, Any]:
 def _parameter(parameter: Parameter) -> dict[str, Any]:
     param = parameter.param
     described: dict[str, Any] = {
-        "name": parameter.name,
-        "kind": parameter.kind,
-        "unit": param.unit,
-        "text": param.text,
-        "required": parameter.required,
-        "empty": parameter.empty,
+        "name": parameter.name, "kind": parameter.kind, "unit": param.unit, "text": param.text,
+        "required": parameter.required, "empty": parameter.empty,
         "default": None if parameter.required else plain(parameter.default),
-    }
+    }  # fmt: skip
     if parameter.choices:
         described["choices"] = list(parameter.choices)
     if param.low is not None:
@@ -162,20 +150,12 @@ def _module_text(declared: Declaration, *, whole: bool = False) -> str:
     ways = [ports_text(declared.inputs), ports_text(declared.outputs)]
     lines.append(f"  ports: {' → '.join(ways).strip()}")
     rows = [
-        (
-            f"    {parameter.name}",
-            _default(parameter),
-            parameter.param.unit,
-            parameter.allowed(),
-            parameter.param.text,
-        )
-        for parameter in declared.parameters
+        (f"    {each.name}", _default(each), each.param.unit, each.allowed(), each.param.text)
+        for each in declared.parameters
     ]
     if rows:
         lines += ["  parameters:", columns(rows)]
-    readouts = [
-        (f"    {readout.name}", readout.unit, readout.meaning) for readout in declared.readouts
-    ]
+    readouts = [(f"    {each.name}", each.unit, each.meaning) for each in declared.readouts]
     if readouts:
         lines += ["  read-outs:", columns(readouts)]
     return "\n".join(lines)
@@ -187,11 +167,9 @@ def _default(parameter: Parameter) -> str:
     value = plain(parameter.default)
     if value is None:
         return "empty"
-    return (
-        json_module.dumps(value, ensure_ascii=False)
-        if not isinstance(value, str)
-        else value or '""'
-    )
+    if isinstance(value, str):
+        return value or '""'
+    return json_module.dumps(value, ensure_ascii=False)
 
 
 @options.command()
@@ -240,13 +218,8 @@ def _preset_facts(preset: Preset) -> dict[str, str]:
 @options.json_flag
 def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -> None:
     """Open the handbook at any page."""
-    from app.handbook.module_examples import PARTS
-    from app.handbook.written_pages import (
-        cached_handbook,
-        find_page,
-        readable_handbook,
-        write_handbook,
-    )
+    from app.handbook import written_pages as pages
+    from app.handbook.example_figures import PARTS
     from nodes.library import standard_library
 
     if html is not None and path:
@@ -256,7 +229,7 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
     library = standard_library()
     address: str | None = "index.html"
     if word:
-        address, known = find_page(word, library)
+        address, known = pages.find_page(word, library)
         if address is None:
             hint = close(word, known) or "; imagechain handbook opens the first page"
             raise UsageError(f"the handbook has no page on {shown(word)}{hint}")
@@ -269,17 +242,17 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
 
         opened = html is None and not path
         if html is not None:
-            write_handbook(html, library, made_next)
+            pages.write_handbook(html, library, made_next)
             folder = html
         elif opened:
-            folder = readable_handbook(library)
+            folder = pages.readable_handbook(library)
         else:
-            folder = cached_handbook(library, made_next)
+            folder = pages.cached_handbook(library, made_next)
         page = folder.resolve() / str(address)
         show(json, lambda: {"page": str(page)}, str(page))
         if opened:
             _open_page(page)
-            cached_handbook(library, made_next)
+            pages.cached_handbook(library, made_next)
 
 
 def _open_page(page: Path) -> None:

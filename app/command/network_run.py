@@ -1,7 +1,5 @@
 """One run of a network: what it computes, and the files that it writes, all of them or none."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -9,36 +7,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later
+from app.run import evaluation as run
+from app.run import saving
 from app.run.figures import Figure, figure_rows
 from app.run.option_values import Save
 from app.run.output import find_output, how_to_choose
 from app.run.overrides import near
 from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
-from app.run.responses import mtf_csv
-from app.run.saving import (
-    MOST_FRAMES,
-    check_suffix,
-    cube_of,
-    encode_png,
-    format_for_frames,
-    grey_levels,
-    is_cube,
-    robust_limits,
-    save_frames,
-    save_value,
-    series_of,
-)
-from app.run.staging import Staging, existing_folder
-from app.run.way_of_running import (
-    WayOfRunning,
-    blocks_of,
-    check_streamed,
-    is_streamed,
-    reduced,
-    way_in_words,
-)
-from app.run.write_rules import WriteRules
+from app.run.staging import Staging, WriteRules, existing_folder
+from app.run.transfer_chain import mtf_csv
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan, realize
 from core.chain.skipped import Skip, skips
@@ -64,7 +41,7 @@ KEPT_BYTES = 1 << 29
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
-_IN_MEMORY = WayOfRunning(None, None)
+_IN_MEMORY = run.WayOfRunning(None, None)
 
 
 @dataclass(frozen=True)
@@ -77,8 +54,8 @@ class Stage:
     # called with the number of frames written, after each
     done: Callable[[int], None] | None = None
     # called with the evaluation while its pictures are held
-    look: Callable[[Evaluation], object] | None = None
-    way: WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
+    look: Callable[[run.Evaluation], object] | None = None
+    way: run.WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
     only_report: bool = False
     saves: tuple[Save, ...] = ()
     frames: int | None = None  # of each picture that is saved
@@ -86,8 +63,8 @@ class Stage:
     scratch: Path | None = None  # the folder for pictures that do not fit into memory
 
     def prepare(
-        self, engine: Engine, plan: Plan, work: TimedWork, *, start: float
-    ) -> tuple[Evaluation, tuple[Skip, ...]]:
+        self, engine: Engine, plan: Plan, work: run.TimedWork, *, start: float
+    ) -> tuple[run.Evaluation, tuple[Skip, ...]]:
         staging, place, way = self.staging, plan.folder, self.way
         writers = _claim(plan, self, work.policy)
         if not self.only_report:
@@ -99,10 +76,10 @@ class Stage:
         how: dict[str, Any] = {"ports": ports, "report": bool(self.reports)}
         scratch = self.scratch or existing_folder(self.folder)
         with (
-            blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
-            work.hold(needed_later(plan, **how, in_blocks=way.in_blocks)),
+            run.blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
+            work.hold(run.needed_later(plan, **how, in_blocks=way.in_blocks)),
         ):
-            evaluation = evaluate(engine, plan, work, place)
+            evaluation = run.evaluate(engine, plan, work, place)
             evaluation.seconds["total"] = time.perf_counter() - start
             evaluation.way.update(way.facts(work.blocks))
             if self.only_report:
@@ -121,7 +98,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class NetworkRun:
-    evaluation: Evaluation
+    evaluation: run.Evaluation
     skipped: tuple[Skip, ...]
     figures: list[Figure]
     folder: Path
@@ -143,21 +120,15 @@ class NetworkRun:
         evaluation, tables = self.evaluation, []
         readouts = readout_rows(evaluation)
         if self.figures and not every_readout:
-            rows = [
-                (name, f"{v} {unit}", node) for name, v, unit, node in figure_rows(self.figures)
-            ]
+            rows = [(name, f"{v} {unit}", of) for name, v, unit, of in figure_rows(self.figures)]
             tables += [columns(rows), f"all {len(readouts)} read-outs: --all, or {READOUTS}\n"]
         elif readouts:
             tables.append(columns(readouts, right=(2,)) + "\n")
         if warnings := warning_lines(evaluation.cautions):
             tables.append("\n".join(warnings) + "\n")
         lines = []
-        left_out = [
-            f"{skip.node} (at most {skip.bound:.2g})"
-            for skip in self.skipped
-            if skip.kind == "below_budget"
-        ]
-        if left_out:
+        below = [skip for skip in self.skipped if skip.kind == "below_budget"]
+        if left_out := [f"{skip.node} (at most {skip.bound:.2g})" for skip in below]:
             budget = evaluation.work.policy.budget
             lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
         lines += [
@@ -174,7 +145,7 @@ class NetworkRun:
         if chain.missing and chain.grid is not None:
             lines.append(f"no total in {MTF}: {chain.missing}")
         if evaluation.way.get("way") == "in blocks" or on_memory:
-            lines.append(way_in_words(evaluation.way))
+            lines.append(run.way_in_words(evaluation.way))
         if self.others:
             lines.append(f"also {', '.join(self.others)}")
         return [*tables, *map(in_line, lines)]
@@ -205,25 +176,26 @@ class _Saved:
         """Frames that it is written as; None where it is written in another way."""
         if not isinstance(self.value, Image):
             return None
-        streamed = self.frames is None and is_streamed(self.value, self.path, on_disk=on_disk)
+        streamed = self.frames is None and run.is_streamed(self.value, self.path, on_disk=on_disk)
         return 1 if streamed else self.frames
 
     def series(self, policy: Policy, *, on_disk: bool) -> tuple[FrameFormat, FrameSeries] | None:
         """Format and header of a file of frames or bands; None of any other file."""
         count = self.count(on_disk=on_disk)
         if count is not None:
-            kind = format_for_frames(self.port, self.path)
-            return kind, series_of(self.value, kind, policy, frames=count, region=self.region)
-        if not is_cube(self.value, self.path):
+            kind = saving.format_for_frames(self.port, self.path)
+            how: Any = {"frames": count, "region": self.region}
+            return kind, saving.series_of(self.value, kind, policy, **how)
+        if not saving.is_cube(self.value, self.path):
             return None
-        cube = cube_of(self.value, policy, self.region)
-        return format_for_frames(self.port, self.path), cube.series
+        cube = saving.cube_of(self.value, policy, self.region)
+        return saving.format_for_frames(self.port, self.path), cube.series
 
 
 def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
     frames, way, staging = stage.frames, stage.way, stage.staging
-    if frames is not None and not 1 <= frames <= MOST_FRAMES:
-        raise UsageError(f"--frames {frames}: give a whole number from 1 to {MOST_FRAMES}")
+    if frames is not None and not 1 <= frames <= saving.MOST_FRAMES:
+        raise UsageError(f"--frames {frames}: give a whole number from 1 to {saving.MOST_FRAMES}")
     values = [_port_value(plan, save.node, save.name) for save in stage.saves]
     if frames is not None and not any(isinstance(value, Image) for value in values):
         example = find_output(plan).port or "NODE.PORT"
@@ -237,9 +209,9 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
         saved = _Saved(path, save.port, value, region, frames)
         found = saved.series(policy, on_disk=way.on_disk(value, policy))
         if found is None:
-            check_suffix(save.port, value, path)
+            saving.check_suffix(save.port, value, path)
             if ZARR.matches(path):
-                found = STORE, series_of(value, STORE, policy, frames=1, region=region)
+                found = STORE, saving.series_of(value, STORE, policy, frames=1, region=region)
         files += [] if found is None else [(path, *found)]
         saves.append(saved)
         staging.claim(path)
@@ -249,7 +221,7 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
     refuse_without_room(files)
     for saved in saves:
         if way.on_disk(saved.value, policy):
-            check_streamed(saved.port, saved.value, saved.path, frames)
+            run.check_streamed(saved.port, saved.value, saved.path, frames)
     for path in stage.reports:
         staging.claim(path)
     return saves
@@ -291,7 +263,7 @@ def _region(save: Save, value: Any) -> Region | None:
     return None
 
 
-def _write(evaluation: Evaluation, saves: list[_Saved], stage: Stage) -> None:
+def _write(evaluation: run.Evaluation, saves: list[_Saved], stage: Stage) -> None:
     staging, folder, work = stage.staging, stage.folder, evaluation.work
     for saved in saves:
         staging.write(saved.path, partial(_save, evaluation, saved, stage.done))
@@ -317,25 +289,25 @@ def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
 
 
 def _save(
-    evaluation: Evaluation, saved: _Saved, done: Callable[[int], None] | None, path: Path
+    evaluation: run.Evaluation, saved: _Saved, done: Callable[[int], None] | None, path: Path
 ) -> None:
     value, work = saved.value, evaluation.work
     frames = saved.count(on_disk=_is_on_disk(value, work))
     how: dict[str, Any] = {"port": saved.port, "region": saved.region}
     try:
         if frames is not None:
-            save_frames(value, path, work, frames=frames, done=done, **how)
+            saving.save_frames(value, path, work, frames=frames, done=done, **how)
         else:
-            save_value(value, path, work, **how)
+            saving.save_value(value, path, work, **how)
     except ImagechainError as error:
         raise error.at(saved.port.rpartition(".")[0]) from error
 
 
-def _is_on_disk(value: Any, work: TimedWork) -> bool:
+def _is_on_disk(value: Any, work: run.TimedWork) -> bool:
     return work.blocks is not None and isinstance(value, Image) and value.key in work.blocks.shapes
 
 
-def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
+def sink_files(evaluation: run.Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
     files: list[tuple[str, Path, Callable[[Path], None]]] = []
     for name, node in evaluation.plan.nodes.items():
         if not node.declaration.sink or node.node.disabled:
@@ -349,8 +321,9 @@ def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path],
     return files
 
 
-def _final_png(evaluation: Evaluation, port: str, path: Path) -> None:
+def _final_png(evaluation: run.Evaluation, port: str, path: Path) -> None:
     samples = realize(evaluation.plan.output(port), evaluation.work)
     check_finite(samples, port)
-    samples = reduced(samples, evaluation.work)
-    write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
+    samples = run.reduced(samples, evaluation.work)
+    levels = saving.grey_levels(*saving.robust_limits(samples), samples)
+    write_bytes(path, saving.encode_png(levels))

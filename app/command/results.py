@@ -1,7 +1,5 @@
 """What a command leaves: files, all or none; what it prints; a progress bar while it takes long."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time
@@ -101,20 +99,14 @@ class Progress:
         self._bar.update(self._task, completed=done, description=text)
 
     def _begin(self) -> None:
+        from rich import progress
         from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            Progress,
-            TextColumn,
-            TimeRemainingColumn,
-        )
 
-        self._bar = Progress(
-            BarColumn(),
-            MofNCompleteColumn(),
-            *([TimeRemainingColumn()] if self._time_left else []),
-            TextColumn("{task.description}", markup=False),
+        self._bar = progress.Progress(
+            progress.BarColumn(),
+            progress.MofNCompleteColumn(),
+            *([progress.TimeRemainingColumn()] if self._time_left else []),
+            progress.TextColumn("{task.description}", markup=False),
             console=Console(stderr=True),
             transient=True,  # stderr is for one line of error
         )

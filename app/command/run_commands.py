@@ -18,7 +18,7 @@ from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:
     from app.run.overrides import GivenNetwork
-    from app.run.write_rules import WriteRules
+    from app.run.staging import WriteRules
     from core.evaluation.work import Policy
 
 
@@ -73,11 +73,9 @@ def run(
     The files are written to the output folder only after everything has succeeded.
     """
     from app.command.network_run import KEPT_BYTES, NetworkRun, Stage, input_files, sink_targets
-    from app.run.evaluation import TimedWork, planned
+    from app.run.evaluation import TimedWork, planned, way_of_running
     from app.run.figures import Figure, main_figures
-    from app.run.staging import Staging
-    from app.run.way_of_running import way_of_running
-    from app.run.write_rules import OPTION
+    from app.run.staging import OPTION, Staging
     from core.chain.engine import Engine
     from core.evaluation.store import Store
 
@@ -94,7 +92,7 @@ def run(
         figures: list[Figure] = []
         with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
             with Progress(len(plan.nodes)) as progress:
-                work = TimedWork(policy, engine.store, progress, stop)
+                work = TimedWork(policy, engine.store, stop, progress)
                 stage = Stage(
                     folder, staging, rules, look=lambda made: figures.extend(main_figures(made)),
                     way=way, saves=saves, frames=frames, reports=reports, scratch=scratch,
@@ -133,11 +131,7 @@ def run(
 @options.place_options
 @options.json_flag
 def check(
-    _stop: Stop,
-    asked: GivenNetwork,
-    output_dir: Path | None,
-    allowed: tuple[Path, ...],
-    json: bool,
+    _stop: Stop, asked: GivenNetwork, output_dir: Path | None, allowed: tuple[Path, ...], json: bool
 ) -> None:
     """Print a network's errors and warnings, and the files that a run would write."""
     from app.command.network_run import FINAL, input_files, own_files, sink_targets
@@ -185,8 +179,7 @@ def check(
 def _folder_and_rules(
     asked: GivenNetwork, output_dir: Path | None, allowed: Sequence[Path]
 ) -> tuple[Path, WriteRules]:
-    from app.run.staging import check_folder
-    from app.run.write_rules import write_rules
+    from app.run.staging import check_folder, write_rules
 
     folder = output_dir or Path(f"{asked.place.name}-output")
     check_folder(folder)

@@ -3,8 +3,6 @@
 The job is one line of input; output has lines of progress and the result.
 """
 
-from __future__ import annotations
-
 import _thread
 import contextlib
 import gc

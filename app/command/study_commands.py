@@ -97,7 +97,7 @@ def tradeoff(
         lines += ["", *map(in_line, reasons)]
     if outputs:
         lines += ["", in_line(", ".join(map(str, outputs)))]
-    warned = warned_points([point.warnings for _, point in results.rows()])
+    warned = warned_points([point.warnings for point in results.points])
     show(json, lambda: trade_off_facts(results), *lines, *warned)
 
 
@@ -258,12 +258,8 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
         heads = [column.head for column in columns]
         return {"rows": [dict(zip(heads, row, strict=True)) for row in rows], "files": files}
 
-    show(
-        json,
-        facts,
-        in_line(f"{count} points in {seconds:.3g} s: {', '.join(files)}"),
-        *warned_points([row.warnings for row in result.rows]),
-    )
+    done = in_line(f"{count} points in {seconds:.3g} s: {', '.join(files)}")
+    show(json, facts, done, *warned_points([row.warnings for row in result.rows]))
     if failed:
         row = failed[0]
         error = DataError(

@@ -8,7 +8,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from app.editor.declared_text import FreeNumbers, error_text
-from app.run.write_rules import read_record, remember_chosen
+from app.run.staging import read_record, remember_chosen
 from core.editing.document import Document
 from core.editing.macros import at_level
 from core.editing.operations import Operation, restored, set_parameter

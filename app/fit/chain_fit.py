@@ -12,12 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri, ndtr, stdtrit
 
-from app.fit.chain_transfer import ChainAt, EdgeTransfer
-from app.fit.edge_fit import EdgeFits, EdgesAt, SpreadTable, period_for, reaching_in
-from app.fit.free_parameter import FreeParameter
-from app.fit.noise_levels import NoiseProblem
-from app.fit.parameter_search import apart, inner, middle_of, starts
-from app.fit.patch import MARGIN, Patch
+from app.fit.chain_transfer import ChainAt, EdgeTransfer, NoiseProblem
+from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
+from app.fit.free_parameter import FreeParameter, apart, inner, middle_of, starts
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
 
@@ -86,10 +83,8 @@ class Misfit:
     def excess(self) -> float:
         """By which variances are widened for the edges: 1 unless there is a misfit."""
         edges = self.degrees - self.noise_degrees
-        return max(
-            _excess((self.chi2 - self.noise_chi2) / max(1, edges), edges),
-            _excess(self.shape_per_degree, self.shape_degrees),
-        )
+        own = _excess((self.chi2 - self.noise_chi2) / max(1, edges), edges)
+        return max(own, _excess(self.shape_per_degree, self.shape_degrees))
 
     @property
     def is_hopeless(self) -> bool:
@@ -122,9 +117,8 @@ def misfit_of(edges: EdgesAt, noises: Vector, degrees: int, shared: tuple[int, i
         shape += float(np.sum(total**2 / count))
         groups += max(0, len(ends) - own)
         # What is left near the edge beyond its noise, of the step.
-        near = (
-            np.abs(np.add.reduceat(edges.distance[index][inside][order], ends) / count) < _NEAREST
-        )
+        away = np.add.reduceat(edges.distance[index][inside][order], ends) / count
+        near = np.abs(away) < _NEAREST
         if np.any(near):
             noise = 1.0 / (weight[inside].mean() * abs(float(edges.step[index])) + 1e-300)
             left = (total[near] / count[near]) ** 2 - 1.0 / count[near]
@@ -205,10 +199,8 @@ class EdgeProblem:
                     spread, _ = self.table(changed).at_all(distance)
                     if float(np.abs(spread - before).max()) > _SHOWN:
                         shown.add(index)
-                    if (
-                        float(np.abs(self.noise_residual(changed) - noise).max(initial=0.0))
-                        > _SHOWN
-                    ):
+                    louder = np.abs(self.noise_residual(changed) - noise)
+                    if float(louder.max(initial=0.0)) > _SHOWN:
                         noisy.add(index)
                 except Cancelled:
                     raise
@@ -276,14 +268,11 @@ class EdgeProblem:
     def beyond(self, values: Vector) -> list[Vector]:
         table, edges = self.fitted(values)
         image = self._chain.image([float(v) for v in values])
-        beyond = []
         spread = self._transfer.point_spread(image, reach=MARGIN)
-        for number, patch in enumerate(self.patches):
-            self._work.check()
-            beyond.append(
-                reaching_in(patch=patch, edges=edges, number=number, table=table, spread=spread)
-            )
-        return beyond
+        return [
+            reaching_in(patch=patch, edges=edges, number=number, table=table, spread=spread)
+            for number, patch in enumerate(self.patches)
+        ]
 
     def leave_out_surroundings(self, values: Vector) -> float:
         """Take from the edges' samples what reaches into them from beyond.
@@ -317,14 +306,12 @@ class EdgeProblem:
         noise = self.noise_residual(values)
         changed = values.copy()
         changed[index] = other
-        samples = (
-            self._fits.derivative(edges, self.table(changed))
-            if index in self.shown
-            else np.zeros(edges.residual.size)
-        )
+        samples, louder = np.zeros(edges.residual.size), np.zeros(len(noise))
+        if index in self.shown:
+            samples = self._fits.derivative(edges, self.table(changed))
         if index in self.noisy:
-            return np.concatenate([samples, self.noise_residual(changed) - noise])
-        return np.concatenate([samples, np.zeros(len(noise))])
+            louder = self.noise_residual(changed) - noise
+        return np.concatenate([samples, louder])
 
     def jacobian(self, values: Vector, scales: Vector, *, fine: bool = False) -> Matrix:
         columns = []
@@ -358,32 +345,20 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         scales = scales_of(free, start)
         inside = np.clip(start, lows + 1e-9 * scales, highs - 1e-9 * scales)
         result = least_squares(
-            on.residual,
-            inside,
-            jac=lambda v: on.jacobian(v, scales_of(free, v)),
-            bounds=(lows, highs),
-            x_scale="jac",
-            xtol=1e-7,
-            ftol=1e-9,
-            max_nfev=most,
-        )
+            on.residual, inside, jac=lambda v: on.jacobian(v, scales_of(free, v)),
+            bounds=(lows, highs), x_scale="jac", xtol=1e-7, ftol=1e-9, max_nfev=most,
+        )  # fmt: skip
         return np.asarray(result.x, np.float64), float(result.cost)
 
     thin.freeze(begin[0])
     first = sorted((solved(thin, start, _FIRST) for start in begin), key=lambda pair: pair[1])
     near = [v for v, cost in first if 2.0 * (cost - first[0][1]) < _RIVAL_THIN]
-    last = sorted(
-        (solved(thin, start, _LAST) for start in apart(near)[:_BEST]), key=lambda pair: pair[1]
-    )
+    followed = (solved(thin, start, _LAST) for start in apart(near)[:_BEST])
+    last = sorted(followed, key=lambda pair: pair[1])
     problem.leave_out_surroundings(last[0][0])
     problem.freeze(last[0][0])
-    ends = sorted(
-        (
-            solved(problem, start, _LAST)
-            for start in apart([v for v, cost in last if 2.0 * (cost - last[0][1]) < _RIVAL_THIN])
-        ),
-        key=lambda pair: pair[1],
-    )
+    near = [v for v, cost in last if 2.0 * (cost - last[0][1]) < _RIVAL_THIN]
+    ends = sorted((solved(problem, v, _LAST) for v in apart(near)), key=lambda pair: pair[1])
     # What reaches into the edges depends on the solution, and that on what is left out.
     for _ in range(_ROUNDS):
         if problem.leave_out_surroundings(ends[0][0]) < _SETTLED:
@@ -409,30 +384,18 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         residual, edge = of_each_edge(edges.residual / math.sqrt(misfit.excess), len(jacobian))
         jacobian, counts = widened_by_scatter(jacobian=jacobian, residual=residual, edge=edge)
         rests_on = tuple(map(float, counts))
+    at_end = (end_of(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True))
+    elsewhere = tuple(positive(free, problem.cost, v)[0] for v in apart(rivals)[1:])
     return ChainFit(
-        free,
-        values,
-        jacobian,
-        problem.patches,
-        edges,
-        table,
-        misfit,
-        tuple(end_of(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
-        problem.evaluations + thin.evaluations,
-        unsigned,
-        tuple(positive(free, problem.cost, v)[0] for v in apart(rivals)[1:]),
-        problem.shown,
-        rests_on,
-    )
+        free, values, jacobian, problem.patches, edges, table, misfit, tuple(at_end),
+        problem.evaluations + thin.evaluations, unsigned, elsewhere, problem.shown, rests_on,
+    )  # fmt: skip
 
 
 def _inside(free: Sequence[FreeParameter], values: Vector) -> float:
     """How far the parameter that is nearest to the low end of its range is from it."""
-    present = [abs(p.present or 1.0) for p in free]
-    return min(
-        (float(value) - p.low) / scale
-        for p, value, scale in zip(free, values, present, strict=True)
-    )
+    pairs = zip(free, values, strict=True)
+    return min((float(value) - p.low) / abs(p.present or 1.0) for p, value in pairs)
 
 
 def positive(
@@ -501,9 +464,8 @@ def widened_by_scatter(
     numbers = np.unique(edge[edge >= 0])
     parts = [known[edge == number] for number in numbers]
     shares = np.array([part.T @ part for part in parts])
-    scores = np.array(
-        [part.T @ residual[edge == n] for part, n in zip(parts, numbers, strict=True)]
-    )
+    pairs = zip(parts, numbers, strict=True)
+    scores = np.array([part.T @ residual[edge == number] for part, number in pairs])
     others = np.eye(known.shape[1]) * (1.0 + _RIDGE) - shares
     moved = np.linalg.solve(others, scores[..., np.newaxis])[..., 0]
     many = len(numbers)

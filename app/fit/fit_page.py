@@ -110,17 +110,10 @@ def _table(result: FitResult) -> list[Block]:
     rows = []
     for index, patch in enumerate(result.fit.patches):
         chi2 = float(result.fit.edges.residual[index] @ result.fit.edges.residual[index])
-        rows.append(
-            (
-                f"{index + 1}{'' if index in drawn else ' (not drawn)'}",
-                f"{patch.edge.x:.1f}",
-                f"{patch.edge.y:.1f}",
-                f"{patch.edge.angle_deg:.1f}",
-                str(len(patch.value)),
-                short(float(result.fit.edges.step[index])),
-                f"{chi2 / len(patch.value):.3f}",
-            )
-        )
+        name = f"{index + 1}{'' if index in drawn else ' (not drawn)'}"
+        place = (f"{each:.1f}" for each in (patch.edge.x, patch.edge.y, patch.edge.angle_deg))
+        step, count = short(float(result.fit.edges.step[index])), len(patch.value)
+        rows.append((name, *place, str(count), step, f"{chi2 / count:.3f}"))
     heads = ("edge", "column", "row", "normal (°)", "samples", "step", "χ² per sample")
     return [Grid(heads, rows, numbers=tuple(range(1, 7)))]
 
@@ -254,6 +247,7 @@ def _means(distance: Vector, rest: Vector) -> tuple[Vector, Vector, Vector]:
 
 def fit_facts(result: FitResult) -> dict[str, Any]:
     """All that is known as plain data; what is not is null."""
+    names: tuple[str, ...] = ("expression", "value", "sigma", "unit")
     content: dict[str, Any] = {
         "format": "imagechain-fit",
         "version": 1,
@@ -263,32 +257,20 @@ def fit_facts(result: FitResult) -> dict[str, Any]:
         "correlation": [[_number(value) for value in row] for row in result.correlation],
         "chi2_per_degree": _number(result.chi2_per_degree),
         "combinations": [
-            {
-                "expression": one.text,
-                "value": _number(one.value),
-                "sigma": _number(one.sigma),
-                "unit": one.unit,
-            }
-            for one in result.combinations
+            dict(zip(names, (c.text, _number(c.value), _number(c.sigma), c.unit), strict=True))
+            for c in result.combinations
         ],
         "warnings": list(result.warnings),
         "notes": list(result.notes),
     }
     if isinstance(result.noise, NoiseComparison):
-        content["noise"] = {
-            "fitted": result.noise.fitted,
-            "levels": [
-                {
-                    "level": one.level,
-                    "variance": one.variance,
-                    "variance_error": one.variance_error,
-                    "predicted": predicted,
-                }
-                for one, predicted in zip(
-                    result.noise.measured, result.noise.predicted, strict=True
-                )
-            ],
-        }
+        pairs = zip(result.noise.measured, result.noise.predicted, strict=True)
+        names = ("level", "variance", "variance_error")
+        levels = [
+            {**{name: getattr(one, name) for name in names}, "predicted": predicted}
+            for one, predicted in pairs
+        ]
+        content["noise"] = {"fitted": result.noise.fitted, "levels": levels}
     elif result.noise:
         content["noise"] = {"reason": result.noise}
     return content
@@ -307,15 +289,12 @@ _LARGE = 100.0
 def parameter_rows(result: FitResult) -> list[tuple[str, str, str]]:
     """Name, value with its standard error, and unit of each parameter; then what combinations."""
     rows = [
-        (
-            one.port,
-            NOT_DETERMINED if one.value is None else with_error(one.value, one.sigma),
-            "" if one.value is None else one.unit,
-        )
+        (one.port, NOT_DETERMINED, "")
+        if one.value is None
+        else (one.port, with_error(one.value, one.sigma), one.unit)
         for one in result.parameters
     ]
-    rows += [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
-    return rows
+    return rows + [(c.text, with_error(c.value, c.sigma), c.unit) for c in result.combinations]
 
 
 def fit_text(result: FitResult) -> str:

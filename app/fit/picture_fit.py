@@ -3,16 +3,16 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.fit import chain_transfer
 from app.fit.chain_fit import EdgeProblem, Watch, fit_chain
-from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
+from app.fit.edge_fit import Patch, patch_of
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
-from app.fit.noise_levels import NoiseLevels, NoiseProblem
-from app.fit.patch import Patch, patch_of
 from app.measure.measurement_text import file_warnings, in_words
 from app.measure.measuring import measured_file, refuse_small
 from app.measure.picture_loading import PictureFile, common_limits, open_picture
@@ -102,8 +102,8 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
     warnings = file_warnings([measured_file(file) for file in opened])
     limits = common_limits(opened)
     taken = tuple(
-        TakenWith(file.path.name, file.interval_x_mrad, file.interval_y_mrad, file.band_um)
-        for file in opened
+        TakenWith(one.path.name, one.interval_x_mrad, one.interval_y_mrad, one.band_um)
+        for one in opened
     )
     return FittedPictures(tuple(names), tuple(samples), limits, tuple(warnings), taken)
 
@@ -119,37 +119,32 @@ def fit_pictures(
     watch: Watch | None = None,
 ) -> FitResult:
     """Fit the free parameters of a planned network."""
-    final = final_image(plan)
-    passed = transfer_known(final)
+    final = chain_transfer.final_image(plan)
+    passed = chain_transfer.transfer_known(final)
     report("edges")
-    choice = edges_in(pictures=pictures.samples, clip_levels=pictures.clip_levels, check=work.check)
-    if not choice.patches:
+    how: Any = {"clip_levels": pictures.clip_levels, "check": work.check}
+    patches, refused = edges_in(pictures=pictures.samples, **how)
+    if not patches:
         raise DataError(
-            f"{pictures.text}: no edge can be used: {choice.reasons}; run imagechain measure to "
-            "see why each edge was rejected"
+            f"{pictures.text}: no edge can be used: {_reasons(refused, 0)}; run imagechain measure "
+            "to see why each edge was rejected"
         )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)
     report("parameters")
-    chain = ChainAt(engine, plan, [parameter.target for parameter in free])
-    problem = EdgeProblem(chain, work, free, choice.patches, noise)
+    chain = chain_transfer.ChainAt(engine, plan, [parameter.target for parameter in free])
+    problem = EdgeProblem(chain, work, free, patches, noise)
     problem.watch = watch
     fit = fit_chain(problem)
     result = result_of(fit, problem.cost)
     comparison: NoiseComparison | str = why_none
     if noise is not None:
         comparison = _compared(noise, chain.plan([float(v) for v in fit.values]), problem)
-    return replace(
-        result,
-        noise=comparison,
-        refused=choice.refused,
-        warnings=(
-            *pictures.warnings_beside(final),
-            *result.warnings,
-            *_of_chain(engine, plan, free, result),
-        ),
-        notes=(*result.notes, *_notes(choice, final, passed_area=has_area(passed))),
-    )
+    warnings = (*pictures.warnings_beside(final), *result.warnings)
+    warnings += tuple(_of_chain(engine, plan, free, result))
+    notes = _notes(len(patches), refused, final, passed_area=chain_transfer.has_area(passed))
+    told: Any = {"warnings": warnings, "notes": (*result.notes, *notes)}
+    return replace(result, noise=comparison, refused=tuple(refused), **told)
 
 
 def _of_chain(
@@ -165,9 +160,9 @@ def _of_chain(
 
 def _noise(
     engine: Engine, plan: Plan, work: Work, pictures: FittedPictures
-) -> tuple[NoiseProblem | None, str]:
+) -> tuple[chain_transfer.NoiseProblem | None, str]:
     try:
-        levels = NoiseLevels(engine, plan, work)
+        levels = chain_transfer.NoiseLevels(engine, plan, work)
         measured: list[LevelVariance] = []
         reason = ""
         for picture in pictures.samples:
@@ -178,7 +173,7 @@ def _noise(
         if not measured:
             return None, f"the noise of the picture is not known: {reason or 'it has no flat area'}"
         measured = sorted(measured, key=lambda one: -one.samples)[:_MOST_LEVELS]
-        noise = NoiseProblem(levels, measured)
+        noise = chain_transfer.NoiseProblem(levels, measured)
         noise.predicted(plan)
     except Cancelled:
         raise
@@ -187,7 +182,9 @@ def _noise(
     return noise, ""
 
 
-def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseComparison | str:
+def _compared(
+    noise: chain_transfer.NoiseProblem, plan: Plan, problem: EdgeProblem
+) -> NoiseComparison | str:
     try:
         predicted = noise.predicted(plan)
     except Cancelled:
@@ -200,11 +197,10 @@ def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseCom
     return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
 
 
-def _notes(choice: "EdgeChoice", final: Image, *, passed_area: bool) -> list[str]:
-    many = len(choice.patches)
+def _notes(many: int, refused: Sequence[str], final: Image, *, passed_area: bool) -> list[str]:
     lines = [f"{many} {'edge' if many == 1 else 'edges'} fitted"]
-    if choice.refused:
-        lines[0] += f"; refused: {choice.reasons}"
+    if refused:
+        lines[0] += f"; refused: {_reasons(refused, many)}"
     x, y = final.interval_x_mrad, final.interval_y_mrad
     if x is not None and y is not None:
         lines.append(
@@ -225,18 +221,11 @@ _MOST_EDGES = 40
 _MOST_SAMPLES = 60_000
 
 
-@dataclass(frozen=True)
-class EdgeChoice:
-    patches: tuple[Patch, ...]  # samples of the edges, the clearest first
-    refused: tuple[str, ...]  # why not, of every other candidate
-
-    @property
-    def reasons(self) -> str:
-        """Why candidates were refused, the clearest first, in one line."""
-        if not self.refused:
-            return "no straight edge was found"
-        seen = len(self.refused) + len(self.patches)
-        return f"of {seen} candidates: {in_words(self.refused)}"
+def _reasons(refused: Sequence[str], used: int) -> str:
+    """Why candidates were refused, the clearest first, in one line."""
+    if not refused:
+        return "no straight edge was found"
+    return f"of {len(refused) + used} candidates: {in_words(refused)}"
 
 
 def edges_in(
@@ -244,8 +233,8 @@ def edges_in(
     pictures: Sequence[Matrix],
     clip_levels: tuple[float, float] | None = None,
     check: Callable[[], None] = lambda: None,
-) -> EdgeChoice:
-    """Search for the edges of pictures, and take the samples of the clearest."""
+) -> tuple[list[Patch], list[str]]:
+    """Samples of the clearest edges in pictures, and why every other candidate is not used."""
     usable: list[tuple[float, Patch]] = []
     refused: list[str] = []
     for number, picture in enumerate(pictures):
@@ -270,4 +259,4 @@ def edges_in(
             break
         chosen.append(patch)
         samples += len(patch.value)
-    return EdgeChoice(tuple(chosen), tuple(refused))
+    return chosen, refused

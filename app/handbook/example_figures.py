@@ -1,15 +1,16 @@
-"""What a module's example makes, drawn: curves, pictures before and after, read-outs."""
+"""A module's example: the small network that it is shown in, and what that makes, drawn."""
 
 import base64
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.handbook.module_examples import IT, NO_EXAMPLE, SHIPPED, example_network
+import networks
 from app.report.drawing.curves import draw_on
 from app.report.drawing.picture_drawing import figure, number
 from app.run.saving import encode_png, grey_levels, robust_limits
@@ -17,7 +18,8 @@ from core.chain.engine import Engine, Plan
 from core.chain.wires import Curve, CurveData, Image, Pupil, Series, Transfer
 from core.errors import ImagechainError, in_line
 from core.evaluation.work import Policy, Work
-from core.modules.declaration import Declaration
+from core.modules.declaration import Declaration, Library, declaration
+from core.network.network import Link, Network, Node, reached
 
 _WIDE, _HIGH = 5.2, 3.2  # inches of a plot
 _SMALLEST_PHASE = 1e-9
@@ -52,9 +54,8 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
     network = example_network(declared, engine.library)
     plan = engine.plan(network, folder=SHIPPED)
     work = engine.work(Policy())
-    example = Example(
-        settings=[(name, _shown(value)) for name, value in network.nodes[IT].params.items()]
-    )
+    params = network.nodes[IT].params
+    example = Example(settings=[(name, _shown(value)) for name, value in params.items()])
     try:
         _draw(example, declared, engine, plan, work)
         example.readouts = _readouts(declared, engine, plan, work)
@@ -93,14 +94,9 @@ def _before_and_after(plan: Plan, engine: Engine, work: Work) -> list[str]:
     if not isinstance(plan.nodes[after.partition(".")[0]].outputs.get("image"), Image):
         return []
     made = plan.output(after)
-    before = next(
-        (
-            f"{link.source}.{link.output}"
-            for link in plan.network.links
-            if link.target == ("init" if "seen" in plan.nodes else IT) and link.input == "image"
-        ),
-        None,
-    )
+    taking = "init" if "seen" in plan.nodes else IT, "image"
+    links = (link for link in plan.network.links if (link.target, link.input) == taking)
+    before = next((f"{link.source}.{link.output}" for link in links), None)
     samples = engine.value(plan, after, work)
     if before is None:
         return [picture(samples, f"the picture ({made.unit or 'no unit'})")]
@@ -184,11 +180,8 @@ def _readouts(
 ) -> list[tuple[str, str, str]]:
     values = engine.readouts(plan, IT, work)
     units = {readout.name: readout.unit for readout in declared.readouts}
-    return [
-        (name, _shown(value), units.get(name, ""))
-        for name, value in values.items()
-        if value is not None
-    ]
+    known = ((name, value) for name, value in values.items() if value is not None)
+    return [(name, _shown(value), units.get(name, "")) for name, value in known]
 
 
 def _shown(value: Any) -> str:
@@ -197,3 +190,218 @@ def _shown(value: Any) -> str:
     if isinstance(value, bool | str):
         return str(value)
     return number(float(value))
+
+
+# The small network in which a module is shown: a few nodes before it, and its settings.
+
+Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
+IT = "it"
+"""Name of the node that is shown."""
+SHIPPED = Path(networks.__path__[0])
+
+SCENE = {
+    "width": 192, "height": 144, "fov_x_deg": 1.2, "fov_y_deg": 0.9,
+    "cut_on_um": 3.7, "cut_off_um": 4.8,
+}  # fmt: skip
+SENSOR = {
+    "detector_x_um": 30, "detector_y_um": 30, "focal_length_mm": 100, "f_number": 4,
+    "range_m": 1000, "scan_velocity_mrad_per_s": 5000,
+}  # fmt: skip
+DAY = {"cut_on_um": 0.5, "cut_off_um": 0.7, "bands": 2, "sun_elevation_deg": 45}
+
+# What stands before the module; only nodes that its links need are part of its network.
+BEFORE: Nodes = {
+    "scene": ("test_scene", SCENE),
+    "init": ("init_trans", SENSOR),
+    "pupil": ("exit_pupil", {"shape": "cassegrain", "size_x": 128, "size_y": 128,
+                             "radius": 50, "obscuration_radius": 20}),
+    "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.1, "sigma_y_mrad": 0.1}),
+    "detector": ("detector_mtf", {}),
+    "back": ("back_transform", {}),
+    "sensor": ("electronics_noise", {"region": "MWIR", "material": "InSb",
+                                     "amplifier_snr": 150, "gain_percent": 1, "bits": 8}),
+    "edge": ("test_scene", {**SCENE, "kind": "slanted_edge", "width": 96, "height": 96}),
+    "kelvin": ("to_temperature", {}),
+    "unlike": ("focal_plane", {"integration_time_s": 1e-3, "full_well_e": 4e6,
+                               "prnu_percent": 3, "dsnu_e": 30000, "read_noise_e": 100,
+                               "units": "radiance"}),
+    "day": ("test_scene", {**SCENE, **DAY}),
+    "ground": ("test_scene", {**SCENE, "kind": "airfield"}),
+    "reflectance": ("read_image", {"path": "pictures/thumbnail_kodak_kir310.png",
+                                   "unit": "%", "scale": 0.3, "fov_x_deg": 1.2,
+                                   "fov_y_deg": 0.9, "cut_on_um": 0.5, "cut_off_um": 0.7}),
+    "counted": ("focal_plane", {"integration_time_s": 2e-3, "full_well_e": 4e6,
+                                "read_noise_e": 30}),
+    "long": ("focal_plane", {"integration_time_s": 8e-3, "full_well_e": 6e6,
+                             "read_noise_e": 500, "units": "electrons", "bits": 0}),
+    "short": ("focal_plane", {"integration_time_s": 1e-3, "full_well_e": 6e6,
+                              "read_noise_e": 500, "units": "electrons", "bits": 0}),
+}  # fmt: skip
+LINKS = (
+    ("scene.image", "init.image"), ("init.context", "blur.context"),
+    ("init.magnitude", "blur.magnitude"), ("init.context", "detector.context"),
+    ("blur.magnitude", "detector.magnitude"), ("detector.magnitude", "back.magnitude"),
+    ("init.phase", "back.phase"), ("back.image", "sensor.image"),
+    ("init.context", "sensor.context"),
+    ("scene.image", "kelvin.image"), ("scene.image", "unlike.image"),
+    ("init.context", "unlike.context"), ("day.image", "counted.image"),
+    ("init.context", "counted.context"),
+    ("scene.image", "long.image"), ("init.context", "long.context"),
+    ("scene.image", "short.image"), ("init.context", "short.context"),
+)  # fmt: skip
+SOURCES: Mapping[str, str] = {
+    "image": "scene.image", "context": "init.context", "magnitude": "init.magnitude",
+    "phase": "init.phase", "pupil": "pupil.pupil", "transfer": "detector.magnitude",
+}  # fmt: skip
+OWN_SOURCES: Mapping[tuple[str, str], str | None] = {
+    ("measured_mtf", "image"): "edge.image",
+    ("to_radiance", "image"): "kelvin.image",
+    ("reflected_light", "image"): "reflectance.image",
+    ("to_radiance", "emissivity"): None,
+    ("to_temperature", "emissivity"): None,
+    ("compare_images", "image"): "back.image",
+    ("compare_images", "reference"): "scene.image",
+    ("noise_budget", "image"): "sensor.image",
+    ("noise_3d", "image"): "sensor.image",
+    ("figures_of_merit", "image"): "sensor.image",
+    ("image_quality", "image"): "counted.image",
+    ("back_transform", "magnitude"): "detector.magnitude",
+    ("sample_pixels", "image"): "back.image",
+    ("nuc", "image"): "unlike.image",
+    ("persistence", "earlier"): "ground.image",
+    ("camera_geometry", "image"): "ground.image",
+    ("dual_gain", "high"): "long.image",
+    ("dual_gain", "low"): "short.image",
+    ("dual_gain", "high_table"): "long.table",
+    ("dual_gain", "low_table"): "short.table",
+    ("spatial_blur", "magnitude"): "blur.magnitude",
+    ("line_by_line", "magnitude"): "blur.magnitude",
+    ("mtf_slices", "transfer"): "detector.magnitude",
+}
+
+PARAMS: Mapping[str, Mapping[str, Any]] = {
+    "read_image": {"path": "cubes/scene.img"},
+    "test_scene": SCENE,
+    "init_trans": SENSOR,
+    "combine_pixels": {"factor_x": 3, "factor_y": 3},
+    "sample_pixels": {"factor_x": 3, "factor_y": 3},
+    "anti_alias": {"factor": 4},
+    "interpolate": {"width": 48, "height": 36},
+    "atmospheric_path": {"model": "visibility_km", "visibility_km": 3, "air_K": 288},
+    "atmosphere_mtf": {"turbulence": "long_exposure", "fried_r0_m": 0.02,
+                       "turbidity": "high", "turbidity_cutoff_cyc_per_mrad": 1},
+    "camera": {"pixels_x": 140, "pixels_y": 105, "pitch_um": 15, "focal_length_mm": 100,
+               "f_number": 4, "range_m": 1000},
+    "diffraction_mtf": {"obscuration_ratio": 0.3, "defocus_waves": 0.3},
+    "exit_pupil": {"shape": "spider", "size_x": 128, "size_y": 128, "radius": 50,
+                   "obscuration_radius": 18, "vanes": 4, "vane_width": 4,
+                   "defocus_waves": 0.5},
+    "exit_pupil_mtf": {"size_x_cm": 3.2, "size_y_cm": 3.2, "wavelengths": 3},
+    "gaussian_mtf": {"sigma_x_mrad": 0.15, "sigma_y_mrad": 0.08},
+    "mtf_file": {"path": "lenses/measured_lens_mtf.csv"},
+    "psf_file": {"path": "lenses/measured_lens_psf.png", "sample_pitch": 8},
+    "poisson_noise": {"mode": "photon", "photons_per_unit": 3000},
+    "crosstrack_mtf": {"dwell_time_s": 1e-4},
+    "alongtrack_mtf": {"velocity_m_per_s": 100, "integration_time_s": 5e-3},
+    "relative_motion_mtf": {"platform_velocity_x": 100, "platform_velocity_y": 60,
+                            "integration_time_s": 5e-3, "model": "line"},
+    "jitter_mtf": {"sigma_mrad": 0.12},
+    "vibration_mtf": {"amplitude_x_mrad": 0.2, "amplitude_y_mrad": 0.1},
+    "line_of_sight": {"rms_x_mrad": 0.3, "rms_y_mrad": 0.15, "corner_Hz": 50,
+                      "integration_time_s": 0.01},
+    "vignetting": {"measured": "polynomial", "against": "half_diagonal",
+                   "coefficients": [-0.4, -0.2]},
+    "distortion": {"k1": -900, "width": 144, "height": 108},
+    "field_psf": {"tangential_mrad": [0.05, 0.1, 0.4], "sagittal_mrad": [0.05, 0.07, 0.15],
+                  "tile": 32},
+    "veiling_glare": {"share_percent": 15, "length_mrad": 20},
+    "microlens": {"chief_ray_deg": 35, "half_response_deg": 25},
+    "read_window": {"columns": 96, "rows": 72, "row_time_us": 20},
+    "dual_gain": {"switch_level": 5.5e6, "low_factor": 8},
+    "crosstalk": {"kernel": "0.02 0.05 0.02; 0.05 0.72 0.05; 0.02 0.05 0.02"},
+    "charge_diffusion_mtf": {"absorption_per_um": 0.02, "diffusion_length_um": 100},
+    "charge_eff_mtf": {"efficiency": 0.9985},
+    "charge_eff_phase": {"efficiency": 0.9985},
+    "tdi_mtf": {"stages": 32, "phases": 4, "velocity_mismatch_percent": 3},
+    "rolling_shutter": {"image_velocity_x": 8000, "image_velocity_y": -2000},
+    "frame_transfer_smear": {"line_transfer_time_s": 2e-5},
+    "blooming": {"full_well": 1.7},
+    "charge_trails": {"serial_efficiency": 0.99, "parallel_efficiency": 0.99},
+    "persistence": {"fast_percent": 20, "delay_s": 0.5},
+    "spectral_response": {"shape": "gaussian", "peak": 0.8},
+    "focal_plane": {"integration_time_s": 1e-3, "full_well_e": 4e6, "read_noise_e": 2000,
+                    "prnu_percent": 1, "dsnu_e": 8000, "bad_pixel_percent": 0.2, "bits": 12},
+    "microbolometer": {"netd_mK": 900, "response_percent": 2, "offset_mK": 900},
+    "electronics_noise": {"region": "MWIR", "material": "InSb", "amplifier_snr": 60,
+                          "gain_percent": 2, "bias_percent": 1, "use_mtf": True, "bits": 6},
+    "periodic_noise": {"amplitude": 0.15, "xi": 0.7, "eta": 0.2},
+    "noise_3d_source": {"sigma_tvh": 0.03, "sigma_h": 0.05, "sigma_v": 0.03},
+    "measured_mtf": {"region_width": 80},
+    "figures_of_merit": {"frame_rate_Hz": 25},
+    "image_quality": {"range_m": 5000},
+    "noise_3d": {"frames": 4},
+    "noise_budget": {"frequency": 1.0},
+    "line_by_line": {"look_angle_deg": 30},
+    "spatial_blur": {},
+    "camera_geometry": {"ground_interval_m": 6, "fov_x_deg": 50, "columns": 160, "rows": 120},
+}  # fmt: skip
+NO_EXAMPLE: Mapping[str, str] = {
+    "write_image": "This module writes a file, so it has no picture to show.",
+    "write_matrix": "This module writes a file, so it has no picture to show.",
+    "noise_file": "This module needs a noise file of your own, which must have the same size "
+    "as the picture.",
+}
+
+
+def example_network(declared: Declaration, library: Library) -> Network:
+    """The network with the module as its node `it`, and with what its links need."""
+    nodes = {**BEFORE, IT: (declared.key, PARAMS.get(declared.key, {}))}
+    links = list(LINKS)
+    for port in declared.inputs:
+        source = OWN_SOURCES.get((declared.key, port.name), SOURCES.get(port.types[0]))
+        if source is not None:
+            links.append((source, f"{IT}.{port.name}"))
+    if declared.output("magnitude") or declared.output("phase"):
+        nodes["seen"] = ("back_transform", {})
+        for name in ("magnitude", "phase"):
+            made = declared.output(name) is not None and declared.key != "init_trans"
+            links.append((f"{IT if made else 'init'}.{name}", f"seen.{name}"))
+    sources: dict[str, list[str]] = {}
+    for source, target in links:
+        sources.setdefault(_node(target), []).append(_node(source))
+    needed = reached(sources, {IT, "seen"} & nodes.keys())
+    shown: dict[str, Node] = {}
+    for name, (key, params) in nodes.items():
+        own = declaration(library[key]).parameter
+        if name in needed:
+            shown[name] = Node(name, key, {k: v for k, v in params.items() if own(k)})
+    wires = tuple(Link.between(*link) for link in links if _node(link[1]) in needed)
+    return Network(name=declared.title, seed=1996, nodes=shown, links=wires)
+
+
+def _node(port: str) -> str:
+    return port.partition(".")[0]
+
+
+# What the handbook holds, in its order.
+
+PAGES = Path(__file__).with_name("pages")
+
+
+PARTS = {
+    title: tuple(pages.split())
+    for title, pages in {
+        "Begin": "index getting_started",
+        "Tutorials": "infrared_camera edge_pictures real_camera fitting laboratory satellite "
+        "dirsig_scene lens_and_mtf cluster_study",
+        "Guides": "editor editor_views commands network_files python_package cameras judging "
+        "studies beyond_memory plug_ins",
+        "Reference": "reference glossary shipped_networks published_cameras formulas "
+        "speed_and_accuracy how_it_works extending",
+    }.items()
+}
+"""Names of the pages' files by the titles under which they stand."""
+REFERENCE = "reference"
+"""The page that lists the modules."""
+MODULES = "modules"
+"""Folder of the modules' pages."""

@@ -65,9 +65,8 @@ def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     _wrap_tables(tokens)
     parser.add_render_rule("fence", _fence(figure))
     page.body = parser.renderer.render(tokens, parser.options, {})
-    page.words = " ".join(
-        token.content for token in tokens if token.type in ("inline", "fence", "code_block")
-    )
+    with_words = ("inline", "fence", "code_block")
+    page.words = " ".join(token.content for token in tokens if token.type in with_words)
     paragraphs = (token.content for token in tokens if token.type == "inline")
     next(paragraphs, "")
     page.lead = next(paragraphs, "")
@@ -201,11 +200,7 @@ def _outline(points: Any, codes: Any, scale: float, base: float) -> str:
         letter, count = _COMMANDS[int(codes[place])]
         words.append(letter)
         if letter != "Z":
-            words.append(
-                " ".join(
-                    f"{x * scale:.2f} {base - y * scale:.2f}"
-                    for x, y in points[place : place + count]
-                )
-            )
+            ends = points[place : place + count]
+            words.append(" ".join(f"{x * scale:.2f} {base - y * scale:.2f}" for x, y in ends))
         place += count
     return "".join(words)

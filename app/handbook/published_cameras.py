@@ -110,13 +110,8 @@ def published_camera(name: str, engine: Engine) -> PublishedCamera:
         return Inputs(entry["where"], values, entry.get("until", ""), entry.get("reason", ""))
 
     facts = thaw(network.extra)
-    return PublishedCamera(
-        name,
-        network.name,
-        network.description,
-        tuple(map(figure, facts["published"])),
-        tuple(map(inputs, facts["inputs"])),
-    )
+    made = tuple(map(figure, facts["published"])), tuple(map(inputs, facts["inputs"]))
+    return PublishedCamera(name, network.name, network.description, *made)
 
 
 def _value(plan: Plan, port: str) -> str:

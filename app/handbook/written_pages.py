@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.handbook.example_figures import Example, curves, example_of, picture, png_figure
+from app.handbook import example_figures as figures
+from app.handbook.example_figures import picture
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
-from app.handbook.module_examples import MODULES, PAGES, PARTS, REFERENCE, SHIPPED
 from app.handbook.published_cameras import published_camera
+from app.report.html_page import templates
 from app.run.option_values import assignment
 from app.run.overrides import with_settings
 from app.run.shipped import find_network
@@ -39,53 +40,51 @@ MARK = "handbook.json"
 DRAWN = "drawn.js"
 """A file that a handbook's folder has once its figures are drawn."""
 _LATER = "The figures are being drawn and will appear on this page."
-SYNONYMS: Mapping[str, str] = MappingProxyType(
-    {
-        "add-on": "plug-in",
-        "animation": "--frames",
-        "batch": "studies",
-        "calibrate": "fit",
-        "cra": "microlens angle",
-        "goal": "solve",
-        "gpu": "speed",
-        "hdr": "dual gain",
-        "hpc": "cluster",
-        "hyperspectral": "spectral",
-        "license": "licence",
-        "monte": "studies",
-        "movie": "--frames",
-        "multispectral": "spectral",
-        "nv-ipm": "figures of merit",
-        "nvipm": "figures of merit",
-        "nvtherm": "figures of merit",
-        "optimise": "solve",
-        "optimize": "solve",
-        "operability": "focal plane",
-        "parametric": "studies",
-        "plugin": "plug-in",
-        "roi": "read-out window",
-        "sfr": "iso 12233",
-        "slurm": "cluster",
-        "sweep": "studies",
-        "video": "--frames",
-        "w/cm2": "w/m²/sr",
-        "w/cm²": "w/m²/sr",
-        "w/m2": "w/m²/sr",
-    }
-)
+SYNONYMS = {
+    "add-on": "plug-in",
+    "animation": "--frames",
+    "batch": "studies",
+    "calibrate": "fit",
+    "cra": "microlens angle",
+    "goal": "solve",
+    "gpu": "speed",
+    "hdr": "dual gain",
+    "hpc": "cluster",
+    "hyperspectral": "spectral",
+    "license": "licence",
+    "monte": "studies",
+    "movie": "--frames",
+    "multispectral": "spectral",
+    "nv-ipm": "figures of merit",
+    "nvipm": "figures of merit",
+    "nvtherm": "figures of merit",
+    "optimise": "solve",
+    "optimize": "solve",
+    "operability": "focal plane",
+    "parametric": "studies",
+    "plugin": "plug-in",
+    "roi": "read-out window",
+    "sfr": "iso 12233",
+    "slurm": "cluster",
+    "sweep": "studies",
+    "video": "--frames",
+    "w/cm2": "w/m²/sr",
+    "w/cm²": "w/m²/sr",
+    "w/m2": "w/m²/sr",
+}
 """Words a reader may search for, and those under which the handbook has the subject."""
 
 
 def module_address(key: str) -> str:
     """Where a module's page lies, from the handbook's folder."""
-    return f"{MODULES}/{key}.html"
+    return f"{figures.MODULES}/{key}.html"
 
 
 def page_titles() -> dict[str, str]:
     """Titles of the pages of Markdown, by their names."""
     return {
         name: _source(name).split("\n", 1)[0].lstrip("# ").strip()
-        for pages in PARTS.values()
+        for pages in figures.PARTS.values()
         for name in pages
     }
 
@@ -93,10 +92,8 @@ def page_titles() -> dict[str, str]:
 def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
     """Address of the page, or None; and the names by which pages can be named."""
     titles = {f"{name}.html": title for name, title in page_titles().items()}
-    texts = {
-        f"{name}.html": (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in page_titles()
-    }
     names = {name: f"{name}.html" for name in page_titles()}
+    texts = {address: _source(name) for name, address in names.items()}
     for key, module in library.items():
         declared = declaration(module)
         address = module_address(key)
@@ -150,7 +147,7 @@ def handbook_files(
         progress(title)
         addresses = {entry.title: module_address(entry.key) for entry in declared}
         page = rendered(_source(name), addresses, figure)
-        body = page.body + (reference(declared) if name == REFERENCE else "")
+        body = page.body + (reference(declared) if name == figures.REFERENCE else "")
         address = f"{name}.html"
         yield address, frame.page(address, "page_frame.html", page.title, body=body)
         found.append([address, page.title, _plain(page.lead), _plain(page.words)])
@@ -158,20 +155,16 @@ def handbook_files(
         progress(entry.title)
         shown = module_page(entry, {other.title: f"{other.key}.html" for other in declared})
         address = module_address(entry.key)
-        yield (
-            address,
-            frame.page(
-                address,
-                "module_page.html",
-                entry.title,
-                page=shown,
-                example=example_of(entry, engine) if drawn else Example(reason=_LATER),
-                inputs=ports_text(entry.inputs),
-                outputs=", ".join(port.name for port in entry.outputs),
-                group_anchor=anchor_of(entry.group),
-                parameters=[(p, p.allowed(), default(p)) for p in entry.parameters],
-            ),
-        )
+        later = None if drawn else figures.Example(reason=_LATER)
+        about: dict[str, Any] = {
+            "page": shown,
+            "example": later or figures.example_of(entry, engine),
+            "inputs": ports_text(entry.inputs),
+            "outputs": ", ".join(port.name for port in entry.outputs),
+            "group_anchor": anchor_of(entry.group),
+            "parameters": [(p, p.allowed(), default(p)) for p in entry.parameters],
+        }
+        yield address, frame.page(address, "module_page.html", entry.title, **about)
         found.append([address, entry.title, _plain(entry.summary), _plain(shown.words)])
     words, synonyms = (json.dumps(table, ensure_ascii=False) for table in (found, dict(SYNONYMS)))
     yield "words.js", f"const WORDS = {words};\nconst SYNONYMS = {synonyms};\n"
@@ -228,13 +221,13 @@ def _cached(library: Library) -> Path:
 def content_mark(library: Library) -> str:
     """A name that changes with whatever the pages are made of."""
     digest = hashlib.sha256()
-    for folder in (PAGES, TEMPLATES, SHIPPED / "published"):
+    for folder in (figures.PAGES, TEMPLATES, figures.SHIPPED / "published"):
         for path in sorted(folder.iterdir()):
             if path.is_file():
                 digest.update(path.name.encode() + b"\0" + path.read_bytes())
     for module in library.values():
         digest.update(repr(declaration(module)).encode())
-    for path in sorted(PAGES.parent.glob("*.py")):
+    for path in sorted(figures.PAGES.parent.glob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -288,20 +281,12 @@ class _Frame:
     """What all pages have: contents, and the pages before and after."""
 
     def __init__(self, declared: list[Declaration], *, drawn: bool) -> None:
-        from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-        self._environment = Environment(
-            loader=FileSystemLoader(TEMPLATES),
-            autoescape=True,
-            trim_blocks=True,
-            lstrip_blocks=True,
-            undefined=StrictUndefined,
-        )
+        self._environment = templates(TEMPLATES)
         self._awaited = "" if drawn else DRAWN
         titles = page_titles()
         self._parts = [
             (title, [(f"{name}.html", titles[name]) for name in pages])
-            for title, pages in PARTS.items()
+            for title, pages in figures.PARTS.items()
         ]
         for group, members in groupby(declared, key=lambda entry: entry.group):
             entries = [(module_address(entry.key), entry.listed) for entry in members]
@@ -309,7 +294,8 @@ class _Frame:
         self._order = [entry for _, entries in self._parts for entry in entries]
 
     def piece(self, template: str, **values: Any) -> str:
-        return self._environment.get_template(template).render(**values)
+        made: str = self._environment.get_template(template).render(**values)
+        return made
 
     def page(self, address: str, template: str, title: str, **values: Any) -> str:
         place = next(at for at, entry in enumerate(self._order) if entry[0] == address)
@@ -327,7 +313,7 @@ class _Frame:
 
 
 def _source(name: str) -> str:
-    return (PAGES / f"{name}.md").read_text(encoding="utf-8")
+    return (figures.PAGES / f"{name}.md").read_text(encoding="utf-8")
 
 
 def _plain(text: str) -> str:
@@ -352,9 +338,8 @@ def page_figure(words: str, engine: Engine) -> str:
     """The drawings, side by side, as a piece of a page."""
     lines = [line.split(maxsplit=2) for line in words.splitlines() if line.strip()]
     named = [line[1] for line in lines if line[0] == "network"]
-    settings = [
-        assignment("set", line[1], "NODE.PARAM=VALUE") for line in lines if line[0] == "set"
-    ]
+    given = [line[1] for line in lines if line[0] == "set"]
+    settings = [assignment("set", text, "NODE.PARAM=VALUE") for text in given]
     shown = [line for line in lines if line[0] not in ("network", "set")]
     drawings = []
     if named:
@@ -365,7 +350,8 @@ def page_figure(words: str, engine: Engine) -> str:
     for kind, what, *caption in shown:
         text = caption[0] if caption else what
         if kind == "shipped":
-            drawings.append(png_figure((SHIPPED / "pictures" / what).read_bytes(), text, kind))
+            png = (figures.SHIPPED / "pictures" / what).read_bytes()
+            drawings.append(figures.png_figure(png, text, kind))
         elif kind == "picture":
             samples = engine.value(plan, what, work)
             drawn = np.abs(samples) if isinstance(plan.output(what), Pupil) else samples
@@ -374,7 +360,7 @@ def page_figure(words: str, engine: Engine) -> str:
             samples = engine.value(plan, what, work)
             drawings.append(_measured(samples, kind, text))
         elif kind == "curve" and isinstance(plan.output(what), Curve):
-            drawings.append(curves(engine.value(plan, what, work), text))
+            drawings.append(figures.curves(engine.value(plan, what, work), text))
         else:
             raise UsageError(f"unknown line in a handbook figure: {kind} {what}")
     return f'<div class="figures">\n{"".join(drawings)}\n</div>\n'
@@ -391,8 +377,8 @@ def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
     source = Source((MeasuredFile("picture", 1, ""),), [picture], *picture.shape)
     measured = measure_pictures(source)
     if kind == "edges":
-        return png_figure(edges_png(measured, measured.previews[0]), caption, kind)
-    return png_figure(mtf_png(measured), caption, kind)
+        return figures.png_figure(edges_png(measured, measured.previews[0]), caption, kind)
+    return figures.png_figure(mtf_png(measured), caption, kind)
 
 
 # What stands on a module's page, from its declaration.
@@ -479,9 +465,7 @@ def with_symbols(text: str, names: Iterable[str]) -> str:
 
 def with_links(piece: str, addresses: Mapping[str, str]) -> str:
     """A piece of a page in which titles of modules, of two words or more, lead to their pages."""
-    titles = {
-        html.escape(title, quote=False): at for title, at in addresses.items() if " " in title
-    }
+    titles = {html.escape(t, quote=False): at for t, at in addresses.items() if " " in t}
     if not titles:
         return piece
     names = "|".join(re.escape(title) for title in sorted(titles, key=len, reverse=True))
@@ -491,9 +475,7 @@ def with_links(piece: str, addresses: Mapping[str, str]) -> str:
 
 def _outside_code(pattern: re.Pattern[str], shown: Any, piece: str) -> str:
     parts = re.split(r"(<code>.*?</code>)", piece)
-    return "".join(
-        part if part.startswith("<code>") else pattern.sub(shown, part) for part in parts
-    )
+    return "".join(p if p.startswith("<code>") else pattern.sub(shown, p) for p in parts)
 
 
 def default(parameter: Parameter) -> str:

@@ -1,26 +1,26 @@
-"""A measurement as one page that needs no other file."""
+"""A measurement as files: one page that needs no other, JSON, and a table of MTF."""
 
-from collections.abc import Sequence
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.measure.measurement_text import (
-    NYQUIST,
-    REFUSED,
-    USED,
-    counted,
-    figure_rows,
-    frame_rows,
-    remarks,
-    with_error,
-)
-from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
+from app.measure import measurement_text as told
+from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement, Preview
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.saving import robust_limits
+from core.atomic import write_text
+from core.errors import DataError, UsageError, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
+from core.physics.measurement.picture_noise import FramesNoise
+from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
+from nodes.files.common.table_cells import csv_lines
+from nodes.files.mtf_table import LARGEST_MTF
 
 _MOST_REFUSED = 60
 _PLACE = ("edge", "column", "row", "normal (°)", "length")
@@ -29,16 +29,11 @@ _PLACE = ("edge", "column", "row", "normal (°)", "length")
 def measurement_page(measured: PictureMeasurement) -> str:
     names = [Path(file.name).name for file in measured.files]
     title = f"Measured: {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
-    notes = remarks(measured)
+    notes, heads = told.remarks(measured), ("figure", "value", "unit", "meaning")
     blocks: list[Block] = [
         Heading(1, title),
         Text(_lead(measured), "lead"),
-        Grid(
-            ("figure", "value", "unit", "meaning"),
-            [tuple(row) for row in figure_rows(measured)],
-            numbers=(1,),
-            kind="readouts",
-        ),
+        Grid(heads, told.figure_rows(measured), (1,), kind="readouts"),
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}." for line in notes))] if notes else []),
         *_edges(measured),
         *_mtf(measured),
@@ -86,11 +81,8 @@ def _edges(measured: PictureMeasurement) -> list[Block]:
 def _mtf(measured: PictureMeasurement) -> list[Block]:
     blocks: list[Block] = [Heading(2, "MTF")]
     if measured.x is None and measured.y is None:
-        return [
-            *blocks,
-            Text(f"No horizontal MTF: {measured.reason_x}."),
-            Text(f"No vertical MTF: {measured.reason_y}."),
-        ]
+        across = Text(f"No horizontal MTF: {measured.reason_x}.")
+        return [*blocks, across, Text(f"No vertical MTF: {measured.reason_y}.")]
     caption = (
         "MTF of everything from the scene to the stored samples, pooled over the edges used and "
         "weighted by their errors; grey: edges whose normals lie within 30° of the axis. Beyond "
@@ -107,7 +99,7 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
     heads = ("component", "σ", "unit", "meaning")
     return [
         Heading(2, "Temporal noise"),
-        Grid(heads, frame_rows(measured), numbers=(1,)),
+        Grid(heads, told.frame_rows(measured), numbers=(1,)),
         Text(
             "The pattern that stays the same from frame to frame includes the scene. To measure "
             "fixed patterns, give frames of a uniform field to imagechain photon-transfer."
@@ -135,7 +127,7 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             ),
         ]
     if refused:
-        kinds = counted(edge.why_not for _, edge in refused)
+        kinds = told.counted(edge.why_not for _, edge in refused)
         shown = refused[:_MOST_REFUSED]
         whys = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
         blocks += [
@@ -158,7 +150,7 @@ def _place(edge: MeasuredEdge, place: int, several: bool) -> tuple[str, ...]:
 
 def _figures(edge: MeasuredEdge) -> tuple[str, str, str]:
     step, noise, curve = edge.found.contrast, edge.found.noise_sigma, edge.curve
-    half = with_error(None if curve is None else curve.mtf50, edge.mtf50_sigma)
+    half = told.with_error(None if curve is None else curve.mtf50, edge.mtf50_sigma)
     return number(_short(step)), f"{step / noise:.3g}" if noise > 0.0 else "–", half
 
 
@@ -183,11 +175,8 @@ def edges_png(measured: PictureMeasurement, preview: Preview) -> bytes:
         axis.grid(visible=False)
         axis.set_xlabel("column")
         axis.set_ylabel("row")
-        own = [
-            (number, edge)
-            for number, edge in enumerate(measured.edges, 1)
-            if edge.picture == preview.picture
-        ]
+        every = enumerate(measured.edges, 1)
+        own = [(number, edge) for number, edge in every if edge.picture == preview.picture]
         for number, edge in sorted(own, key=lambda one: one[1].used):
             _draw_edge(axis, edge, number if len(own) <= _MOST_NUMBERED or edge.used else None)
         axis.set_xlim(-0.5, columns - 0.5)
@@ -202,9 +191,9 @@ def _draw_edge(axis: Any, edge: MeasuredEdge, number: int | None) -> None:
     xs, ys = zip(*edge.found.ends, strict=True)
     dark = [withStroke(linewidth=3.0 if edge.used else 2.0, foreground="#000000a0")]
     look: Any = (
-        {"color": USED, "lw": 1.8, "ls": "-", "zorder": 3}
+        {"color": told.USED, "lw": 1.8, "ls": "-", "zorder": 3}
         if edge.used
-        else {"color": REFUSED, "lw": 1.0, "ls": (0, (3, 2)), "zorder": 2}
+        else {"color": told.REFUSED, "lw": 1.0, "ls": (0, (3, 2)), "zorder": 2}
     )
     axis.plot(xs, ys, path_effects=dark, **look)
     if number is not None:
@@ -220,7 +209,7 @@ def _legend(drawn: Any, edges: Sequence[tuple[int, MeasuredEdge]]) -> None:
 
     used = sum(edge.used for _, edge in edges)
     lines = [
-        Line2D([], [], color=USED, lw=2.0, label=f"used ({used})"),
+        Line2D([], [], color=told.USED, lw=2.0, label=f"used ({used})"),
         Line2D(
             [], [], color="#2b8cc4", lw=1.4, ls=(0, (3, 2)), label=f"not used ({len(edges) - used})"
         ),
@@ -237,9 +226,9 @@ def mtf_png(measured: PictureMeasurement) -> bytes:
             axis.set_title(words, pad=4 if measured.interval_x_mrad else 12)
             axis.set_xlabel("frequency (cycles/sample)")
             axis.axhline(0.0, color="#555555", lw=0.8)
-            axis.axvline(NYQUIST, color="#999999", ls=":", lw=1.2)
+            axis.axvline(told.NYQUIST, color="#999999", ls=":", lw=1.2)
             axis.annotate(
-                "Nyquist", (NYQUIST, 0.98), xycoords=("data", "axes fraction"), xytext=(3, 0),
+                "Nyquist", (told.NYQUIST, 0.98), xycoords=("data", "axes fraction"), xytext=(3, 0),
                 textcoords="offset points", va="top", fontsize=7, color="#666666",
             )  # fmt: skip
             _mtf_panel(axis, measured, direction, curve)
@@ -257,11 +246,8 @@ def _mtf_panel(
         axis.text(0.5, 0.5, "not measured", transform=axis.transAxes, ha="center", color="#666666")
         return
     colour = COLOURS[0] if direction == "x" else COLOURS[1]
-    own = [
-        edge
-        for edge in measured.edges
-        if edge.used and edge.curve is not None and edge.direction == direction
-    ]
+    used = (edge for edge in measured.edges if edge.used and edge.curve is not None)
+    own = [edge for edge in used if edge.direction == direction]
     for place, edge in enumerate(own[:_MOST_CURVES]):
         assert edge.curve is not None
         sure = edge.curve.sigma < _UNSURE
@@ -283,12 +269,151 @@ def _mtf_panel(
 def _second_scale(axis: Any, interval_mrad: float | None) -> None:
     if interval_mrad is None:
         return
-    scale = axis.secondary_xaxis(
-        "top",
-        functions=(
-            lambda frequency: np.asarray(frequency) / interval_mrad,
-            lambda frequency: np.asarray(frequency) * interval_mrad,
-        ),
-    )
+    there = lambda frequency: np.asarray(frequency) / interval_mrad  # noqa: E731
+    back = lambda frequency: np.asarray(frequency) * interval_mrad  # noqa: E731
+    scale = axis.secondary_xaxis("top", functions=(there, back))
     scale.set_xlabel("cycles/mrad", fontsize=7.5, color="#444444")
     scale.tick_params(labelsize=7.5, colors="#444444")
+
+
+# Files of a measurement: JSON, a table of MTF that the module MTF File reads, or a page.
+
+Json = dict[str, Any]
+WRITTEN = (JSON, CSV, HTML)
+_FOUND = ("x", "y", "angle_deg", "length", "reach", "low", "high")
+
+
+def measurement_json(measured: PictureMeasurement) -> str:
+    """The measurement as JSON; what could not be measured is absent, and a reason stands there."""
+    content: Json = {
+        "format": "imagechain-measurement",
+        "version": 1,
+        "pictures": [
+            {"file": file.name, "frames": file.frames, **_given(taken=file.taken or None)}
+            for file in measured.files
+        ],
+        "rows": measured.rows,
+        "columns": measured.columns,
+        **_given(
+            unit=measured.unit or None,
+            interval_x_mrad=measured.interval_x_mrad,
+            interval_y_mrad=measured.interval_y_mrad,
+            pitch_um=measured.pitch_um,
+        ),
+        "mtf": {
+            "x": _curve(measured.x, measured.reason_x, measured.interval_x_mrad, measured.pitch_um),
+            "y": _curve(measured.y, measured.reason_y, measured.interval_y_mrad, measured.pitch_um),
+        },
+        "noise": _noise_json(measured.noise, measured.noise_reason),
+        "edges": [_edge(edge, measured.picture_count > 1) for edge in measured.edges],
+    }
+    if measured.picture_count > 1:
+        content["frames"] = _frames(measured.frames, measured.frames_reason)
+    warnings = [*told.file_warnings(measured.files), *measured.warnings]
+    if warnings:
+        content["warnings"] = warnings
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def measurement_csv(measured: PictureMeasurement) -> str:
+    """The pooled MTF as a table that the module MTF File reads: frequency, horizontal, vertical."""
+    curves = {"mtf_x": measured.x, "mtf_y": measured.y}
+    known = {name: curve for name, curve in curves.items() if curve is not None}
+    if not known:
+        raise DataError(
+            f"there is no MTF to write (horizontal: {measured.reason_x}; vertical: "
+            f"{measured.reason_y}): write a page (.html) to see why each edge was rejected"
+        )
+    last = min(float(curve.frequency[-1]) for curve in known.values())
+    frequency = next(iter(known.values())).frequency
+    frequency = frequency[frequency <= last]
+    rows: list[tuple[str, ...]] = [("frequency (cyc/pixel)", *known)]
+    mtfs = [np.interp(frequency, curve.frequency, curve.mtf) for curve in known.values()]
+    columns = [np.clip(mtf, 0.0, LARGEST_MTF) for mtf in mtfs]
+    for place, row in zip(frequency, zip(*columns, strict=True), strict=True):
+        rows.append((repr(float(place)), *(repr(float(value)) for value in row)))
+    return csv_lines(rows)
+
+
+def _given(**values: Any) -> Json:
+    """Those that are known and finite."""
+    return {
+        name: value
+        for name, value in values.items()
+        if value is not None and not (isinstance(value, float) and not math.isfinite(value))
+    }
+
+
+def _curve(
+    curve: MtfCurve | None, reason: str, interval_mrad: float | None, pitch_um: float | None
+) -> Json:
+    if curve is None:
+        return {"reason": reason}
+    content: Json = {"frequency_cyc_per_sample": _numbers(curve.frequency)}
+    if interval_mrad is not None:
+        content["frequency_cyc_per_mrad"] = _numbers(curve.frequency / interval_mrad)
+    if pitch_um is not None:
+        content["frequency_cyc_per_mm"] = _numbers(curve.frequency / (1e-3 * pitch_um))
+    return {
+        **content,
+        "mtf": _numbers(curve.mtf),
+        "sigma": _numbers(curve.sigma),
+        **_given(mtf50=curve.mtf50, mtf50_sigma=curve.mtf50_sigma),
+        "edges": curve.edges,
+        "scatter": curve.scatter,
+    }
+
+
+def _numbers(values: np.ndarray[Any, Any]) -> list[float]:
+    return [float(value) for value in values]
+
+
+def _noise_json(noise: NoiseFigures | None, reason: str) -> Json:
+    if noise is None:
+        return {"reason": reason}
+    rest = {"reason": noise.reason or None, "remarks": list(noise.remarks) or None}
+    return _given(**asdict(noise) | rest)
+
+
+def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
+    curve = edge.curve
+    figures: Mapping[str, float | None] = (
+        {} if curve is None else {"mtf50": curve.mtf50, "sigma": edge.mtf50_sigma}
+    )
+    return {
+        **({"picture": edge.picture} if of_several else {}),
+        **{name: getattr(edge.found, name) for name in _FOUND},
+        **_given(**figures),
+        "used": edge.used,
+        "why_not": edge.why_not,
+    }
+
+
+def _frames(frames: FramesNoise | None, reason: str) -> Json:
+    if frames is None:
+        return {"reason": reason}
+    components = frames.components
+    return {
+        "frames": components.frames,
+        **_given(sigma=frames.sigma, sigma_error=frames.sigma_error),
+        **{f"sigma_{name}": components.variances.sigma(name) for name in told.TEMPORAL},
+        **{f"variance_{name}_error": components.errors.variance(name) for name in told.TEMPORAL},
+    }
+
+
+def measurement_text(measured: PictureMeasurement, path: Path) -> str:
+    """What a file of that suffix holds: .json everything, .csv the pooled MTF, .html a page."""
+    if JSON.matches(path):
+        text = measurement_json(measured)
+    elif CSV.matches(path):
+        text = measurement_csv(measured)
+    elif HTML.matches(path):
+        text = measurement_page(measured)
+    else:
+        raise UsageError(f"{path}: the file's name must end in {', '.join(suffixes(*WRITTEN))}")
+    # Names of files may hold what cannot be written.
+    return "\n".join(printable(line) for line in text.split("\n"))
+
+
+def write_measurement(measured: PictureMeasurement, path: Path) -> None:
+    write_text(path, measurement_text(measured, path))

@@ -1,4 +1,4 @@
-"""A measurement in words and rows of figures, for the terminal, the page and the window."""
+"""A measurement in words, in rows of figures and as files."""
 
 import math
 from collections import Counter
@@ -6,12 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from app.measure.picture_measurement import (
-    WITH_LOSS,
-    MeasuredFile,
-    NoiseFigures,
-    PictureMeasurement,
-)
+from app.measure import picture_measurement as results
 from app.run.readout_tables import number_text
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 
@@ -48,7 +43,7 @@ def with_error(value: float | None, error: float | None) -> str:
     return f"{value:.{max(last, 0)}f} ± {error:.{max(last, 0)}f}"
 
 
-def figure_rows(measured: PictureMeasurement) -> list[Row]:
+def figure_rows(measured: results.PictureMeasurement) -> list[Row]:
     used = sum(edge.used for edge in measured.edges)
     rows: list[Row] = [
         ("edges", str(used), "", f"edges used, of {len(measured.edges)} found"),
@@ -87,7 +82,7 @@ def _mtf_rows(
     return rows
 
 
-def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
+def _noise_rows(noise: results.NoiseFigures, unit: str) -> list[Row]:
     rows = [("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample")]
     for name, words, value in (
         ("row_sigma", "rows", noise.row_sigma), ("column_sigma", "columns", noise.column_sigma),
@@ -100,18 +95,12 @@ def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
         rows.append(("gain", gain, "e-/DN", "electrons per digital number"))
     if noise.read_noise_dn is not None:
         read = with_error(noise.read_noise_dn, noise.read_noise_error)
-        rows.append(
-            (
-                "read_noise",
-                read,
-                unit or "DN",
-                f"noise at the dark level, {noise.offset_dn:.6g}",
-            )
-        )
+        meaning = f"noise at the dark level, {noise.offset_dn:.6g}"
+        rows.append(("read_noise", read, unit or "DN", meaning))
     return rows
 
 
-def frame_rows(measured: PictureMeasurement) -> list[Row]:
+def frame_rows(measured: results.PictureMeasurement) -> list[Row]:
     if measured.frames is None:
         return []
     rows = []
@@ -123,7 +112,7 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
     return rows
 
 
-def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
+def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
         f"{file.name}: {_GAMMA[file.gamma]}, but they are treated as linear; if the camera "
@@ -132,14 +121,14 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
         if file.gamma and not file.is_lossy
     ]
     lines += [
-        f"{file.name}: {WITH_LOSS}; give a picture that the camera stored without loss"
+        f"{file.name}: {results.WITH_LOSS}; give a picture that the camera stored without loss"
         for file in files
         if file.is_lossy
     ]
     return lines
 
 
-def remarks(measured: PictureMeasurement) -> list[str]:
+def remarks(measured: results.PictureMeasurement) -> list[str]:
     """What was measured of files with bands, and what could not be measured, and why."""
     lines = [f"measured from {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
@@ -192,7 +181,7 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     return lines
 
 
-def refused_lines(measured: PictureMeasurement) -> list[str]:
+def refused_lines(measured: results.PictureMeasurement) -> list[str]:
     kinds = counted(edge.why_not for edge in measured.edges if not edge.used)
     lines = [f"{count} not used: {kind}" for kind, count in kinds[:_MOST_REASONS]]
     if lines and not any(edge.used for edge in measured.edges):

@@ -4,29 +4,14 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.measure import picture_loading as loading
+from app.measure import picture_measurement as results
 from app.measure.measurement_text import in_words
-from app.measure.picture_loading import (
-    PictureFile,
-    common_limits,
-    open_picture,
-    same_size,
-)
-from app.measure.picture_measurement import (
-    BY_HAND,
-    FREQUENCIES,
-    WITH_LOSS,
-    MeasuredEdge,
-    MeasuredFile,
-    NoiseFigures,
-    PictureMeasurement,
-    Preview,
-    file_of,
-)
 from core.errors import DataError, ParameterError
 from core.physics.measurement.edge_mtf import (
     LARGEST_ANGLE_DEG,
@@ -58,18 +43,8 @@ _WIDEST_UM = 10_000.0  # of a pixel
 
 
 @dataclass(frozen=True)
-class MeasurePlan:
-    pictures: tuple[Path, ...]  # pictures, or files of frames, of one camera
-    band: int | None = None  # band of files that have several
-    fov_x_deg: float | None = None  # field of view across, in place of the header's
-    dark: Path | None = None  # frames without light
-    offset_dn: float | None = None  # the number of no electrons
-    pitch_um: float | None = None  # from one pixel to the next
-
-
-@dataclass(frozen=True)
 class Source:
-    files: tuple[MeasuredFile, ...]
+    files: tuple[results.MeasuredFile, ...]
     pictures: Iterable[Matrix]
     rows: int
     columns: int
@@ -81,24 +56,31 @@ class Source:
 
 
 def measure_files(
-    plan: MeasurePlan,
+    pictures: Sequence[Path],
+    band: int | None = None,
+    fov_x_deg: float | None = None,
+    dark: Path | None = None,
+    offset_dn: float | None = None,
+    pitch_um: float | None = None,
     *,
     check: Callable[[], None] = lambda: None,
     report: Report = lambda _text: None,
-) -> PictureMeasurement:
-    files = [open_picture(path, band=plan.band) for path in plan.pictures]
-    same_size(files)
+) -> results.PictureMeasurement:
+    """Measure pictures, or files of frames, of one camera; `dark` frames replace `offset_dn`."""
+    files = [loading.open_picture(path, band=band) for path in pictures]
+    loading.same_size(files)
     first = files[0]
     x, y = first.interval_x_mrad, first.interval_y_mrad
-    if plan.fov_x_deg is not None:
-        x = interval_mrad(fov_deg=plan.fov_x_deg, samples=first.columns, name="--fov-x-deg")
+    if fov_x_deg is not None:
+        x = interval_mrad(fov_deg=fov_x_deg, samples=first.columns, name="--fov-x-deg")
         y = x if y is None else y
-    pitch = checked_pitch(plan.pitch_um, "--pitch-um")
+    pitch = checked_pitch(pitch_um, "--pitch-um")
+    if dark is not None:
+        offset_dn = _dark_level(dark, first, check)
     source = Source(
         tuple(measured_file(file) for file in files),
         (picture for file in files for picture in file.pictures()),
-        first.rows, first.columns, first.unit, x, y, common_limits(files),
-        _offset(plan, (first.rows, first.columns), check),
+        first.rows, first.columns, first.unit, x, y, loading.common_limits(files), offset_dn,
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
     return replace(measured, pitch_um=pitch)
@@ -112,14 +94,14 @@ def checked_pitch(pitch_um: float | None, name: str) -> float | None:
 
 def measure_pictures(
     source: Source, *, check: Callable[[], None] = lambda: None, report: Report = lambda _text: None
-) -> PictureMeasurement:
+) -> results.PictureMeasurement:
     refuse_small(source.files[0].name, source.rows, source.columns)
     offset = source.offset_dn or 0.0
     count = sum(file.frames for file in source.files)
     lossy = any(file.is_lossy for file in source.files)
     taken = SceneFrames(source.rows, source.columns) if count > 1 else None
-    edges: list[MeasuredEdge] = []
-    previews: list[Preview] = []
+    edges: list[results.MeasuredEdge] = []
+    previews: list[results.Preview] = []
     noises: list[PictureNoise] = []
     no_noise: list[str] = []
     warnings: list[str] = []
@@ -135,8 +117,8 @@ def measure_pictures(
         if taken is not None:
             taken.add(picture)
         own = edges_of(picture=picture, number=number, clip_levels=source.clip_levels, check=check)
-        if file_of(source.files, number)[0].is_lossy:
-            edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
+        if results.file_of(source.files, number)[0].is_lossy:
+            edges += [replace(edge, why_not=edge.why_not or results.WITH_LOSS) for edge in own]
             continue
         edges += own
         interpolated = why_interpolated(picture=picture) if any(e.used for e in own) else ""
@@ -146,20 +128,19 @@ def measure_pictures(
             continue
         try:
             missing = missing_samples(picture=picture)
-            noises.append(
-                noise_of_picture(picture=picture, avoid=missing, offset=offset, check=check)
-            )
+            how: Any = {"avoid": missing, "offset": offset, "check": check}
+            noises.append(noise_of_picture(picture=picture, **how))
         except DataError as error:  # numbers too large or too small for it
             no_noise.append(error.message)
     noise, noise_reason = pooled_noise(noises, offset_dn=offset)
     if not noises:
-        noise_reason = no_noise[0] if no_noise else WITH_LOSS
-    frames, frames_reason = (None, WITH_LOSS) if lossy else _frames(taken, offset)
+        noise_reason = no_noise[0] if no_noise else results.WITH_LOSS
+    frames, frames_reason = (None, results.WITH_LOSS) if lossy else _frames(taken, offset)
     if frames is not None:
         noise, noise_reason = with_frames(noise, noise_reason, frames, offset)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
-    return PictureMeasurement(
+    return results.PictureMeasurement(
         source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
         frames, frames_reason, previews=tuple(previews), warnings=tuple(warnings),
@@ -200,26 +181,28 @@ def _refuse_extreme(picture: Matrix, name: str) -> None:
         )
 
 
-def _preview(picture: Matrix, number: int) -> Preview:
+def _preview(picture: Matrix, number: int) -> results.Preview:
     rows, columns = picture.shape
     factor = max(1, -(-max(rows, columns) // _PREVIEW_SAMPLES))
     whole = picture[: rows // factor * factor, : columns // factor * factor]
     squares = whole.reshape(rows // factor, factor, columns // factor, factor)
-    return Preview(number, squares.mean(axis=(1, 3)).astype(np.float32), factor)
+    return results.Preview(number, squares.mean(axis=(1, 3)).astype(np.float32), factor)
 
 
-def without_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement:
+def without_edge(measured: results.PictureMeasurement, place: int) -> results.PictureMeasurement:
     """The same without one of its edges, counted from 0; the MTF is pooled anew."""
-    return _with_reason(measured, place, BY_HAND)
+    return _with_reason(measured, place, results.BY_HAND)
 
 
-def with_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement:
-    if measured.edges[place].why_not != BY_HAND:
+def with_edge(measured: results.PictureMeasurement, place: int) -> results.PictureMeasurement:
+    if measured.edges[place].why_not != results.BY_HAND:
         return measured
     return _with_reason(measured, place, "")
 
 
-def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureMeasurement:
+def _with_reason(
+    measured: results.PictureMeasurement, place: int, why: str
+) -> results.PictureMeasurement:
     edges = list(measured.edges)
     edges[place] = replace(edges[place], why_not=why)
     x, reason_x = pooled(edges, "x")
@@ -227,12 +210,12 @@ def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureM
     return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)
 
 
-def measured_file(file: PictureFile) -> MeasuredFile:
-    return MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
+def measured_file(file: loading.PictureFile) -> results.MeasuredFile:
+    return results.MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
 
 
-def _name(files: Sequence[MeasuredFile], number: int) -> str:
-    file, frame = file_of(files, number)
+def _name(files: Sequence[results.MeasuredFile], number: int) -> str:
+    file, frame = results.file_of(files, number)
     name = Path(file.name).name
     return name if file.frames == 1 else f"{name}, frame {frame}"
 
@@ -247,15 +230,12 @@ def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | 
     return measured, ""
 
 
-def _offset(plan: MeasurePlan, size: tuple[int, int], check: Callable[[], None]) -> float | None:
-    """The level without light: of the dark frames, or as given."""
-    if plan.dark is None:
-        return plan.offset_dn
-    dark = open_frames(plan.dark)
-    if (dark.rows, dark.columns) != size:
+def _dark_level(path: Path, first: loading.PictureFile, check: Callable[[], None]) -> float:
+    dark = open_frames(path)
+    if (dark.rows, dark.columns) != (first.rows, first.columns):
         raise DataError(
-            f"{plan.dark} has {dark.columns} × {dark.rows} samples, but {plan.pictures[0]} has "
-            f"{size[1]} × {size[0]}: give frames of one camera"
+            f"{path} has {dark.columns} × {dark.rows} samples, but {first.path} has "
+            f"{first.columns} × {first.rows}: give frames of one camera"
         )
     means = []
     for frame in dark.each():
@@ -273,7 +253,7 @@ _Figure = tuple[float | None, float | None]
 
 def pooled_noise(
     measured: Sequence[PictureNoise], *, offset_dn: float
-) -> tuple[NoiseFigures | None, str]:
+) -> tuple[results.NoiseFigures | None, str]:
     """The noise of the pictures that show it, or the reason why none does."""
     known = [(one, one.sigma, one.sigma_error) for one in measured]
     good = [(one, s, e) for one, s, e in known if s is not None and e is not None]
@@ -287,7 +267,7 @@ def pooled_noise(
     no_gain = _once(one.gain_reason for one in noises) if gain is None else []
     no_read = _once(one.read_noise_reason for one in noises) if read is None else []
     steps = [one.step for one in noises if one.step is not None]
-    return NoiseFigures(
+    return results.NoiseFigures(
         sigma, error, gain, gain_error, read, read_error, offset_dn,
         math.fsum(one.mean_level for one in noises) / len(noises),
         _lines(one.rows for one in noises), _lines(one.columns for one in noises),
@@ -299,8 +279,8 @@ def pooled_noise(
 
 
 def with_frames(
-    noise: NoiseFigures | None, reason: str, frames: FramesNoise, offset_dn: float
-) -> tuple[NoiseFigures | None, str]:
+    noise: results.NoiseFigures | None, reason: str, frames: FramesNoise, offset_dn: float
+) -> tuple[results.NoiseFigures | None, str]:
     """The noise of what changes in frames of a scene that stands still."""
     if frames.sigma is None or frames.sigma_error is None:
         return noise, reason
@@ -308,7 +288,7 @@ def with_frames(
         frames.gain_reason if frames.gain_e_per_dn is None else "",
         frames.read_noise_reason if frames.read_noise_dn is None else "",
     )
-    return NoiseFigures(
+    return results.NoiseFigures(
         frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
         frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
         frames.step, frames.levels,
@@ -365,27 +345,26 @@ def edges_of(
     number: int,
     clip_levels: tuple[float, float] | None = None,
     check: Callable[[], None] = lambda: None,
-) -> tuple[MeasuredEdge, ...]:
+) -> tuple[results.MeasuredEdge, ...]:
     seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
     return tuple(_measured(picture, number, edge, check) for edge in seen)
 
 
 def _measured(
     picture: Matrix, number: int, edge: FoundEdge, check: Callable[[], None]
-) -> MeasuredEdge:
+) -> results.MeasuredEdge:
     if not edge.used:
-        return MeasuredEdge(number, edge, None, edge.why_not)
+        return results.MeasuredEdge(number, edge, None, edge.why_not)
     try:
-        curve = measure_edge(
-            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), check=check
-        )
+        frequency = np.array(results.FREQUENCIES)
+        curve = measure_edge(picture=picture, edge=edge, frequency=frequency, check=check)
     except DataError as error:
-        return MeasuredEdge(number, edge, None, error.message)
-    return MeasuredEdge(number, edge, curve, "")
+        return results.MeasuredEdge(number, edge, None, error.message)
+    return results.MeasuredEdge(number, edge, curve, "")
 
 
 def pooled(
-    edges: Sequence[MeasuredEdge], direction: Literal["x", "y"]
+    edges: Sequence[results.MeasuredEdge], direction: Literal["x", "y"]
 ) -> tuple[MtfCurve | None, str]:
     """The MTF of all used edges whose normals lie near an axis, or the reason why there is none."""
     curves = [edge.curve for edge in edges if edge.used and edge.curve is not None]
@@ -395,15 +374,17 @@ def pooled(
     return together, ""
 
 
-def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
+def _no_edge(near: Sequence[results.MeasuredEdge], direction: str) -> str:
     words = "horizontal" if direction == "x" else "vertical"
     if not near:
         return (
             f"no straight edge with a normal within {LARGEST_ANGLE_DEG:g}° of the {words} was found"
         )
-    if removed := sum(edge.why_not == BY_HAND for edge in near):
+    if removed := sum(edge.why_not == results.BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"
-        return f"{many} that would give this MTF {'is' if removed == 1 else 'are'} {BY_HAND}"
+        return (
+            f"{many} that would give this MTF {'is' if removed == 1 else 'are'} {results.BY_HAND}"
+        )
     if len(near) == 1:
         return f"the only edge that would give this MTF cannot be used: {near[0].why_not}"
     reasons = in_words(edge.why_not for edge in near)

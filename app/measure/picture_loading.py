@@ -17,12 +17,11 @@ from nodes.files.common.stored_bytes import readable_file
 from nodes.files.formats import NPY, TIFF, format_of
 from nodes.files.frames import FrameFile, open_frames, tiff_pages
 from nodes.files.read import check_finite, read_info, read_pixels
+from nodes.input_output.source_file import LUMINANCE
 
 Matrix = NDArray[np.float64]
 
 NO_DATA = "replace them with one number, such as 0; constant areas are not measured"
-LUMINANCE = (0.2126, 0.7152, 0.0722)
-"""Shares of red, green and blue in luminance (ITU-R BT.709)."""
 _COLOURS = ("R", "G", "B")
 _WITH_ALPHA = 2  # bands
 _FLAT = 2  # dimensions of a single picture
@@ -154,10 +153,8 @@ def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None
     if info.bands == 1:
         return 0, ""
     if info.channels[:3] == _COLOURS:
-        shares = " + ".join(
-            f"{share} {name}" for share, name in zip(LUMINANCE, _COLOURS, strict=True)
-        )
-        return None, f"luminance, {shares}"
+        shares = map("{} {}".format, LUMINANCE, _COLOURS)
+        return None, f"luminance, {' + '.join(shares)}"
     if info.bands == _WITH_ALPHA and not info.channels and info.kind not in _STACKS:
         return 0, "grey, without the transparency channel"
     raise BandsError(path, info.bands)

@@ -5,15 +5,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from core.physics.measurement.edges import edge_mtf
 from numpy.typing import NDArray
 
-from core.physics.measurement.edge_mtf import (
-    LARGEST_ANGLE_DEG,
-    EdgeMtf,
-    MtfCurve,
-    crossing_error,
-    pooled_mtf,
-)
 from core.physics.measurement.found_edge import FoundEdge
 from core.physics.measurement.picture_noise import FramesNoise
 from core.physics.measurement.sample_noise import LevelVariance
@@ -30,7 +24,7 @@ WITH_LOSS = "compressed with loss (fine detail and noise are altered)"
 class MeasuredEdge:
     picture: int  # its number among those measured, from 0
     found: FoundEdge  # where it is, and what of the picture belongs to it
-    curve: EdgeMtf | None  # MTF along the normal; None where it was not measured
+    curve: edge_mtf.EdgeMtf | None  # MTF along the normal; None where it was not measured
     why_not: str  # why it is not used; empty where it is
 
     @property
@@ -41,9 +35,9 @@ class MeasuredEdge:
     def direction(self) -> str:
         """The axis that its normal lies near, ``x`` or ``y``; empty of one between both."""
         away = abs((self.found.angle_deg + 90.0) % 180.0 - 90.0)
-        if away <= LARGEST_ANGLE_DEG:
+        if away <= edge_mtf.LARGEST_ANGLE_DEG:
             return "x"
-        return "y" if away >= 90.0 - LARGEST_ANGLE_DEG else ""
+        return "y" if away >= 90.0 - edge_mtf.LARGEST_ANGLE_DEG else ""
 
     @property
     def mtf50_sigma(self) -> float | None:
@@ -51,12 +45,11 @@ class MeasuredEdge:
         curve = self.curve
         if curve is None or curve.mtf50 is None:
             return None
-        alone = pooled_mtf(edges=[curve], axis="y" if self.direction == "y" else "x")
+        alone = edge_mtf.pooled_mtf(edges=[curve], axis="y" if self.direction == "y" else "x")
         if alone is None:
             return curve.mtf50_sigma
-        return crossing_error(
-            frequency=alone.frequency, mtf=alone.mtf, sigma=alone.sigma, crossing=curve.mtf50
-        )
+        own = {"frequency": alone.frequency, "mtf": alone.mtf, "sigma": alone.sigma}
+        return edge_mtf.crossing_error(**own, crossing=curve.mtf50)
 
     @property
     def stretch(self) -> float:
@@ -120,8 +113,8 @@ class PictureMeasurement:
     interval_y_mrad: float | None
     edges: tuple[MeasuredEdge, ...]  # all that were seen
     # pooled over the edges across, and along
-    x: MtfCurve | None
-    y: MtfCurve | None
+    x: edge_mtf.MtfCurve | None
+    y: edge_mtf.MtfCurve | None
     # why there is none
     reason_x: str
     reason_y: str

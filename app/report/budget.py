@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.report.drawing.picture_drawing import COLOURS, figure, number, strongest
+from app.report.drawing.picture_drawing import COLOURS, figure, legend_below, number, strongest
 from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
 from app.run.evaluation import Evaluation
 from core.chain.wires import Image
@@ -98,12 +98,8 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
     port, image, work = _final(evaluation)
     passed = transfer_of(image)
     grid = evaluation.chain.combined or evaluation.chain.grid or image.grid()
-    blur = blur_shares(
-        work,
-        stages=passed.part("mtf"),
-        frequency=(0.5 * grid.nyquist_x, 0.5 * grid.nyquist_y),
-        before=unknown_before(passed),
-    )
+    stages, half = passed.part("mtf"), (0.5 * grid.nyquist_x, 0.5 * grid.nyquist_y)
+    blur = blur_shares(work, stages=stages, frequency=half, before=unknown_before(passed))
     if not blur.shares and blur.before is not None:
         raise DataError(f"{blur.before} has no known transfer function")
     if not blur.shares:
@@ -115,17 +111,14 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
         "mtf_x": blur.mtf[0],
         "mtf_y": blur.mtf[1],
         "stages": [
-            {
-                "node": share.node,
-                "title": share.label,
-                "mtf_x": share.mtf[0],
-                "share_x": share.share[0],
-                "mtf_y": share.mtf[1],
-                "share_y": share.share[1],
-            }
-            for share in blur.shares
+            {"node": one.node, "title": one.label, **_of_axis(one, 0, "x"), **_of_axis(one, 1, "y")}
+            for one in blur.shares
         ],
     }
+
+
+def _of_axis(share: Any, place: int, axis: str) -> Fact:
+    return {f"mtf_{axis}": share.mtf[place], f"share_{axis}": share.share[place]}
 
 
 def budget(facts: Fact) -> list[Block]:
@@ -134,12 +127,9 @@ def budget(facts: Fact) -> list[Block]:
     noise, blur = contributions["noise"], contributions["blur"]
     blocks: list[Block] = [Heading(2, "Contributions to noise and blur")]
     if noise or blur:
-        caption = " ".join(
-            [
-                *(["Noise: share of the variance in the final picture."] if noise else []),
-                *(["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []),
-            ]
-        )
+        told = ["Noise: share of the variance in the final picture."] if noise else []
+        told += ["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []
+        caption = " ".join(told)
         caption += of_many(len(noise["sources"]), "noises") if noise else ""
         caption += of_many(len(blur["stages"])) if blur else ""
         blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
@@ -170,24 +160,17 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
             _bars(axis, names, kinds)
             axis.set_title("Noise")
             axis.set_xlabel("share of the variance (%)")
-            _legend(axis)
+            legend_below(axis, 4.0, 8.5)
         if blur:
             axis = axes.pop(0)
-            across, along = (
-                [100.0 * stage[f"share_{name}"] for stage in stages] for name in ("x", "y")
-            )
+            across = [100.0 * stage["share_x"] for stage in stages]
+            along = [100.0 * stage["share_y"] for stage in stages]
             names = _distinct([stage["title"] for stage in stages], stages)
             _bars(axis, names, [(across, _ACROSS, "horizontal"), (along, _ALONG, "vertical")])
             axis.set_title("Blur")
             axis.set_xlabel("share of −ln |MTF| (%)")
-            _legend(axis)
+            legend_below(axis, 4.0, 8.5)
     return out.getvalue()
-
-
-def _legend(axis: Any) -> None:
-    axis.legend(
-        loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, fontsize=8.5
-    )
 
 
 def _bars(axis: Any, names: list[str], series: list[tuple[list[float], str, str]]) -> None:
@@ -220,26 +203,17 @@ def _percent(share: float) -> str:
 
 def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
     """Names for the bars, with their node where two are alike."""
-    return [
-        f"{name} ({row['node']})" if names.count(name) > 1 else name
-        for name, row in zip(names, rows, strict=True)
-    ]
+    pairs = zip(names, rows, strict=True)
+    return [f"{name} ({row['node']})" if names.count(name) > 1 else name for name, row in pairs]
 
 
 def _noise(noise: Fact) -> list[Block]:
+    together = {"node": "", "temporal": noise["temporal"], "fixed": noise["fixed"], "share": 1.0}
+    titles = [*(source_title(source["name"]) for source in noise["sources"]), "All together"]
     rows = [
-        (
-            source_title(source["name"]),
-            source["node"],
-            number(source["temporal"]),
-            number(source["fixed"]),
-            _percent(source["share"]),
-        )
-        for source in noise["sources"]
+        (title, one["node"], number(one["temporal"]), number(one["fixed"]), _percent(one["share"]))
+        for title, one in zip(titles, [*noise["sources"], together], strict=True)
     ]
-    rows.append(
-        ("All together", "", number(noise["temporal"]), number(noise["fixed"]), _percent(1.0))
-    )
     unit = f" ({noise['unit']})" if noise["unit"] else ""
     heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
     text = (
@@ -266,16 +240,10 @@ def _beside(noise: Fact) -> str:
 def _blur(blur: Fact) -> list[Block]:
     xi, eta = number(blur["xi_cyc_per_mrad"]), number(blur["eta_cyc_per_mrad"])
     rows = [
-        (
-            stage["title"],
-            stage["node"],
-            number(stage["mtf_x"]),
-            _percent(stage["share_x"]),
-            number(stage["mtf_y"]),
-            _percent(stage["share_y"]),
-        )
-        for stage in blur["stages"]
-    ]
+        (one["title"], one["node"], number(one["mtf_x"]), _percent(one["share_x"]),
+         number(one["mtf_y"]), _percent(one["share_y"]))
+        for one in blur["stages"]
+    ]  # fmt: skip
     rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
     text = f"At {xi} cyc/mrad horizontally and {eta} vertically."

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from app.run.evaluation import Evaluation
-from app.run.responses import Axis, mtf_at, response
 from app.run.shipped import every_network
+from app.run.transfer_chain import Axis, mtf_at, response
 from core.chain.engine import Plan, realize
 from core.chain.wires import Image
 from core.errors import NetworkError, close
@@ -215,11 +215,9 @@ def _at_pixel_nyquist(evaluation: Evaluation) -> Fact | None:
         return None
     if not chain.stages or not chain.cascade:
         return None
-    nyquist: dict[Axis, float] = {
-        "x": 0.5 / final.interval_x_mrad,
-        "y": 0.5 / final.interval_y_mrad,
-    }
     axes: tuple[Axis, Axis] = ("x", "y")
+    intervals = final.interval_x_mrad, final.interval_y_mrad
+    nyquist = {axis: 0.5 / each for axis, each in zip(axes, intervals, strict=True)}
     rows: list[Fact] = []
     product: Fact = {"x": 1.0, "y": 1.0}
     for stage in (*chain.stages, *chain.later):
@@ -291,14 +289,10 @@ def _named(entries: Any) -> list[Any]:
 
 
 def _content(plan: Plan) -> Any:
-    nodes = {
-        name: (
-            node.node.module,
-            node.node.disabled,
-            [plain(getattr(node.module, each.name)) for each in node.declaration.parameters],
-        )
-        for name, node in plan.nodes.items()
-    }
+    nodes = {}
+    for name, node in plan.nodes.items():
+        values = [plain(getattr(node.module, each.name)) for each in node.declaration.parameters]
+        nodes[name] = node.node.module, node.node.disabled, values
     return nodes, set(plan.network.links)
 
 
@@ -351,7 +345,5 @@ def _figure(evaluation: Evaluation, nyquist: Mapping[str, float], name: str, whe
         image = evaluation.plan.nodes[parts[0]].outputs.get(parts[1])
         if isinstance(image, Image):
             return float(_STATISTICS[parts[2]](realize(image, evaluation.work)))
-    known = [
-        f"{node}.{readout}" for node, values in evaluation.readouts.items() for readout in values
-    ]
+    known = [f"{node}.{name}" for node, own in evaluation.readouts.items() for name in own]
     raise NetworkError(f"{where}: no figure is called {name!r:.80}{close(name, known)}")

@@ -4,6 +4,7 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from app.report.drawing.picture_drawing import DPI, MOST_DRAWN
 
@@ -83,18 +84,18 @@ def of_many(count: int, what: str = "stages") -> str:
 TEMPLATES = Path(__file__).with_name("templates")
 
 
-def html_page(title: str, blocks: Iterable[Block]) -> str:
+def templates(folder: Path, **how: Any) -> Any:
+    """The templates of a folder, whose values are escaped."""
     # Imported only where a page is written: 40 ms.
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        undefined=StrictUndefined,
-    )
+    how |= {"trim_blocks": True, "lstrip_blocks": True, "undefined": StrictUndefined}
+    return Environment(loader=FileSystemLoader(folder), autoescape=True, **how)
+
+
+def html_page(title: str, blocks: Iterable[Block]) -> str:
+    environment = templates(TEMPLATES, keep_trailing_newline=True)
     environment.filters["base64"] = lambda png: base64.b64encode(png).decode()
     environment.tests["block"] = lambda block, kind: type(block).__name__ == kind
-    return environment.get_template("page.html").render(title=title, blocks=list(blocks))
+    page: str = environment.get_template("page.html").render(title=title, blocks=list(blocks))
+    return page

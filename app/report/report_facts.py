@@ -1,12 +1,9 @@
 """Reports of a run: one self-contained file, for people (HTML) or for programs (JSON)."""
 
-import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from app.report.budget import budget_facts
 from app.report.data_sheet_facts import conflicts, data_sheet_facts, is_changed, published_rows
@@ -17,9 +14,9 @@ from app.report.spectra import spectrum_facts
 from app.run.evaluation import Evaluation
 from app.run.figures import main_figures
 from app.run.output import ending_images
-from app.run.process import version
+from app.run.process import versions
 from app.run.readout_tables import json_text
-from app.run.responses import StageResponse, at_nyquist
+from app.run.transfer_chain import StageResponse, at_nyquist
 from core.atomic import write_text
 from core.chain.engine import PlannedNode, realize
 from core.chain.skipped import Skip, is_neutral
@@ -105,22 +102,12 @@ def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any
     """Size, sampling and statistics of a picture; σ is of all its samples."""
     image: Image = evaluation.plan.output(port)
     seen = statistics(realize(image, evaluation.work), for_each=evaluation.work.for_each)
-    return {
-        "port": port,
-        "role": role,
-        "columns": image.columns,
-        "rows": image.rows,
-        "interval_x_mrad": image.interval_x_mrad,
-        "interval_y_mrad": image.interval_y_mrad,
-        "unit": image.unit,
-        "band_um": image.band_um,
-        **asdict(seen),
-    }
+    names = ("columns", "rows", "interval_x_mrad", "interval_y_mrad", "unit", "band_um")
+    about = {name: getattr(image, name) for name in names}
+    return {"port": port, "role": role, **about, **asdict(seen)}
 
 
 def _run(evaluation: Evaluation) -> dict[str, Any]:
-    import scipy
-
     policy = evaluation.work.policy
     return {
         "date": time.strftime("%Y-%m-%d %H:%M %z"),
@@ -129,12 +116,7 @@ def _run(evaluation: Evaluation) -> dict[str, Any]:
         "tolerance": policy.budget,
         "seed": evaluation.network.seed,
         "seconds": dict(evaluation.seconds),
-        "versions": {
-            "imagechain": version(),
-            "python": ".".join(map(str, sys.version_info[:3])),
-            "numpy": np.__version__,
-            "scipy": scipy.__version__,
-        },
+        "versions": versions(),
         "transforms": backend(),
         "way": dict(evaluation.way),
     }
@@ -165,28 +147,19 @@ def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any
     assert node.module is not None
     return {
         "module": declared.key,
-        "title": declared.title,
-        "group": declared.group,
-        "summary": declared.summary,
+        **{name: getattr(declared, name) for name in ("title", "group", "summary")},
         "disabled": node.node.disabled,
         "neutral": is_neutral(node),
         "seconds": evaluation.work.seconds.get(name, 0.0),
         "set": sorted(thaw(node.node.params)),
         "parameters": {
-            parameter.name: {
-                "value": plain(getattr(node.module, parameter.name)),
-                "unit": parameter.param.unit,
-            }
-            for parameter in declared.parameters
+            each.name: {"value": plain(getattr(node.module, each.name)), "unit": each.param.unit}
+            for each in declared.parameters
         },
         "readouts": {
-            readout.name: {
-                "value": values[readout.name],
-                "unit": node.unit(readout),
-                "meaning": readout.meaning,
-            }
-            for readout in declared.readouts
-            if readout.name in values
+            r.name: {"value": values[r.name], "unit": node.unit(r), "meaning": r.meaning}
+            for r in declared.readouts
+            if r.name in values
         },
         "tables": {
             port: [

@@ -6,14 +6,7 @@ from typing import Any
 
 from app.report.budget import budget
 from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
-from app.report.drawing.curves import (
-    MOST,
-    Part,
-    curves_png,
-    node_curves,
-    product_png,
-    stages_png,
-)
+from app.report.drawing.curves import MOST, Part, curves_png, node_curves, product_png, stages_png
 from app.report.drawing.picture_drawing import (
     named,
     noise_png,
@@ -38,11 +31,10 @@ from app.report.html_page import (
     of_many,
 )
 from app.report.spectra import spectrum
-from app.run.evaluation import Evaluation
+from app.run.evaluation import Evaluation, reduced, way_in_words
 from app.run.figures import Figure, figure_rows
 from app.run.readout_tables import four_digits, sized
-from app.run.responses import Responses
-from app.run.way_of_running import reduced, way_in_words
+from app.run.transfer_chain import Responses
 from core.chain.engine import realize
 
 _MOST_INPUTS = 2
@@ -135,13 +127,10 @@ def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
     if not facts["pictures"]:
         return []
     others = [picture for picture in facts["pictures"] if picture["role"] == "other output"]
+    names = ("minimum", "maximum", "mean", "sigma")
     rows = [
-        (
-            picture["port"],
-            *(number(_clean(picture, name)) for name in ("minimum", "maximum", "mean", "sigma")),
-            picture["unit"],
-        )
-        for picture in facts["pictures"]
+        (one["port"], *(number(_clean(one, name)) for name in names), one["unit"])
+        for one in facts["pictures"]
     ]
     heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
     return [
@@ -155,20 +144,17 @@ def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list
     """Figure of the chain's pictures; none where several end unlinked and no chain begins."""
     if not shown:
         return []
-    drawn = pictures_png(
-        [_picture(evaluation, picture, picture["role"].capitalize()) for picture in shown]
-    )
+    drawn = pictures_png([_picture(evaluation, one, one["role"].capitalize()) for one in shown])
     alike = [
-        f"{picture['port']}: {picture['columns']} × {picture['rows']} samples"
-        + (
-            f" of {number(picture['interval_x_mrad'])} × {number(picture['interval_y_mrad'])} mrad"
-            if picture["interval_x_mrad"] and picture["interval_y_mrad"]
-            else ""
-        )
-        for picture in shown
+        f"{one['port']}: {one['columns']} × {one['rows']} samples" + _interval(one) for one in shown
     ]
     caption = "; ".join(alike) + ". Grey levels span each picture's own 0.1 % to 99.9 % quantiles."
     return [Drawn(drawn, caption, "input and output pictures")]
+
+
+def _interval(picture: dict[str, Any]) -> str:
+    x, y = picture["interval_x_mrad"], picture["interval_y_mrad"]
+    return f" of {number(x)} × {number(y)} mrad" if x and y else ""
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:
@@ -184,9 +170,7 @@ def _other_pictures(
     if not others:
         return []
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
-    drawn = pictures_png(
-        [_picture(evaluation, picture, picture["port"]) for picture in shown], beside
-    )
+    drawn = pictures_png([_picture(evaluation, one, one["port"]) for one in shown], beside)
     more = _not_shown([picture["port"] for picture in rest])
     return [Drawn(drawn, "Other output pictures of the network." + more, "other output pictures")]
 
@@ -215,18 +199,7 @@ def _published(facts: dict[str, Any]) -> list[Block]:
             Text(f"{good} of {len(rows)} reproduced."),
             Grid(
                 ("figure", "where", "published", "here", "unit", "verdict", "reason"),
-                [
-                    (
-                        row["figure"],
-                        row["where"],
-                        _published_value(row),
-                        number(row["ours"]),
-                        row["unit"],
-                        row["verdict"],
-                        "" if row["verdict"] == REPRODUCED else row["reason"],
-                    )
-                    for row in rows
-                ],
+                [_published_cells(row) for row in rows],
                 numbers=(2, 3),
                 kind="published",
                 marks={5: {REPRODUCED: "good", DIFFERENT: "bad"}},
@@ -238,9 +211,11 @@ def _published(facts: dict[str, Any]) -> list[Block]:
     return blocks
 
 
-def _published_value(row: dict[str, Any]) -> str:
+def _published_cells(row: dict[str, Any]) -> tuple[str, ...]:
     within = "" if row["within"] is None else f" ± {number(row['within'])}"
-    return number(row["value"]) + within
+    values = number(row["value"]) + within, number(row["ours"])
+    reason = "" if row["verdict"] == REPRODUCED else row["reason"]
+    return row["figure"], row["where"], *values, row["unit"], row["verdict"], reason
 
 
 def _pupils(evaluation: Evaluation) -> list[Block]:
@@ -277,9 +252,7 @@ def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
         return []
     blocks: list[Block] = [Heading(2, "Noise")]
     if alive:
-        drawn = noise_png(
-            [_picture(evaluation, picture, picture["port"]) for picture in alive[:_MOST_NOISES]]
-        )
+        drawn = noise_png([_picture(evaluation, one, one["port"]) for one in alive[:_MOST_NOISES]])
         caption = (
             "Noise pictures, with grey levels spanning their 0.1 % to 99.9 % quantiles, "
             "and their histograms."
@@ -321,18 +294,12 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
     rows = []
     for name, node in facts["nodes"].items():
         values = [
-            f"{parameter} = {number(node['parameters'][parameter]['value'])}"
-            + (
-                f" {node['parameters'][parameter]['unit']}"
-                if node["parameters"][parameter]["unit"]
-                else ""
-            )
-            for parameter in node["set"]
+            f"{name} = {number(given['value'])} {given['unit']}".rstrip()
+            for name, given in ((each, node["parameters"][each]) for each in node["set"])
         ]
         said = state(facts["skipped"].get(name, []))
-        rows.append(
-            (name, node["title"], ", ".join(values), said, f"{1e3 * node['seconds']:.1f} ms")
-        )
+        took = f"{1e3 * node['seconds']:.1f} ms"
+        rows.append((name, node["title"], ", ".join(values), said, took))
     seconds = facts["run"]["seconds"]
     words = (
         "Parameters that are not listed have their defaults. A node that only multiplies the "
@@ -356,10 +323,7 @@ def data_sheet(facts: Fact) -> list[Block]:
         return []
     blocks: list[Block] = [Heading(2, "Data sheet")]
     for group in sheet["groups"]:
-        rows = [
-            (row["label"], *_values(row["values"], row["unit"], row["between"]))
-            for row in group["rows"]
-        ]
+        rows = [(r["label"], *_values(r["values"], r["unit"], r["between"])) for r in group["rows"]]
         if rows:
             blocks.append(Heading(3, group["title"], group["node"]))
             blocks.append(Grid(("figure", "value", "unit"), rows, numbers=(1,)))
@@ -428,9 +392,8 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
             else "The stages are not in one chain, so they have no product (total): "
             f"{chain.missing}."
         )
-        blocks += _stages(
-            evaluation, responses, named(caption, drawn_as.get("stages")), "every stage"
-        )
+        caption = named(caption, drawn_as.get("stages"))
+        blocks += _stages(evaluation, responses, caption, "every stage")
     if acting and responses.products:
         caption = "The product of all stages, horizontal and vertical."
         if responses.products[1:]:
@@ -446,11 +409,8 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
 
 def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
     blocks: list[Block] = []
-    captions: tuple[tuple[Part, str], ...] = (
-        ("mtf", caption),
-        ("ptf", "PTFs of these stages, in radians."),
-    )
-    for part, text in captions:
+    captions: dict[Part, str] = {"mtf": caption, "ptf": "PTFs of these stages, in radians."}
+    for part, text in captions.items():
         acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
         if acting:
             drawn = stages_png(shown, evaluation.chain, part)
@@ -459,26 +419,13 @@ def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -
 
 
 def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
-    rows = [
-        (
-            stage.title,
-            "" if stage.is_product else stage.name,
-            *(
-                number(nyquist[f"{stage.name}.{part}_nyquist_{axis}"], unit="rad")
-                for axis in ("x", "y")
-                for part in ("mtf", "ptf")
-            ),
-        )
-        for stage in (*responses.stages, *responses.beside, *responses.products)
-    ]
-    heads = (
-        "at the FFT's Nyquist frequency",
-        "node",
-        "MTF x",
-        "PTF x (rad)",
-        "MTF y",
-        "PTF y (rad)",
-    )
+    rows = []
+    for stage in (*responses.stages, *responses.beside, *responses.products):
+        names = (f"{stage.name}.{part}_nyquist_{axis}" for axis in "xy" for part in ("mtf", "ptf"))
+        values = (number(nyquist[name], unit="rad") for name in names)
+        rows.append((stage.title, "" if stage.is_product else stage.name, *values))
+    place = "at the FFT's Nyquist frequency"
+    heads = (place, "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
     return Grid(heads, rows, numbers=(2, 3, 4, 5))
 
 

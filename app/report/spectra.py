@@ -24,10 +24,8 @@ def spectrum_facts(evaluation: Evaluation) -> Fact:
             values = evaluation.work.value(means)
             spectra[means.key] = _spectrum(image.bands, values, image.unit)
         spectra[means.key]["ports"].append(port)
-    return {
-        "means": list(spectra.values()),
-        "responses": _responses(evaluation) if spectra else [],
-    }
+    responses = _responses(evaluation) if spectra else []
+    return {"means": list(spectra.values()), "responses": responses}
 
 
 def _with_bands(evaluation: Evaluation) -> list[tuple[str, Image]]:
@@ -63,15 +61,9 @@ def _responses(evaluation: Evaluation) -> list[Fact]:
             continue
         drawn = drawn_of(planned, NodeContext(name, folder=evaluation.plan.folder))
         if drawn is not None:
-            responses.append(
-                {
-                    "node": name,
-                    "title": planned.declaration.title,
-                    "name": drawn.name,
-                    "wavelength_um": drawn.wavelength_um,
-                    "values": drawn.values,
-                }
-            )
+            title, about = planned.declaration.title, {"name": drawn.name}
+            about |= {"wavelength_um": drawn.wavelength_um, "values": drawn.values}
+            responses.append({"node": name, "title": title, **about})
     return responses
 
 
@@ -83,11 +75,8 @@ def spectrum(facts: Fact) -> list[Block]:
     caption = "Left: mean of each band of the pictures."
     if responses:
         caption += " Right: response at each wavelength, from 0 to 1."
-    drawn = Drawn(
-        spectra_png(spectra, responses),
-        caption + of_many(len(spectra), "spectra"),
-        "mean spectra and responses",
-    )
+    caption += of_many(len(spectra), "spectra")
+    drawn = Drawn(spectra_png(spectra, responses), caption, "mean spectra and responses")
     return [Heading(2, "Spectrum"), drawn, _table(spectra)]
 
 
@@ -97,11 +86,8 @@ def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
         colours = cycle(COLOURS)
         units = list(dict.fromkeys(one["unit"] for one in spectra))
         for one, colour in zip(spectra[:MOST_DRAWN], colours, strict=False):
-            dot = "o" if one["bands"] <= _FEW else None
-            label = _ports(one)
-            axis.plot(
-                one["centres_um"], one["mean"], color=colour, lw=1.6, marker=dot, ms=3, label=label
-            )
+            look = {"marker": "o" if one["bands"] <= _FEW else None, "label": _ports(one)}
+            axis.plot(one["centres_um"], one["mean"], color=colour, lw=1.6, ms=3, **look)
         axis.set_xlabel("wavelength (µm)")
         axis.set_ylabel(f"mean ({', '.join(units)})" if any(units) else "mean")
         lowest = min(min(one["mean"]) for one in spectra)
@@ -113,14 +99,8 @@ def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
             beside.set_ylim(0.0, 1.05)
             beside.set_ylabel("response")
             for one, colour in zip(responses, colours, strict=False):
-                beside.plot(
-                    one["wavelength_um"],
-                    one["values"],
-                    color=colour,
-                    ls="--",
-                    lw=1.6,
-                    label=f"{one['name']} of {one['node']}",
-                )
+                look = {"ls": "--", "label": f"{one['name']} of {one['node']}"}
+                beside.plot(one["wavelength_um"], one["values"], color=colour, lw=1.6, **look)
         drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
     return out.getvalue()
 
@@ -136,19 +116,10 @@ def _table(spectra: list[Fact]) -> Block:
     for one in spectra:
         low, high = one["band_um"]
         highest = max(range(one["bands"]), key=one["mean"].__getitem__)
-        rows.append(
-            (
-                ", ".join(one["ports"]),
-                number(one["bands"]),
-                f"{short(low)} to {short(high)}",
-                short(sum(one["widths_um"]) / one["bands"]),
-                short(one["centres_um"][highest]),
-                short(one["mean"][highest]),
-                one["unit"],
-            )
-        )
-    heads = (
-        *("picture", "bands", "from, to (µm)", "mean width (µm)"),
-        *("highest at (µm)", "mean there", "unit"),
-    )
+        width, place = sum(one["widths_um"]) / one["bands"], one["centres_um"][highest]
+        figures = map(short, (width, place, one["mean"][highest]))
+        ends = f"{short(low)} to {short(high)}"
+        rows.append((", ".join(one["ports"]), number(one["bands"]), ends, *figures, one["unit"]))
+    heads = ["picture", "bands", "from, to (µm)", "mean width (µm)"]
+    heads += ["highest at (µm)", "mean there", "unit"]
     return Grid(heads, rows, numbers=(1, 3, 4, 5))

@@ -1,16 +1,13 @@
 """The few figures that a network is run for: those of its sensor, its MTF and its ranges."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 from app.run.evaluation import Evaluation
 from app.run.output import Output, ancestors, find_output, sound_part
 from app.run.readout_tables import four_digits, number_text, sized
-from app.run.responses import Axis, mtf_at
+from app.run.transfer_chain import Axis, mtf_at
 from core.chain.engine import Plan, realize
 from core.chain.wires import Image
 from core.errors import ImagechainError
@@ -25,29 +22,27 @@ ELECTRONICS_FIGURES = (
     ("snr", "SNR"),
     ("quantization_rms", "Quantization"),
 )
-SENSOR_FIGURES: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
-    {
-        "electronics_noise": ELECTRONICS_FIGURES,
-        "focal_plane": (
-            ("well_fill_percent", "Well fill"),
-            ("signal_e", "Signal"),
-            ("temporal_noise_e", "Noise"),
-            ("fixed_pattern_e", "Fixed pattern"),
-            ("netd_K", "NETD"),
-            ("snr", "SNR"),
-            ("dynamic_range_dB", "Dynamic range"),
-        ),
-        "microbolometer": (
-            ("netd_K", "NETD"),
-            ("white_netd_K", "White noise"),
-            ("flicker_K", "1/f noise"),
-            ("fixed_pattern_K", "Fixed pattern"),
-            ("noise_radiance", "NER"),
-            ("snr", "SNR"),
-            ("lag_percent", "Lag"),
-        ),
-    }
-)
+SENSOR_FIGURES: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "electronics_noise": ELECTRONICS_FIGURES,
+    "focal_plane": (
+        ("well_fill_percent", "Well fill"),
+        ("signal_e", "Signal"),
+        ("temporal_noise_e", "Noise"),
+        ("fixed_pattern_e", "Fixed pattern"),
+        ("netd_K", "NETD"),
+        ("snr", "SNR"),
+        ("dynamic_range_dB", "Dynamic range"),
+    ),
+    "microbolometer": (
+        ("netd_K", "NETD"),
+        ("white_netd_K", "White noise"),
+        ("flicker_K", "1/f noise"),
+        ("fixed_pattern_K", "Fixed pattern"),
+        ("noise_radiance", "NER"),
+        ("snr", "SNR"),
+        ("lag_percent", "Lag"),
+    ),
+}
 """Read-outs and captions by the key of the detector's or the electronics' module."""
 
 _MERITS: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
@@ -121,9 +116,8 @@ def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:
     nodes, links = plan.network.nodes, plan.network.links
     named = [name for name, node in nodes.items() if node.module in SENSOR_FIGURES]
     # Budgets behind a Dual Gain count the noise of its high gain: so do these figures.
-    low = {
-        one.source for one in links if (nodes[one.target].module, one.input) == ("dual_gain", "low")
-    }
+    ends = ((one.source, nodes[one.target].module, one.input) for one in links)
+    low = {source for source, *end in ends if end == ["dual_gain", "low"]}
     named = [name for name in named if name not in low] or named
     if not named or preferred in named:
         return preferred if named else None
@@ -172,8 +166,7 @@ def _mtf_figures(evaluation: Evaluation) -> list[Figure]:
     if of_pixels[0] is not None and of_pixels[1] is not None:
         caption, places = "MTF at the pixels' Nyquist", (of_pixels[0], of_pixels[1])
     axes: tuple[Axis, Axis] = ("x", "y")
-    values = tuple(
-        mtf_at(work, chain.factors, place, axis) for axis, place in zip(axes, places, strict=True)
-    )
+    pairs = zip(axes, places, strict=True)
+    values = tuple(mtf_at(work, chain.factors, place, axis) for axis, place in pairs)
     at = " × ".join(dict.fromkeys(f"{place:.4g}" for place in places))
     return [Figure(f"{caption} ({at} cyc/mrad)", values, "", "all stages")]

@@ -1,7 +1,5 @@
 """A run that goes on in a process of its own: a network as it was, and what to make of it."""
 
-from __future__ import annotations
-
 import base64
 import pickle
 import re

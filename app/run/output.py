@@ -1,10 +1,7 @@
 """Which picture a network delivers: the one that is marked, else the only one there can be."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image
@@ -69,7 +66,7 @@ def how_to_choose(output: Output) -> str:
 
 
 def ending_images(plan: Plan) -> list[str]:
-    return _leaves(plan, _seen_or_open(plan) or list(_image_ports(plan)))
+    return _leaves(plan, _seen_or_open(plan) or list(ports_of_images(plan)))
 
 
 def sound_part(plan: Plan) -> Plan:
@@ -104,7 +101,7 @@ def ancestors(network: Network, *nodes: str) -> set[str]:
 
 
 def source_images(plan: Plan) -> list[str]:
-    return [port for port in _image_ports(plan) if not plan.nodes[_node(port)].inputs]
+    return [port for port in ports_of_images(plan) if not plan.nodes[_node(port)].inputs]
 
 
 def _picture_of(plan: Plan, name: str) -> str:
@@ -141,47 +138,37 @@ def _leaves(plan: Plan, ports: list[str]) -> list[str]:
 def _seen_or_open(plan: Plan) -> list[str]:
     linked = {f"{link.source}.{link.output}" for link in plan.network.links}
     main = {port for name in plan.nodes if (port := _first_image(plan.nodes[name], name))}
-    open_ends = [port for port in _image_ports(plan) if port not in linked]
+    open_ends = [port for port in ports_of_images(plan) if port not in linked]
     candidates = dict.fromkeys([*(port for _, port in _sink_inputs(plan)), *open_ends])
     beside = set(open_ends) - main
-    return [
-        port
-        for port in candidates
-        if plan.nodes[_node(port)].declaration.group != ANALYSIS and port not in beside
-    ]
+    groups = {port: plan.nodes[_node(port)].declaration.group for port in candidates}
+    return [port for port in candidates if groups[port] != ANALYSIS and port not in beside]
 
 
 def _sink_inputs(plan: Plan) -> list[tuple[str, str]]:
-    return [
-        (link.target, f"{link.source}.{link.output}")
-        for link in plan.network.links
-        if _is_sink(plan, link.target) and _is_image(plan, f"{link.source}.{link.output}")
-    ]
-
-
-def _is_sink(plan: Plan, name: str) -> bool:
-    planned = plan.nodes.get(name)
-    return planned is not None and planned.module is not None and planned.declaration.sink
+    nodes = plan.nodes.items()
+    sinks = {name for name, one in nodes if one.module is not None and one.declaration.sink}
+    pairs = [(link.target, f"{link.source}.{link.output}") for link in plan.network.links]
+    return [(name, port) for name, port in pairs if name in sinks and _is_image(plan, port)]
 
 
 def _first_image(planned: PlannedNode, name: str) -> str | None:
     """The node's first picture, which is its product; the others show how (its noise)."""
-    ports = (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
-    return next(ports, None)
+    outputs = planned.outputs.items()
+    return next((f"{name}.{port}" for port, value in outputs if isinstance(value, Image)), None)
 
 
-def _image_ports(plan: Plan) -> Iterable[str]:
+def ports_of_images(plan: Plan) -> Iterable[str]:
     for name, planned in plan.nodes.items():
-        yield from (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
+        for port, value in planned.outputs.items():
+            if isinstance(value, Image):
+                yield f"{name}.{port}"
 
 
 def _is_image(plan: Plan, port: str) -> bool:
     planned = plan.nodes.get(_node(port))
-    return planned is not None and _image(planned.outputs.get(port.rpartition(".")[2]))
-
-
-def _image(value: Any) -> bool:
-    return isinstance(value, Image)
+    output = None if planned is None else planned.outputs.get(port.rpartition(".")[2])
+    return isinstance(output, Image)
 
 
 def _node(port: str) -> str:

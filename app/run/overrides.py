@@ -1,7 +1,5 @@
 """Changes that the command line makes to a network before it is checked."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import re
@@ -125,11 +123,8 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
         raise UsageError(f"--final {port:.120}: there is no node {shown(name)}{known}")
     module = library.get(node.module)
     if module is not None:
-        pictures = [
-            candidate.name
-            for candidate in declaration(module).outputs
-            if "image" in candidate.types
-        ]
+        outputs = declaration(module).outputs
+        pictures = [candidate.name for candidate in outputs if "image" in candidate.types]
         if output not in pictures:
             known = close(output, pictures) or f"; its pictures: {', '.join(pictures) or 'none'}"
             raise UsageError(f"--final {port:.120}: {name} has no picture {shown(output)}{known}")

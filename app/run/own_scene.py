@@ -1,7 +1,5 @@
 """A picture of one's own in the place of a network's scene: an edit from network to network."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -230,13 +228,8 @@ class _Replacing:
         band = own.band_um or header_band(info, 0) or (None if before is None else before.band_um)
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
-            whose = (
-                ""
-                if own.band_um
-                else " from the file's header"
-                if header_band(info, 0)
-                else " as before"
-            )
+            found = " from the file's header" if header_band(info, 0) else " as before"
+            whose = "" if own.band_um else found
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)
         same = bool(unit) and before is not None and unit == before.unit
@@ -453,10 +446,8 @@ class _Replacing:
                 layout[source] = (layout[name][0], layout[name][1] + 160.0)
             title = declaration(self._library[self._converter]).title
             self._lines.append(f"{title} ({source}) converts the scene to radiance")
-        links = [
-            replace(link, source=source, output="image") if link.source == name else link
-            for link in links
-        ]
+        ours = {"source": source, "output": "image"}
+        links = [replace(link, **ours) if link.source == name else link for link in links]
         if source != name:
             links.append(Link(name, "image", source, "image"))
         return replace(network, nodes=nodes, links=tuple(links), layout=layout)

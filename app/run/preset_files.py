@@ -1,7 +1,5 @@
 """Presets: network files with one node; put into a network, they are copies."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -112,12 +110,8 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     macro = as_new(node)
     assert macro.macro is not None
     macro = replace(macro, macro=replace(macro.macro, name=macro.macro.name or node.id))
-    alone = Network(
-        name=macro.macro.name if macro.macro else node.id,
-        nodes={node.id: macro},
-        layout={node.id: (0.0, 0.0)},
-    )
-    save_network(alone, path, library=library)
+    name, layout = macro.macro.name if macro.macro else node.id, {node.id: (0.0, 0.0)}
+    save_network(Network(name=name, nodes={node.id: macro}, layout=layout), path, library=library)
     return path
 
 

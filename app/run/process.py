@@ -1,7 +1,5 @@
 """The process of a command: an orderly end on a signal to stop, and streams that may be closed."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -139,3 +137,13 @@ def version() -> str:
         return metadata.version("imagechain")
     except metadata.PackageNotFoundError:
         return "(source tree)"
+
+
+def versions() -> dict[str, str]:
+    """Of the program, and of what its numbers depend on."""
+    import numpy as np
+    import scipy
+
+    python = ".".join(map(str, sys.version_info[:3]))
+    numbers = {"numpy": np.__version__, "scipy": scipy.__version__}
+    return {"imagechain": version(), "python": python, **numbers}

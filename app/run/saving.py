@@ -1,7 +1,5 @@
 """Writing what a port carries in the format of the file's suffix."""
 
-from __future__ import annotations
-
 import dataclasses
 import gc
 import math
@@ -237,13 +235,8 @@ def encode_png(levels: Grey) -> bytes:
     lines = np.empty((rows, columns + 1), np.uint8)
     lines[:, 0] = 2
     np.subtract(levels, above, out=lines[:, 1:])
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        (
-            _chunk(b"IHDR", header),
-            _chunk(b"IDAT", zlib.compress(lines.tobytes(), 3)),
-            _chunk(b"IEND", b""),
-        )
-    )
+    content = _chunk(b"IDAT", zlib.compress(lines.tobytes(), 3))
+    return b"\x89PNG\r\n\x1a\n" + _chunk(b"IHDR", header) + content + _chunk(b"IEND", b"")
 
 
 def _chunk(name: bytes, content: bytes) -> bytes:

@@ -1,7 +1,5 @@
 """Finding a network: a file, or one that comes with the program."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """Carrying a study out: in this process, by several of this machine, or by a Dask cluster."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import threading
@@ -12,13 +10,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.run.option_values import save_target, study_path, summary_path
+from app.run.option_values import study_path, summary_path
 from app.run.process import Stopped, too_late
 from app.run.shipped import find_network
 from app.study.point_rows import Row, RowMaker, Setting, Task
 from app.study.study_journal import Journal, write_columns
-from app.study.study_request import GRID, Study, StudyRows, Values, make_study
-from app.study.worker_processes import process_rows
+from app.study.study_request import Study, StudyRows, make_study
+from app.study.worker_processes import check_address, cluster_rows, process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install, shown
 from core.evaluation.work import Policy
 from core.network.file import load_network
@@ -54,8 +52,6 @@ class Workers:
                 f"{what}: dask and distributed are not installed: {how_to_install('study')}"
             )
         if self.scheduler:
-            from app.study.dask_study import check_address
-
             check_address(self.scheduler, self.tls)
 
     @property
@@ -133,49 +129,37 @@ def _collected(
 
 
 def _summarise(result: StudyRows, pages: Sequence[Path]) -> None:
-    if pages:
-        from app.study.study_drawing import write_summary
+    for page in pages:
+        from app.study.study_drawing import write_summary  # which takes matplotlib to load
 
-        for page in pages:
-            write_summary(result, page)
+        write_summary(result, page)
 
 
 def run_study(
-    network: Network | str | Path,
+    network: Network | str,
+    workers: Workers,
     *,
-    vary: Mapping[str, Values] | None = None,
-    over: Mapping[str, str] | None = None,
-    sample: str | Path = GRID,
-    points: int | None = None,
-    figures: Sequence[str] = (),
-    saves: Mapping[str, str] | None = None,
-    output: str | Path | None = None,
-    summaries: Sequence[str | Path] = (),
-    jobs: int = 1,
-    scheduler: Any = "",
-    memory_bytes: int | None = None,
+    folder: Path = Path(),
+    output: str | None = None,
+    summaries: Sequence[str] = (),
     fresh: bool = False,
-    policy: Policy | None = None,
-    folder: str | Path | None = None,
+    **asked: Any,
 ) -> StudyRows:
-    """A study as the command carries it out; `folder` is that of file names in a `Network`."""
+    """A study as the command carries it out; what is `asked` is as for `make_study`."""
     library = standard_library()
-    name, place, read = "", Path(folder or "."), []
+    name, read = "", []
     if not isinstance(network, Network):
-        found = find_network(str(network))
-        name, place, read = found.name, found.folder, [found.path]
+        found = find_network(network)
+        name, folder, read = found.name, found.folder, [found.path]
         network = load_network(found.path, library=library)
     plain = plain_network(network, library=library)
     check_network(plain, library=library)
-    path = None if output is None else study_path("--output", str(output))
-    pages = [summary_path("--summary", str(page)) for page in summaries]
+    path = None if output is None else study_path("--output", output)
+    pages = [summary_path("--summary", page) for page in summaries]
     study = make_study(
-        plain, name=plain.name or name, folder=place, library=library, vary=vary or {},
-        over=[f"{k}={v}" for k, v in (over or {}).items()], sample=str(sample), points=points,
-        figures=figures, policy=policy or Policy(), read=read, output=path, summaries=pages,
-        saves=[save_target(f"{port}={pattern}") for port, pattern in (saves or {}).items()],
+        plain, name=plain.name or name, folder=folder, library=library, read=read, output=path,
+        summaries=pages, **asked,
     )  # fmt: skip
-    workers = Workers(jobs, scheduler, memory_bytes=memory_bytes)
     if workers.warning:
         warnings.warn(workers.warning, UserWarning, stacklevel=2)
     return carry_out(study, workers, output=path, summaries=pages, fresh=fresh)
@@ -220,8 +204,6 @@ def _by_others(
         threads = policy.threads or max(1, _cores() // jobs)
         setting = _setting(study, workers, replace(policy, threads=threads))
         return process_rows(setting, tasks, jobs, cancel)
-    from app.study.dask_study import cluster_rows
-
     setting = _setting(study, workers, replace(policy, threads=policy.threads or 1))
     return cluster_rows(setting, study.key, tasks, scheduler, workers.tls, cancel)
 

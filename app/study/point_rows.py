@@ -1,7 +1,5 @@
 """Computing a study's points: one row for each, with its figures or the reason why not."""
 
-from __future__ import annotations
-
 import os
 import threading
 import time
@@ -133,29 +131,24 @@ class RowMaker:
 def network_key(network: Network, setting: Setting, library: Library) -> str:
     """Content key of what is computed; layout and names do not count."""
     links = tuple(str(link) for link in network.links)
-    study = content_key(
-        "study", setting.version, network.seed, setting.policy.key, links, tuple(network.nodes)
-    )
+    what = setting.version, network.seed, setting.policy.key, links, tuple(network.nodes)
+    study = content_key("study", *what)
     nodes = network.nodes.values()
     return content_key(study, *(_node_key(node, library, setting.folder) for node in nodes))
 
 
 def _node_key(node: Node, library: Library, folder: Path) -> str:
     stamps = tuple(file_stamp(file) for file in input_paths(node, library, folder))
-    return content_key(
-        node.id, node.module, node.params, node.disabled, node.noise, node.final, stamps
-    )
+    what = node.id, node.module, node.params, node.disabled, node.noise, node.final
+    return content_key(*what, stamps)
 
 
 def input_paths(node: Node, library: Library, folder: Path) -> list[Path]:
     module = library.get(node.module)
     if module is None or declaration(module).sink:
         return []
-    values = [
-        node.params.get(parameter.name)
-        for parameter in declaration(module).parameters
-        if parameter.kind == "path"
-    ]
+    paths = (one.name for one in declaration(module).parameters if one.kind == "path")
+    values = [node.params.get(name) for name in paths]
     return [folder / value for value in values if isinstance(value, str) and value]
 
 

@@ -1,7 +1,5 @@
 """A study as a picture: curves of one parameter, heat maps of two, scatter plots of more."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections.abc import Sequence
@@ -15,18 +13,7 @@ from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
 from app.run.readout_tables import warned_points, with_unit
 from app.study.study_request import StudyRows
-from app.tradeoff.tradeoff_drawing import (
-    LOG_FROM,
-    abscissa,
-    curves_png,
-    ordinate,
-    ranks_of,
-    say,
-    set_title,
-    short_text,
-    value_text,
-    write_names,
-)
+from app.tradeoff import tradeoff_drawing as drawing
 from app.tradeoff.tradeoff_results import ROUNDING
 from app.tradeoff.values import Variation
 from core.atomic import write_bytes, write_text
@@ -65,20 +52,20 @@ def _curves(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], 
     along = next((axis for axis in axes if not axis.is_files), axes[0])
     others = [axis for axis in axes if axis is not along]
     families = others[0].values if others else (None,)
-    places, ranks = _values(result, along), ranks_of(along)
+    places, ranks = _values(result, along), drawing.ranks_of(along)
     family = _values(result, others[0]) if others else [None] * len(result.rows)
     curves = []
     for value in families[:_MOST_CURVES]:
         points = [n for n, one in enumerate(family) if one == value]
         points.sort(key=lambda number: ranks[places[number]])
         heights = [[result.rows[number].figures[place] for number in points] for place in shown]
-        name = short_text(str(others[0].shown(value))) if others else ""
+        name = drawing.short_text(str(others[0].shown(value))) if others else ""
         curves.append((name, [places[number] for number in points], heights))
     title = others[0].text if others else ""
     if len(families) > _MOST_CURVES:
         title += f" (the first {_MOST_CURVES} of {len(families)})"
     figures = [result.study.figures[place] for place in shown]
-    return curves_png(figures, along, curves, title, note=note)
+    return drawing.curves_png(figures, along, curves, title, note=note)
 
 
 def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], note: str) -> bytes:
@@ -86,9 +73,10 @@ def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], no
     across = min(_ACROSS, len(shown))
     down = -(-len(shown) // across)
     y, x = axes
-    rows, columns = ([ranks_of(axis)[value] for value in _values(result, axis)] for axis in axes)
+    ranks = [drawing.ranks_of(axis) for axis in axes]
+    rows, columns = ([of[v] for v in _values(result, a)] for a, of in zip(axes, ranks, strict=True))
     with figure(max(4.8, 3.9 * across), 3.0 * down + 0.3) as (drawn, out):
-        say(drawn, note)
+        drawing.say(drawn, note)
         panels = drawn.subplots(down, across, squeeze=False).ravel()
         for panel, number in zip(panels, shown, strict=False):
             heights = np.full((len(y.values), len(x.values)), np.nan)
@@ -98,15 +86,13 @@ def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], no
             panel.grid(visible=False)
             bar = drawn.colorbar(mesh, ax=panel)
             bar.set_label(result.study.figures[number].unit, fontsize=8.5)
-            set_title(panel, result.study.figures[number])
-            for ticks, set_scale, axis in (
-                (panel.xaxis, panel.set_xscale, x),
-                (panel.yaxis, panel.set_yscale, y),
-            ):
+            drawing.set_title(panel, result.study.figures[number])
+            scales = panel.set_xscale, panel.set_yscale
+            for ticks, scale, axis in zip((panel.xaxis, panel.yaxis), scales, (x, y), strict=True):
                 if not axis.is_numeric:
-                    write_names(ticks, axis, turned=axis is x)
+                    drawing.write_names(ticks, axis, turned=axis is x)
                 elif axis.log:
-                    set_scale("log")
+                    scale("log")
             panel.set_xlabel(x.title)
             panel.set_ylabel(y.title)
         for panel in panels[len(shown) :]:
@@ -120,21 +106,22 @@ def _scatter(
     figures = result.study.figures
     wide, high = len(axes), len(shown)
     with figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):
-        say(drawn, note)
+        drawing.say(drawn, note)
         panels = drawn.subplots(high, wide, squeeze=False, sharex="col", sharey="row")
         for line, number in zip(panels, shown, strict=True):
             heights = _heights(result, number)
             known = np.flatnonzero(np.isfinite(heights))
             for panel, axis in zip(line, axes, strict=True):
-                values, ranks = _values(result, axis), ranks_of(axis)
+                values, ranks = _values(result, axis), drawing.ranks_of(axis)
                 xs = [values[at] if axis.is_numeric else ranks[values[at]] for at in known]
                 alpha = max(0.08, min(0.9, 300.0 / max(1, len(xs))))
                 panel.plot(xs, heights[known], ".", markersize=3, color=COLOURS[0], alpha=alpha)
-            words = (short_text(figures[number].node), figures[number].name, figures[number].unit)
+            asked = figures[number]
+            words = (drawing.short_text(asked.node), asked.name, asked.unit)
             line[0].set_ylabel("\n".join(filter(None, words)), fontsize=8.0)
-            ordinate(line[0], heights[known].tolist())
+            drawing.ordinate(line[0], heights[known].tolist())
         for panel, axis in zip(panels[-1], axes, strict=True):
-            abscissa(panel, axis)
+            drawing.abscissa(panel, axis)
             panel.set_xlabel(axis.title, fontsize=8.5)
     return out.getvalue()
 
@@ -144,13 +131,8 @@ def _nothing(result: StudyRows, *_: object) -> bytes:
         panel = drawn.subplots()
         panel.set_axis_off()
         count = len(result.rows)
-        panel.text(
-            0.5,
-            0.5,
-            f"no figure has a value at any of the {count} points",
-            ha="center",
-            va="center",
-        )
+        text = f"no figure has a value at any of the {count} points"
+        panel.text(0.5, 0.5, text, ha="center", va="center")
     return out.getvalue()
 
 
@@ -181,7 +163,7 @@ def _norm(heights: Any) -> Any:
     from matplotlib.colors import LogNorm, Normalize
 
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
-    if low > 0 and high > LOG_FROM * low:
+    if low > 0 and high > drawing.LOG_FROM * low:
         return LogNorm(low, high)
     if high - low <= ROUNDING * max(abs(low), abs(high)):
         reach = 0.1 * abs(low) or 1.0
@@ -238,7 +220,7 @@ def summary_page(result: StudyRows) -> str:
 
 def _varied(axis: Variation) -> tuple[str, str, str, str]:
     ends = sorted(axis.values) if axis.is_numeric else axis.values
-    first, last = (value_text(axis, value) for value in (ends[0], ends[-1]))
+    first, last = (drawing.value_text(axis, value) for value in (ends[0], ends[-1]))
     return axis.title, str(len(axis.values)), first, last
 
 

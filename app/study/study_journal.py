@@ -1,7 +1,5 @@
 """The rows of a study as they are made, in a file beside its output, until that is written."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import importlib.util
@@ -203,10 +201,9 @@ def _write_parquet(columns: Sequence[Column], path: Path, title: str) -> None:
     import pyarrow.parquet as pq
 
     kinds = {int: pa.int64(), float: pa.float64(), bool: pa.bool_(), str: pa.string()}
-    fields = [
-        pa.field(c.head, kinds[c.kind], metadata={"unit": c.unit} if c.unit else None)
-        for c in columns
-    ]
+    units = [{"unit": c.unit} if c.unit else None for c in columns]
+    pairs = zip(columns, units, strict=True)
+    fields = [pa.field(c.head, kinds[c.kind], metadata=unit) for c, unit in pairs]
     schema = pa.schema(fields, metadata={"title": title})
     arrays = [pa.array(c.typed, kinds[c.kind]) for c in columns]
     with atomic_file(path) as temporary:

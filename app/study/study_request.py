@@ -1,7 +1,5 @@
 """A study as it is to be carried out: all that its rows depend on, checked before it starts."""
 
-from __future__ import annotations
-
 import csv
 import glob
 import io
@@ -10,7 +8,7 @@ import math
 import os
 import re
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -21,6 +19,7 @@ import numpy as np
 from app.run.option_values import Save, assignment
 from app.run.overrides import behind, first_taken, from_here, near
 from app.run.process import version
+from app.run.readout_tables import exact
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
 from app.study.point_rows import Row, Setting, file_stamp, input_paths, network_key
@@ -69,10 +68,8 @@ def sampled(
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
-        axes = tuple(
-            _axis(label, values, network, library, drawn=sample == LATIN)
-            for label, values in vary.items()
-        )
+        drawn = sample == LATIN
+        axes = tuple(_axis(*each, network, library, drawn=drawn) for each in vary.items())
         if sample == GRID:
             return axes, grid_points(axes)
         if points is None or not axes:
@@ -111,10 +108,8 @@ def latin_points(
     for axis in axes:
         shares = (random.permutation(count) + random.random(count)) / count
         columns.append(axis.drawn([min(float(share), np.nextafter(1.0, 0.0)) for share in shares]))
-    drawn = tuple(
-        replace(axis, values=tuple(dict.fromkeys(column)))
-        for axis, column in zip(axes, columns, strict=True)
-    )
+    pairs = zip(axes, columns, strict=True)
+    drawn = tuple(replace(axis, values=tuple(dict.fromkeys(column))) for axis, column in pairs)
     return drawn, list(zip(*columns, strict=True))
 
 
@@ -144,26 +139,22 @@ def listed_points(
     if len(set(labels)) < len(labels):
         raise FileError(f"{name}: two columns have the same name")
     _check_number(len(lines) - 1)
-    columns: list[list[Any]] = [[] for _ in labels]
-    axes = []
     for number, line in enumerate(lines[1:], 2):
         if len(line) != len(heads):
             raise FileError(
                 f"{name}: line {number} has {len(line)} cells, but the first line has {len(heads)}"
             )
-        for column, cell in zip(columns, line, strict=True):
-            column.append(plain_cell(cell.strip()))
+    axes, columns = [], []
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):
-        node, parameter = _target(name, label, network, library=library)
+        node, parameter = _target(name, label, network, library)
         axis = Variation(node, parameter, given=label)
         if head not in (label, axis.title):
             unit = axis.unit or "none"
             raise FileError(f"{name}: column {head}: the unit must be {unit}, the parameter's unit")
-        columns[place] = [
-            from_here(_read(axis, cell, f"{name}: line {number}"), parameter, path.parent)
-            for number, cell in enumerate(columns[place], 2)
-        ]
-        axes.append(_of_files(replace(axis, values=tuple(dict.fromkeys(columns[place])))))
+        cells = enumerate((plain_cell(line[place].strip()) for line in lines[1:]), 2)
+        values = [_read(axis, cell, f"{name}: line {number}") for number, cell in cells]
+        columns.append([from_here(value, parameter, path.parent) for value in values])
+        axes.append(_of_files(replace(axis, values=tuple(dict.fromkeys(columns[-1])))))
     return tuple(axes), list(zip(*columns, strict=True))
 
 
@@ -210,7 +201,7 @@ def _axis(
         for value in axis.span or axis.values:
             _allowed(axis.parameter, value, axis.node)
     else:
-        node, parameter = _target(OPTION, label, network, library=library)
+        node, parameter = _target(OPTION, label, network, library)
         items = (value.item() if isinstance(value, np.generic) else value for value in values)
         taken = (from_here(_allowed(parameter, item, node), parameter) for item in items)
         axis = Variation(node, parameter, tuple(dict.fromkeys(taken)))
@@ -219,9 +210,7 @@ def _axis(
     return _of_files(replace(axis, given=label))
 
 
-def _target(
-    option: str, label: str, network: Network, *, library: Library
-) -> tuple[str, Parameter]:
+def _target(option: str, label: str, network: Network, library: Library) -> tuple[str, Parameter]:
     inner = behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
     return inner.node, one_value(option, inner, network, library)
 
@@ -272,42 +261,37 @@ def _of_files(axis: Variation) -> Variation:
 POINT, SCENE = "point", "scene"
 
 
-class _FileName(string.Formatter):
-    """Fills a pattern's fields, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
-
-    def __init__(self, points: int) -> None:
-        self._digits = len(str(points))  # zeros lead a point's number where it has no format
-
-    def get_field(self, field_name: str, _: Any, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
-        if field_name not in kwargs:
-            hint = close(field_name, kwargs) or f"; its fields: {', '.join(kwargs)}"
-            raise ValueError(f"the study has no field {shown(field_name)}{hint}")
-        return (field_name, kwargs[field_name]), field_name
-
-    def convert_field(self, value: Any, conversion: Any) -> Any:
+def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
+    """A pattern with its fields filled, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
+    text = ""
+    for literal, name, spec, conversion in string.Formatter().parse(pattern):
+        text += literal
+        if name is None:
+            continue
+        if name not in values:
+            hint = close(name, values) or f"; its fields: {', '.join(values)}"
+            raise ValueError(f"the study has no field {shown(name)}{hint}")
         if conversion:
             raise ValueError("only a number format may follow a field's name")
-        return value
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        name, value = value
-        if re.search("[0-9]{4}", format_spec):
-            raise ValueError(f"{{{name}:{format_spec:.20}}}: at most 999 characters or digits")
-        form = format_spec or (f"0{self._digits}d" if name == POINT else "")
+        if re.search("[0-9]{4}", spec or ""):
+            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits")
+        # Zeros lead a point's number where it has no format.
+        form = spec or (f"0{len(str(points))}d" if name == POINT else "")
+        value = values[name]
         try:
-            word = format(value, form) if form else _plain_word(value)
+            word = format(value, form) if form else "empty" if value is None else exact(value)
         except (ValueError, TypeError) as error:
             raise ValueError(f"{{{name}:{form}}}: {error}") from error
         if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
             raise ValueError(f"{name} = {shown(word)} cannot be part of a file name")
-        return word
+        text += word
+    return text
 
 
 def file_names(
     saves: Sequence[Save], axes: Sequence[Variation], points: Sequence[Point]
 ) -> list[tuple[str, ...]]:
     """The files of each point, one for each pattern, from the current folder on."""
-    formatter = _FileName(len(points))
     taken: dict[str, int] = {}
     names = []
     for number, point in enumerate(points, 1):
@@ -315,7 +299,7 @@ def file_names(
         row = []
         for save in saves:
             try:
-                name = os.path.abspath(formatter.vformat(save.text, (), values))  # noqa: PTH100
+                name = os.path.abspath(_filled(save.text, values, len(points)))  # noqa: PTH100
             except ValueError as error:
                 raise UsageError(f"{save.shown}: {error}") from error
             if other := taken.get(name):
@@ -331,10 +315,6 @@ def file_names(
     return names
 
 
-def folders(names: Iterable[tuple[str, ...]]) -> list[Path]:
-    return list(dict.fromkeys(Path(name).parent for row in names for name in row))
-
-
 def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, Any]:
     fields: dict[str, Any] = {POINT: number}
     stems = {}
@@ -343,16 +323,6 @@ def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, A
         if axis.is_files:
             stems[axis.text.rpartition(".")[0]] = fields[axis.text]
     return {**fields, **stems, **({SCENE: next(iter(stems.values()))} if len(stems) == 1 else {})}
-
-
-def _plain_word(value: Any) -> str:
-    if value is None:
-        return "empty"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return repr(value)
-    return str(value)
 
 
 @dataclass(frozen=True)
@@ -397,7 +367,7 @@ class Study:
             for path in outputs:
                 staging.claim(path)
                 staging.check(path.with_name(path.name + SUFFIX))
-            for folder in folders(self.files):
+            for folder in dict.fromkeys(Path(name).parent for row in self.files for name in row):
                 check_folder(folder)
             taken = {str(path.absolute()) for path in (*outputs, *inputs)}
             taken |= {str(path.absolute()) + SUFFIX for path in outputs}
@@ -442,13 +412,13 @@ def make_study(
     name: str,
     folder: Path,
     library: Library,
-    vary: Mapping[str, Values],
-    over: Sequence[str],
-    sample: str,
-    points: int | None,
-    figures: Sequence[str],
-    saves: Sequence[Save],
-    policy: Policy,
+    vary: Mapping[str, Values] | None = None,
+    over: Sequence[str] = (),
+    sample: str = GRID,
+    points: int | None = None,
+    figures: Sequence[str] = (),
+    saves: Sequence[Save] = (),
+    policy: Policy | None = None,
     read: Sequence[Path] = (),
     output: Path | None = None,
     summaries: Sequence[Path] = (),
@@ -457,7 +427,7 @@ def make_study(
     if output is not None:
         check_installed(output)
     overs = [files_axis(text, network, library=library) for text in over]
-    drawn, inner_points = sampled(network, vary, sample, points, library=library)
+    drawn, inner_points = sampled(network, vary or {}, sample, points, library=library)
     axes = (*overs, *drawn)
     if not axes:
         raise UsageError(
@@ -475,17 +445,14 @@ def make_study(
         )
     every = tuple((*outer, *inner) for outer, inner in itertools.product(across, inner_points))
     chosen = () if saves and not figures else chosen_figures(figures, network, library)
-    first = _first_plan(network, folder, library, places, every[0])
+    engine, varied = Engine(library), network
+    for (node, parameter), value in zip(places, every[0], strict=True):
+        varied = with_value(varied, engine, node, parameter, value)
+    first = engine.plan(varied, folder=folder)
     _check_saves(saves, first, network, library)
-    setting = Setting(
-        network,
-        folder.absolute(),
-        tuple(places),
-        tuple(_with_unit(figure, first) for figure in chosen),
-        tuple(saves),
-        policy,
-        version(),
-    )
+    units = tuple(_with_unit(figure, first) for figure in chosen)
+    what = tuple(places), units, tuple(saves)
+    setting = Setting(network, folder.absolute(), *what, policy or Policy(), version())
     files = file_names(saves, axes, every) if saves else []
     study = Study(name, setting, library, axes, every, files)
     listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []
@@ -493,26 +460,12 @@ def make_study(
     return study
 
 
-def _first_plan(
-    network: Network,
-    folder: Path,
-    library: Library,
-    places: Sequence[tuple[str, str]],
-    values: Sequence[Any],
-) -> Plan:
-    engine = Engine(library)
-    for (node, parameter), value in zip(places, values, strict=True):
-        network = with_value(network, engine, node, parameter, value)
-    return engine.plan(network, folder=folder)
-
-
 def _with_unit(figure: Figure, plan: Plan) -> Figure:
     planned = plan.nodes.get(figure.node)
     if figure.is_total or planned is None or planned.module is None:
         return figure
     readouts = {readout.name: readout for readout in planned.declaration.readouts}
-    unit = planned.unit(readouts[figure.name])
-    return replace(figure, unit=unit)
+    return replace(figure, unit=planned.unit(readouts[figure.name]))
 
 
 def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: Library) -> None:

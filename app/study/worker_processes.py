@@ -1,20 +1,25 @@
-"""Points dealt out in batches, and processes of this machine, reached over private pipes."""
-
-from __future__ import annotations
+"""A study's points dealt out in batches to processes of this machine, or to a Dask cluster."""
 
 import contextlib
+import gc
+import logging
+import os
 import pickle
+import queue
 import subprocess
 import sys
 import threading
+import time
+import warnings
 from collections import Counter
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from typing import Any, BinaryIO
 
 from app.run.shipped import command, environment
-from app.study.point_rows import Row, Setting, Task
-from core.errors import Cancelled, FileError
+from app.study.point_rows import Row, RowMaker, Setting, Task
+from core.errors import Cancelled, FileError, ImagechainError, UsageError, shown
+from nodes.library import standard_library
 
 _STARTS = 3  # attempts at a process that ends before it can compute
 _END_S = 5.0  # for a process to remove what it has half written
@@ -221,8 +226,9 @@ class _Process:
         for _ in range(_STARTS):
             # A group of its own: Ctrl-C, which a terminal sends to all of a group, is for the
             # process that knows what to keep.
+            words = command("app.study.worker_processes")
             self._process = subprocess.Popen(
-                command("app.study.worker_rows"), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                words, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL, env={**environment(), **_VARIABLES},
                 process_group=None if sys.platform == "win32" else 0,
             )  # fmt: skip
@@ -247,3 +253,251 @@ class _Process:
         if isinstance(answer, str):
             raise FileError(f"a process of the study failed: {answer}")
         return answer
+
+
+# The workers of a Dask cluster.
+
+_AHEAD, _FEWEST = 2, 32  # batches out for each thread, and at least: more workers may come
+_CONNECT_S = 10
+_GATHER_S = 5  # for rows that are made, on their way here
+_WITHOUT_S = 300.0  # how long a study waits for a worker: a busy machine starts one in a minute
+
+
+def cluster_rows(
+    setting: Setting,
+    key: str,
+    tasks: Sequence[Task],
+    scheduler: Any,
+    tls: Sequence[str] = (),
+    cancel: threading.Event | None = None,
+) -> Generator[list[Row]]:
+    """The rows of points, batch by batch; the first, empty one when a worker is ready."""
+    with _silent(), _connected(scheduler, tls) as client:
+        cluster = _Cluster(client, setting, key)
+        yield from dealt_rows(cluster, tasks, len(setting.figures), cancel)
+
+
+class _Cluster(Workers):
+    """The workers of a scheduler, which gives the batches of a lost one to another."""
+
+    lanes = 1  # whoever is free takes the next points: each worker keeps what neighbours share
+    most_ends = 2  # of what the scheduler gives up, each time after several workers
+    why = "the workers computing this point stopped repeatedly"
+
+    def __init__(self, client: Any, setting: Setting, key: str) -> None:
+        self._client, self._words = client, (pickle.dumps(setting), key)
+        try:
+            client.wait_for_workers(1, timeout=_WITHOUT_S)
+            workers = client.scheduler_info(n_workers=-1)["workers"].values()
+        except Exception as error:
+            self._check()
+            raise FileError(f"the scheduler {self._address()} has no workers") from error
+        hosts: Counter[str] = Counter()
+        for info in workers:
+            hosts[info.get("host", "")] += info["nthreads"]
+        self._share = max(hosts.values(), default=1)
+        self._most = max(_FEWEST, _AHEAD * hosts.total())
+
+    def free(self, busy: Sequence[int]) -> list[int]:
+        return [0] * (self._most - len(busy))
+
+    def submit(self, _lane: int, batch: list[Task]) -> Any:
+        self._check()
+        return self._client.submit(rows_of_batch, *self._words, batch, self._share, pure=False)
+
+    def has_ended(self, future: Any) -> bool:
+        self._check()
+        return bool(future.status != "pending")
+
+    def rows(self, future: Any) -> list[Row]:
+        from distributed import KilledWorker
+
+        try:
+            return [Row(*row) for row in future.result(timeout=_GATHER_S)]
+        except KilledWorker as error:
+            raise WorkerEnded from error
+        except ImagechainError:
+            raise
+        except ImportError as error:
+            raise UsageError(
+                f"a worker cannot load imagechain: {error}; install imagechain on the worker"
+            ) from error
+        except Exception as error:
+            self._check()
+            if future.status == "error":
+                what = f"{type(error).__name__}: {error}"
+                raise FileError(f"a worker failed: {what}") from error
+            # Made, and lost with the worker before it came here, or the scheduler began anew.
+            raise WorkerEnded from error
+
+    def _check(self) -> None:
+        if self._client.status != "running":
+            raise FileError(f"the scheduler {self._address()} no longer answers")
+
+    def _address(self) -> str:
+        scheduler = self._client.scheduler
+        return shown(scheduler.address if scheduler is not None else "")
+
+
+@contextlib.contextmanager
+def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
+    """A client of a scheduler; one that was given stays open."""
+    import dask
+    import distributed
+
+    if not isinstance(scheduler, str):
+        yield scheduler
+        return
+    given: Any = distributed  # its constructors have no types
+    words: dict[str, Any] = {}
+    if tls:
+        names = ("tls_ca_file", "tls_client_cert", "tls_client_key")
+        files = dict(zip(names, tls, strict=True))
+        words["security"] = given.Security(**files, require_encryption=True)
+    with dask.config.set({"distributed.comm.timeouts.connect": f"{_CONNECT_S}s"}):
+        try:
+            words |= {"timeout": _CONNECT_S, "set_as_default": False, "name": "imagechain"}
+            client = given.Client(scheduler, **words)
+        except (OSError, ValueError, TypeError, RuntimeError) as error:
+            raise UsageError(
+                f"--scheduler {scheduler:.120}: no Dask scheduler answers at this address"
+                + (", or it rejects these certificates" if tls else "")
+            ) from error
+        with client:
+            yield client
+
+
+def check_address(scheduler: str, tls: Sequence[str]) -> None:
+    """Refuse what is no address: a client of it would go on trying in the background."""
+    from distributed import Security
+    from distributed.comm.addressing import parse_host_port
+    from distributed.comm.registry import backends
+
+    protocol, parted, place = scheduler.rpartition("://")
+    try:
+        host, port = parse_host_port(place)
+        sound = bool(host) and 0 < port < 65536 and (not parted or protocol in backends)
+    except ValueError:
+        sound = False
+    if not sound:
+        known = ", ".join(sorted(backends))
+        raise UsageError(
+            f"--scheduler {scheduler:.120}: write HOST:PORT or PROTOCOL://HOST:PORT; protocols are "
+            f"{known}"
+        )
+    made: Any = Security
+    if tls and protocol not in ("tls", "wss"):
+        raise UsageError(
+            f"--scheduler {scheduler:.120}: certificates need the address tls://HOST:PORT of a "
+            "scheduler started with --tls-ca-file, --tls-cert and --tls-key"
+        )
+    if protocol in ("tls", "wss") and not tls and made().tls_client_cert is None:
+        raise UsageError(
+            f"--scheduler {scheduler:.120}: give the files that the scheduler was started with, "
+            "as --tls-ca-file, --tls-cert and --tls-key"
+        )
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Keep what Dask logs off the terminal: what matters comes as an error of ours."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)
+
+
+# The rows of a study in a worker: a process of its own on this machine, or one of a cluster.
+
+_NAME = "imagechain_studies"
+_STUDIES = 2  # studies that a worker of a cluster remembers
+_BATCH_S = 0.5  # longer than the way there and back, short enough to lose
+_GRACE_S = 3.0  # for a point that is stopped to remove what it has half written
+
+
+def main() -> None:
+    """Compute what comes by standard input, rows to standard output, until that ends.
+
+    Both are pipes to the process that started this one; it ends with them, even within a point.
+    """
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a library prints is no row
+    gc.set_threshold(50_000, 10, 10)  # as the command itself
+    warnings.simplefilter("ignore")
+    cancel = threading.Event()
+    received: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    requests = os.fdopen(os.dup(0), "rb")
+    threading.Thread(target=_listen, args=(requests, received, cancel), daemon=True).start()
+    try:
+        first = received.get()
+        if first is None:
+            return
+        if isinstance(first, Exception):
+            raise first
+        setting, share = first
+        maker = RowMaker(setting, standard_library(), share)
+        answers.write(pickle.dumps(None))
+        while (batch := received.get()) is not None:
+            answers.write(pickle.dumps(_first_rows(maker, batch, cancel)))
+    except (Cancelled, BrokenPipeError):
+        return
+    except Exception as error:
+        answers.write(pickle.dumps(f"{type(error).__name__}: {error}"))
+
+
+def _listen(requests: BinaryIO, received: queue.SimpleQueue[Any], cancel: threading.Event) -> None:
+    try:
+        while True:
+            received.put(pickle.load(requests))
+    except (EOFError, OSError, pickle.UnpicklingError):
+        cancel.set()
+        received.put(None)
+        time.sleep(_GRACE_S)
+        os._exit(1)
+    except Exception as error:  # a module's class that cannot be imported here
+        received.put(error)
+
+
+def _first_rows(
+    maker: RowMaker, tasks: Iterable[Task], cancel: threading.Event | None = None
+) -> list[Row]:
+    """The rows of as many points, from the first on, as there is time for."""
+    rows, end = [], time.monotonic() + _BATCH_S
+    for task in tasks:
+        rows.append(maker.row(task, cancel))
+        if time.monotonic() > end:
+            break
+    return rows
+
+
+def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> list[tuple[Any, ...]]:
+    """Make rows on a worker of a Dask cluster, by its own engine and store for this study."""
+    from distributed import get_worker
+
+    from app.run.process import version
+
+    makers = _makers(get_worker(), key)
+    # A maker goes from point to point; threads of one worker have one each.
+    thread = threading.get_ident()
+    if thread not in makers:
+        wanted: Setting = pickle.loads(setting)
+        if wanted.version != version():
+            raise UsageError(
+                f"a worker has imagechain {version()}, and this machine has {wanted.version}: all "
+                "must have the same version"
+            )
+        makers[thread] = RowMaker(wanted, standard_library(), share)
+    return [tuple(row) for row in _first_rows(makers[thread], tasks)]
+
+
+def _makers(worker: Any, key: str) -> dict[int, RowMaker]:
+    known: dict[str, dict[int, RowMaker]] = vars(worker).setdefault(_NAME, {})
+    while len(known) >= _STUDIES and key not in known:
+        del known[next(iter(known))]
+    return known.setdefault(key, {})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,7 +1,5 @@
 """Find the value of a parameter at which a read-out has a wanted value."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Mapping
@@ -28,7 +26,6 @@ from core.physics.numerics import brent_root
 FOR, UNTIL = "--for", "--until"
 _FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
 _UNTIL_FORM = "NODE.READOUT=VALUE"
-Evaluated = Callable[[float], float | None]
 Sample = tuple[float, float]
 """A value of the parameter, and the read-out there."""
 
@@ -50,7 +47,7 @@ def solve_network(
     engine = Engine(library)
     plan = engine.plan(network, folder=folder)
     present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
-    places = _search_range(parameter, present, sought.text, option=f"{FOR} {sought.port}")
+    places = _search_range(parameter, present, sought.text, f"{FOR} {sought.port}")
     work = engine.work(policy, cancel=cancel)
     unit, reasons = parameter.param.unit, dict[float, str]()
 
@@ -72,12 +69,11 @@ def solve_network(
             reasons.update((value, reason) for reason in result.reasons.values())
             return result.figures.get(figure.text)
 
-        number = present if isinstance(present, int | float) else None
-        solution = _solve(evaluate, wanted, places, number)
-    words = _Words(sought.port, unit, figure, wanted)
-    if solution.at is None:
-        raise DataError(words.none(solution, reasons))
-    value, result = solution.at
+        search = _Search(evaluate, wanted, places)
+        search.solve(present if isinstance(present, int | float) else None)
+    if search.at is None:
+        raise DataError(_nothing(search, sought.port, unit, figure, reasons))
+    value, result = search.at
     final = planned(value)
     readouts = {
         node: engine.readouts(final, node, work)
@@ -91,11 +87,11 @@ def solve_network(
         "value": int(value) if places.whole else value,
         "figure": {"name": figure.text, "unit": figure.unit, "value": result},
         "wanted": wanted,
-        "others": solution.others,
+        "others": search.others,
         "readouts": readouts,
         "warnings": [asdict(caution) for caution in cautions],
     }
-    lines = [in_line(words.found(solution, whole=places.whole)) + "\n"]
+    lines = [in_line(_found(search, sought.port, unit, figure)) + "\n"]
     for node, values in readouts.items():
         units = {r.name: final.node(node).unit(r) for r in final.node(node).declaration.readouts}
         for name, each in values.items():
@@ -124,125 +120,6 @@ def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, floa
     return figure, wanted
 
 
-# The search: changes of sign along a range, of which one is closed in on.
-
-_HALVINGS = 24  # of a step, to find where the read-out's values end within it
-
-
-class _Gap(Exception):
-    """The read-out has no value between two places where it has one."""
-
-
-@dataclass(frozen=True)
-class _Solution:
-    seen: tuple[Sample, ...]  # what was looked at, from one end of the range to the other
-    # where the read-out's values end: there, and a value beside it without one
-    edges: tuple[tuple[Sample, float], ...]
-    at: Sample | None  # None where no value does it
-    beside: Sample | None = None  # of whole numbers, the neighbour beyond the wanted value
-    others: tuple[float, ...] = ()  # further values that do it, to the width of a step
-
-
-def _solve(
-    evaluate: Evaluated, wanted: float, places: _SearchRange, present: float | None
-) -> _Solution:
-    """Of several solutions the one nearest to `present`, by Brent or by halving."""
-    line: list[tuple[float, float | None]] = []
-    edges = []
-    for value in places.places():
-        here = (value, evaluate(value))
-        if line and (line[-1][1] is None) != (here[1] is None):
-            (inside, figure), (without, _) = sorted((line[-1], here), key=lambda s: s[1] is None)
-            assert figure is not None
-            edge, without = _edge(evaluate, (inside, figure), without, places)
-            edges.append((edge, without))
-            if edge[0] != inside:
-                line.append(edge)
-        line.append(here)
-    seen = tuple((value, figure) for value, figure in line if figure is not None)
-    crossings = [
-        ((low, first), (high, second))
-        for (low, first), (high, second) in pairwise(line)
-        if first is not None and second is not None and _between(first, second, wanted)
-    ]
-    if not crossings:
-        exact = next((sample for sample in seen if sample[1] == wanted), None)
-        return _Solution(seen, tuple(edges), exact)
-
-    def distance(pair: tuple[Sample, Sample]) -> float:
-        if present is None or (places.log and present <= 0):
-            return 0.0
-        now = places.scaled(present)
-        return max(places.scaled(pair[0][0]) - now, now - places.scaled(pair[1][0]), 0.0)
-
-    chosen = min(crossings, key=distance)
-    others = tuple(pair[0][0] for pair in crossings if pair is not chosen)
-    close_in = _halved if places.whole else _brent
-    return _Solution(
-        seen, tuple(edges), *close_in(evaluate, *chosen, wanted, places), others=others
-    )
-
-
-def _edge(
-    evaluate: Evaluated, sample: Sample, without: float, places: _SearchRange
-) -> tuple[Sample, float]:
-    """Between a value of the parameter with a read-out and one without: where they meet."""
-    for _ in range(_HALVINGS):
-        middle = places.middle(sample[0], without)
-        if middle in (sample[0], without):
-            break
-        figure = evaluate(middle)
-        if figure is None:
-            without = middle
-        else:
-            sample = middle, figure
-    return sample, without
-
-
-def _between(one: float, other: float, wanted: float) -> bool:
-    first, second = one - wanted, other - wanted
-    return first == 0.0 or first * second < 0.0 or second == 0.0
-
-
-def _brent(
-    evaluate: Evaluated, one: Sample, other: Sample, wanted: float, places: _SearchRange
-) -> tuple[Sample, None]:
-    known = dict((one, other))
-    on_log = places.log and one[0] > 0
-
-    def excess(scaled: float) -> float:
-        value = places.value(scaled) if on_log else scaled
-        figure = evaluate(value)
-        if figure is None:  # a gap inside: the step that is left is as good as it gets
-            raise _Gap
-        known[value] = figure
-        return figure - wanted
-
-    ends = [places.scaled(value) if on_log else value for value in known]
-    if wanted not in known.values():
-        with suppress(_Gap):
-            brent_root(excess, low=ends[0], high=ends[1])
-    value = min(known, key=lambda place: abs(known[place] - wanted))
-    return (value, known[value]), None
-
-
-def _halved(
-    evaluate: Evaluated, low: Sample, high: Sample, wanted: float, places: _SearchRange
-) -> tuple[Sample, Sample | None]:
-    """Two neighbouring whole numbers with the wanted value between them, the nearer one first."""
-    while high[0] - low[0] > 1.0:
-        middle = places.middle(low[0], high[0])
-        figure = evaluate(middle)
-        if figure is None:
-            break
-        if _between(low[1], figure, wanted):
-            high = middle, figure
-        else:
-            low = middle, figure
-    first, second = sorted((low, high), key=lambda sample: abs(sample[1] - wanted))
-    return (first, None) if first[1] == wanted else (first, second)
-
-
 # The range in which a parameter is sought, and places in it where a read-out is looked at.
 
 _DECADES = 6.0  # about the present value, where the parameter has no end of its own
@@ -267,8 +144,7 @@ class _SearchRange:
             spaced = np.geomspace(self.low, self.high, count + 1)
         else:
             spaced = np.linspace(self.low, self.high, _LINEAR_STEPS + 1)
-        values = [float(value) for value in spaced]
-        values[0], values[-1] = self.low, self.high
+        values = [self.low, *map(float, spaced[1:-1]), self.high]
         if self.whole:
             values = [float(value) for value in dict.fromkeys(map(round, values))]
         return (0.0, *values) if self.zero else tuple(values)
@@ -279,20 +155,15 @@ class _SearchRange:
             return value
         return math.log(value) if value > 0 else math.log(self.low) - 1.0
 
-    def value(self, scaled: float) -> float:
-        return math.exp(scaled) if self.log else scaled
-
     def middle(self, one: float, other: float) -> float:
         if self.whole:
             return float((int(one) + int(other)) // 2)
         if self.log and min(one, other) > 0:
-            return self.value(0.5 * (self.scaled(one) + self.scaled(other)))
+            return math.exp(0.5 * (math.log(one) + math.log(other)))
         return 0.5 * (one + other)
 
 
-def _search_range(
-    parameter: Parameter, present: object, given: str, *, option: str
-) -> _SearchRange:
+def _search_range(parameter: Parameter, present: object, given: str, option: str) -> _SearchRange:
     """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value."""
     if parameter.kind not in ("number", "integer"):
         raise UsageError(
@@ -317,60 +188,155 @@ def _search_range(
     return _SearchRange(low, high, True, zero=zero)
 
 
+# The search: changes of sign along a range, of which one is closed in on.
+
+_HALVINGS = 24  # of a step, to find where the read-out's values end within it
+
+
+class _Gap(Exception):
+    """The read-out has no value between two places where it has one."""
+
+
+class _Search:
+    def __init__(
+        self, evaluate: Callable[[float], float | None], wanted: float, places: _SearchRange
+    ) -> None:
+        self.wanted, self.places, self._evaluate = wanted, places, evaluate
+        self.seen: list[Sample] = []  # what was looked at, from one end of the range to the other
+        # where the read-out's values end: there, and a value beside it without one
+        self.edges: list[tuple[Sample, float]] = []
+        self.at: Sample | None = None  # None where no value does it
+        self.beside: Sample | None = None  # of whole numbers, the neighbour beyond the wanted value
+        self.others: list[float] = []  # further values that do it, to the width of a step
+
+    def solve(self, present: float | None) -> None:
+        """Of several solutions the one nearest to `present`, by Brent or by halving."""
+        places, line = self.places, list[tuple[float, float | None]]()
+        for value in places.places():
+            here = (value, self._evaluate(value))
+            if line and (line[-1][1] is None) != (here[1] is None):
+                ends = sorted((line[-1], here), key=lambda sample: sample[1] is None)
+                (inside, figure), (without, _) = ends
+                assert figure is not None
+                self.edges.append(self._edge((inside, figure), without))
+                if self.edges[-1][0][0] != inside:
+                    line.append(self.edges[-1][0])
+            line.append(here)
+        self.seen = [(value, figure) for value, figure in line if figure is not None]
+        crossings = [
+            ((low, first), (high, second))
+            for (low, first), (high, second) in pairwise(line)
+            if first is not None and second is not None and self._between(first, second)
+        ]
+        if not crossings:
+            self.at = next((sample for sample in self.seen if sample[1] == self.wanted), None)
+            return
+
+        def distance(pair: tuple[Sample, Sample]) -> float:
+            if present is None or (places.log and present <= 0):
+                return 0.0
+            now = places.scaled(present)
+            return max(places.scaled(pair[0][0]) - now, now - places.scaled(pair[1][0]), 0.0)
+
+        chosen = min(crossings, key=distance)
+        self.others = [pair[0][0] for pair in crossings if pair is not chosen]
+        (self._halve if places.whole else self._brent)(*chosen)
+
+    def _edge(self, sample: Sample, without: float) -> tuple[Sample, float]:
+        """Between a value of the parameter with a read-out and one without: where they meet."""
+        for _ in range(_HALVINGS):
+            middle = self.places.middle(sample[0], without)
+            if middle in (sample[0], without):
+                break
+            figure = self._evaluate(middle)
+            if figure is None:
+                without = middle
+            else:
+                sample = middle, figure
+        return sample, without
+
+    def _between(self, one: float, other: float) -> bool:
+        first, second = one - self.wanted, other - self.wanted
+        return first == 0.0 or first * second < 0.0 or second == 0.0
+
+    def _brent(self, one: Sample, other: Sample) -> None:
+        known = dict((one, other))
+        on_log = self.places.log and one[0] > 0
+
+        def excess(scaled: float) -> float:
+            value = math.exp(scaled) if on_log else scaled
+            figure = self._evaluate(value)
+            if figure is None:  # a gap inside: the step that is left is as good as it gets
+                raise _Gap
+            known[value] = figure
+            return figure - self.wanted
+
+        low, high = (math.log(value) if on_log else value for value in known)
+        if self.wanted not in known.values():
+            with suppress(_Gap):
+                brent_root(excess, low=low, high=high)
+        self.at = min(known.items(), key=lambda sample: abs(sample[1] - self.wanted))
+
+    def _halve(self, low: Sample, high: Sample) -> None:
+        """Two neighbouring whole numbers about the wanted value, the nearer one in `at`."""
+        while high[0] - low[0] > 1.0:
+            middle = self.places.middle(low[0], high[0])
+            figure = self._evaluate(middle)
+            if figure is None:
+                break
+            if self._between(low[1], figure):
+                high = middle, figure
+            else:
+                low = middle, figure
+        self.at, other = sorted((low, high), key=lambda sample: abs(sample[1] - self.wanted))
+        self.beside = None if self.at[1] == self.wanted else other
+
+
 # What was found, in words.
 
 
-@dataclass(frozen=True)
-class _Words:
-    port: str
-    unit: str
-    figure: Figure
-    wanted: float
-
-    def found(self, solution: _Solution, *, whole: bool) -> str:
-        assert solution.at is not None
-        value, figure = solution.at
-        # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
-        found = int(value) if whole else float(f"{value:.10g}")
-        text = f"{self.port} = {found!r} {self.unit}".rstrip()
-        text += f": {self.figure.text} = {self._figure(figure)}"
-        if solution.beside is not None:
-            other, gives = solution.beside
-            text += (
-                f"; no whole number gives {self._figure(self.wanted)}: "
-                f"{self._value(other)} gives {self._figure(gives)}"
-            )
-        if solution.others:
-            text += f"; other solutions are near {', '.join(map(self._value, solution.others))}"
-        return text
-
-    def none(self, solution: _Solution, reasons: Mapping[float, str]) -> str:
-        name = self.figure.text
-        if not solution.seen:
-            why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
-            return f"{name} has no value at any {self.port}{why}"
-        first, last = solution.seen[0], solution.seen[-1]
-        text = (
-            f"no value of {self.port} from {self._value(first[0])} to {self._value(last[0])} makes "
-            f"{name} equal to {self._figure(self.wanted)}: the figure is {self._at(first)} and "
-            f"{self._at(last)}"
+def _found(search: _Search, port: str, unit: str, figure: Figure) -> str:
+    assert search.at is not None
+    value, result = search.at
+    # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
+    found = int(value) if search.places.whole else float(f"{value:.10g}")
+    text = f"{port} = {found!r} {unit}".rstrip()
+    text += f": {figure.text} = {shown_value(result, figure.unit)}"
+    if search.beside is not None:
+        other, gives = search.beside
+        text += (
+            f"; no whole number gives {shown_value(search.wanted, figure.unit)}: "
+            f"{shown_value(other, unit)} gives {shown_value(gives, figure.unit)}"
         )
-        by_figure = sorted(solution.seen, key=lambda sample: sample[1])
-        least, most = by_figure[0], by_figure[-1]
-        extreme, word = (most, "most") if most[1] < self.wanted else (least, "least")
-        if extreme not in (first, last):
-            text += f", at {word} {self._at(extreme)}"
-        for (inside, _), without in solution.edges:
-            side = "above" if without > inside else "below"
-            text += f"; {side} {self._value(inside)}, {name} has no value"
-            text += f": {reasons[without]}" if without in reasons else ""
-        return text
+    if search.others:
+        others = ", ".join(shown_value(other, unit) for other in search.others)
+        text += f"; other solutions are near {others}"
+    return text
 
-    def _value(self, value: float) -> str:
-        return shown_value(value, self.unit)
 
-    def _figure(self, figure: float) -> str:
-        return shown_value(figure, self.figure.unit)
+def _nothing(
+    search: _Search, port: str, unit: str, figure: Figure, reasons: Mapping[float, str]
+) -> str:
+    def at(sample: Sample) -> str:
+        return f"{shown_value(sample[1], figure.unit)} at {shown_value(sample[0], unit)}"
 
-    def _at(self, sample: Sample) -> str:
-        return f"{self._figure(sample[1])} at {self._value(sample[0])}"
+    name = figure.text
+    if not search.seen:
+        why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
+        return f"{name} has no value at any {port}{why}"
+    first, last = search.seen[0], search.seen[-1]
+    text = (
+        f"no value of {port} from {shown_value(first[0], unit)} to {shown_value(last[0], unit)} "
+        f"makes {name} equal to {shown_value(search.wanted, figure.unit)}: the figure is "
+        f"{at(first)} and {at(last)}"
+    )
+    by_figure = sorted(search.seen, key=lambda sample: sample[1])
+    least, most = by_figure[0], by_figure[-1]
+    extreme, word = (most, "most") if most[1] < search.wanted else (least, "least")
+    if extreme not in (first, last):
+        text += f", at {word} {at(extreme)}"
+    for (inside, _), without in search.edges:
+        side = "above" if without > inside else "below"
+        text += f"; {side} {shown_value(inside, unit)}, {name} has no value"
+        text += f": {reasons[without]}" if without in reasons else ""
+    return text

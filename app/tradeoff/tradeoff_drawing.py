@@ -1,7 +1,5 @@
 """A trade-off as a picture, each figure in a panel of its own, as a page and as text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -16,16 +14,9 @@ from app.report.drawing.picture_drawing import (
     number,
 )
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
-from app.run.readout_tables import (
-    columns,
-    exact,
-    four_digits,
-    json_text,
-    number_text,
-    with_unit,
-    without_rounding,
-)
-from app.tradeoff.tradeoff_results import ROUNDING, Figure, Results, shown_value
+from app.run import readout_tables as tables
+from app.run.readout_tables import columns
+from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
 from app.tradeoff.values import Variation, is_number
 from core.errors import printable
 from nodes.files.common.file_format import CSV, JSON, PNG
@@ -45,7 +36,7 @@ def trade_off_content(results: Results, path: Path) -> str | bytes:
     if CSV.matches(path):
         return printable(csv_text(results))
     if JSON.matches(path):
-        return json_text(trade_off_facts(results), indent=1)
+        return tables.json_text(trade_off_facts(results), indent=1)
     return trade_off_png(results) if PNG.matches(path) else printable(page(results))
 
 
@@ -53,10 +44,10 @@ def trade_off_png(results: Results) -> bytes:
     """The picture; gaps where figures have no value, a dashed line at the present value."""
     second = results.second
     curves = []
-    for curve in results.curves:
-        heights = [[p.figures.get(shown.text) for p in curve.points] for shown in results.figures]
-        name = "" if second is None else shown_value(curve.second)
-        curves.append((name, [point.value for point in curve.points], heights))
+    for value, points in results.curves:
+        heights = [[p.figures.get(shown.text) for p in points] for shown in results.figures]
+        name = "" if second is None else shown_value(value)
+        curves.append((name, [point.value for point in points], heights))
     title = "" if second is None else second.title
     return curves_png(results.figures, results.varied, curves, title, present=results.present)
 
@@ -94,13 +85,8 @@ def curves_png(
         if names:
             handles = [line for line in panels[0].get_lines() if line.get_label()[0] != "_"]
             count = legend_columns(names, width)
-            drawn.legend(
-                handles=by_rows(handles, count),
-                loc="outside lower center",
-                ncols=count,
-                title=title,
-                fontsize=8.5,
-            )
+            how = {"handles": by_rows(handles, count), "ncols": count, "title": title}
+            drawn.legend(**how, loc="outside lower center", fontsize=8.5)
     return out.getvalue()
 
 
@@ -117,9 +103,8 @@ def _draw(panel: Any, along: Variation, curves: Sequence[tuple[str, Any, Any]]) 
             panel.plot(gaps, [0.0] * len(gaps), "x", transform=low, color=_FAILED, clip_on=False)
         marker = "o" if len(places) <= _MOST_MARKED or not along.is_numeric else ""
         style = "-" if along.is_numeric else ":"
-        panel.plot(
-            places, heights, style, marker=marker, markersize=3, color=colour, label=name or "_"
-        )
+        look = {"marker": marker, "markersize": 3, "color": colour, "label": name or "_"}
+        panel.plot(places, heights, style, **look)
     abscissa(panel, along)
     ordinate(panel, every)
 
@@ -154,7 +139,7 @@ def ordinate(panel: Any, heights: Sequence[float]) -> None:
         # A figure that does not move: not its rounding blown up to the full height.
         reach = 0.1 * abs(finite[0]) or 1.0
         panel.set_ylim(finite[0] - reach, finite[0] + reach)
-        panel.set_yticks([finite[0]], [number(four_digits(finite[0]))])
+        panel.set_yticks([finite[0]], [number(tables.four_digits(finite[0]))])
     else:
         panel.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True, useOffset=False)
 
@@ -207,10 +192,7 @@ def page(results: Results) -> str:
         Heading(1, title),
         Drawn(trade_off_png(results), caption, caption),
         Heading(2, "Figures"),
-        Grid(
-            ("figure", "unit", "meaning"),
-            [(figure.text, figure.unit, figure.meaning) for figure in results.figures],
-        ),
+        Grid(("figure", "unit", "meaning"), [(f.text, f.unit, f.meaning) for f in results.figures]),
         Heading(2, "Values"),
         _values(results),
         *_listed("Gaps", results.failures()),
@@ -220,12 +202,12 @@ def page(results: Results) -> str:
 
 
 def _columns(results: Results) -> list[tuple[Variation | Figure, list[Any]]]:
-    rows = list(results.rows())
+    points = results.points
     return [
-        (results.varied, [point.value for _, point in rows]),
-        *([(results.second, [curve.second for curve, _ in rows])] if results.second else []),
+        (results.varied, [point.value for point in points]),
+        *([(results.second, [point.second for point in points])] if results.second else []),
         *(
-            (shown, [point.figures.get(shown.text) for _, point in rows])
+            (shown, [point.figures.get(shown.text) for point in points])
             for shown in results.figures
         ),
     ]
@@ -237,7 +219,7 @@ def _values(results: Results) -> Block:
         [number(v, shown.unit) if isinstance(shown, Figure) else shown_value(v) for v in values]
         for shown, values in columns
     ]
-    heads = [with_unit(shown.text, shown.unit) for shown, _ in columns]
+    heads = [tables.with_unit(shown.text, shown.unit) for shown, _ in columns]
     return Grid(heads, list(zip(*cells, strict=True)), numbers=range(len(heads)))
 
 
@@ -256,7 +238,7 @@ def table(results: Results, width: int | None = None) -> str:
     every = []
     for shown, values in _columns(results):
         if isinstance(shown, Figure):
-            texts = [number_text(without_rounding(value, shown.unit)) for value in values]
+            texts = (tables.number_text(tables.without_rounding(v, shown.unit)) for v in values)
             every.append([shown.node, shown.name, shown.unit, *texts])
         else:
             every.append([shown.node, shown.parameter.name, shown.unit, *map(shown_value, values)])
@@ -280,44 +262,33 @@ def failures(results: Results) -> list[str]:
 
 def csv_text(results: Results) -> str:
     """A row for each point in full precision; gaps are empty, reasons and warnings at the end."""
-    columns: list[tuple[str, Iterable[str]]] = [
-        (shown.text, map(exact, values)) for shown, values in _columns(results)
-    ]
-    points = [point for _, point in results.rows()]
-    reasons = (results.reasons(point) for point in points)
-    columns.append(("failed", map("; ".join, reasons)))
-    columns.append(("warnings", ("; ".join(point.warnings) for point in points)))
+    every = _columns(results)
+    columns: list[tuple[str, Iterable[str]]] = [(s.text, map(tables.exact, v)) for s, v in every]
+    columns.append(("failed", map("; ".join, map(results.reasons, results.points))))
+    columns.append(("warnings", ("; ".join(point.warnings) for point in results.points)))
     rows = zip(*(cells for _, cells in columns), strict=True)
     return csv_lines([[name for name, _ in columns], *rows])
 
 
 def trade_off_facts(results: Results) -> dict[str, Any]:
-    figures = [figure.text for figure in results.figures]
+    names = [figure.text for figure in results.figures]
+
+    def at(point: Point) -> dict[str, Any]:
+        figures = {name: point.figures.get(name) for name in names}
+        failed = {name: why for name, why in point.reasons.items() if name in names}
+        told = {"failed": failed, "warnings": point.warnings}
+        return {"value": point.value, "figures": figures, **told}
+
     return {
         "network": results.network,
-        "vary": [
-            {"parameter": axis.text, "unit": axis.unit, "values": axis.values}
-            for axis in results.axes
-        ],
+        "vary": [{"parameter": a.text, "unit": a.unit, "values": a.values} for a in results.axes],
         "present": results.present,
         "figures": [
-            {"name": figure.text, "unit": figure.unit, "meaning": figure.meaning}
-            for figure in results.figures
+            {"name": f.text, "unit": f.unit, "meaning": f.meaning} for f in results.figures
         ],
         "curves": [
-            {
-                **({"second": curve.second} if results.second is not None else {}),
-                "points": [
-                    {
-                        "value": point.value,
-                        "figures": {name: point.figures.get(name) for name in figures},
-                        "failed": {n: r for n, r in point.reasons.items() if n in figures},
-                        "warnings": list(point.warnings),
-                    }
-                    for point in curve.points
-                ],
-            }
-            for curve in results.curves
+            {**({"second": second} if results.second else {}), "points": list(map(at, points))}
+            for second, points in results.curves
         ],
     }
 

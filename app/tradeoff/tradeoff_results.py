@@ -1,12 +1,9 @@
 """Figures of merit at values of parameters: read-outs of nodes, and the MTF of the chain."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,19 +11,10 @@ import numpy as np
 from app.run.output import sound_part
 from app.run.overrides import near
 from app.run.readout_tables import number_text
-from app.run.responses import SYSTEM, TOTAL, Axis, mtf_at
-from app.run.transfer_chain import find_chain
+from app.run.transfer_chain import SYSTEM, TOTAL, Axis, find_chain, mtf_at
 from app.tradeoff.values import Variation, taken_value
+from core import errors
 from core.chain.engine import Engine, Plan
-from core.errors import (
-    Cancelled,
-    DataError,
-    ImagechainError,
-    NetworkError,
-    ParameterError,
-    UsageError,
-    shown,
-)
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
@@ -36,26 +24,26 @@ from core.network.network import Network, reached
 
 ELECTRONICS = "electronics_noise"
 SENSORS = (ELECTRONICS, "focal_plane", "microbolometer")
-_PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
-    {
-        "mtf_nyquist_x": ("x", 1.0, "at the horizontal Nyquist frequency of the samples"),
-        "mtf_nyquist_y": ("y", 1.0, "at the vertical Nyquist frequency of the samples"),
-        "mtf_half_nyquist_x": ("x", 0.5, "at half the horizontal Nyquist frequency of the samples"),
-        "mtf_half_nyquist_y": ("y", 0.5, "at half the vertical Nyquist frequency of the samples"),
-    }
-)
-_OF_PIXELS: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
-    {
-        name.replace("nyquist", "pixel_nyquist"): (axis, share, where.replace("samples", "pixels"))
-        for name, (axis, share, where) in _PLACES.items()
-    }
-)
-_ALL_PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType({**_PLACES, **_OF_PIXELS})
 _NO_PIXELS = "the detector's pitch is not known, and no pixels are combined"
+_ABSENT = object()
 _WITH_PIXELS = ("camera", "sample_pixels", "combine_pixels")
-_TOTALS: Mapping[str, str] = MappingProxyType(
-    {TOTAL: "MTF of the chain", SYSTEM: "MTF of the chain with its electronics"}
-)
+_TOTALS = {TOTAL: "MTF of the chain", SYSTEM: "MTF of the chain with its electronics"}
+
+
+def _places(kind: str, of: str) -> dict[str, tuple[Axis, float, str]]:
+    """Figures of a total by name: the axis, the share of its Nyquist frequency, and words."""
+    ways: tuple[tuple[Axis, str], ...] = (("x", "horizontal"), ("y", "vertical"))
+    return {
+        f"mtf_{half}{kind}nyquist_{axis}": (
+            axis, share, f"at {words} {way} Nyquist frequency of the {of}"
+        )
+        for half, share, words in (("", 1.0, "the"), ("half_", 0.5, "half the"))
+        for axis, way in ways
+    }  # fmt: skip
+
+
+_PLACES, _OF_PIXELS = _places("", "samples"), _places("pixel_", "pixels")
+_ALL_PLACES = {**_PLACES, **_OF_PIXELS}
 
 
 @dataclass(frozen=True)
@@ -84,10 +72,8 @@ def figures_of(network: Network, library: Library) -> dict[str, Figure]:
     if "back_transform" in modules:
         for total, what in _TOTALS.items():
             if total == TOTAL or ELECTRONICS in modules:
-                places = {**(_OF_PIXELS if _has_pitch(network) else {}), **_PLACES}
-                figures += [
-                    Figure(total, n, "", f"{what} {where}") for n, (*_, where) in places.items()
-                ]
+                places = {**(_OF_PIXELS if _has_pitch(network) else {}), **_PLACES}.items()
+                figures += [Figure(total, n, "", f"{what} {where}") for n, (*_, where) in places]
     for node in network.nodes.values():
         if node.module in library and not node.disabled:
             figures += [
@@ -139,15 +125,16 @@ def named_figure(option: str, text: str, network: Network, library: Library) -> 
     if text not in known:
         beside = [name for name in known if known[name].node == text.rpartition(".")[0]]
         hint = near("", beside) if beside else near(text, known)
-        raise UsageError(f"{option} {shown(text)}: the network has no such read-out{hint}")
+        raise errors.UsageError(f"{option} {shown(text)}: the network has no such read-out{hint}")
     return known[text]
 
 
 @dataclass(frozen=True)
 class Point:
-    """The figures at one value; `absent` ones were computed and have no number."""
+    """The figures at values of both parameters; `absent` ones were computed and have no number."""
 
     value: Any = None
+    second: Any = None
     figures: Mapping[str, float] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
@@ -175,9 +162,9 @@ def computed(
             else:
                 names = [figure.name for figure in wanted]
                 results = engine.readouts(plan, node, work, names=names)
-        except Cancelled:
+        except errors.Cancelled:
             raise
-        except ImagechainError as error:
+        except errors.ImagechainError as error:
             if is_total or len(wanted) == 1:
                 reasons |= {figure.text: str(error) for figure in wanted}
             else:  # one that fails leaves the others
@@ -194,7 +181,7 @@ def computed(
             if found is None:
                 why = _NO_PIXELS if is_total else engine.why_none(plan, node, work, figure.name)
                 reasons[figure.text] = f"{figure.text} has no value{why and f': {why}'}"
-    return Point(None, values, reasons, absent=frozenset(absent))
+    return Point(figures=values, reasons=reasons, absent=frozenset(absent))
 
 
 def _total(
@@ -208,7 +195,7 @@ def _total(
             raise error
     chain = find_chain(sound_part(plan))
     if chain.grid is None or not chain.cascade:
-        raise NetworkError(f"no total MTF: {chain.missing}")
+        raise errors.NetworkError(f"no total MTF: {chain.missing}")
     mtfs = {}
     for figure in figures:
         axis, share, _ = _ALL_PLACES[figure.name]
@@ -222,7 +209,7 @@ def _total(
             continue
         mtfs[figure.name] = mtf_at(work, factors, share * nyquist, axis)
         if not np.isfinite(mtfs[figure.name]):
-            raise DataError("the MTF is not finite")
+            raise errors.DataError("the MTF is not finite")
     return mtfs
 
 
@@ -245,20 +232,12 @@ ROUNDING = 1e-5
 
 
 @dataclass(frozen=True)
-class Curve:
-    """The points at one value of the second parameter, which is None where there is no second."""
-
-    second: Any
-    points: tuple[Point, ...]
-
-
-@dataclass(frozen=True)
 class Results:
     network: str  # name of the network
     varied: Variation  # what moves along the axis
     second: Variation | None  # what differs from curve to curve
     figures: tuple[Figure, ...]  # the figures shown
-    curves: tuple[Curve, ...]  # one, or one for each value of the second parameter
+    points: tuple[Point, ...]  # curve after curve
     present: Any = None  # the value in the network as it stands
 
     @property
@@ -267,12 +246,19 @@ class Results:
 
     def why_nothing(self) -> str | None:
         """Why no point has a figure that is shown, as far as known; None where one has."""
-        if any(f.text in point.figures for f in self.figures for _, point in self.rows()):
+        if any(f.text in point.figures for f in self.figures for point in self.points):
             return None
         gaps = [reason for _, reason in self.failures()]
         # The default figures had no value, so none is left.
-        gaps = gaps or [r for _, point in self.rows() for r in point.reasons.values()]
+        gaps = gaps or [r for point in self.points for r in point.reasons.values()]
         return gaps[0] if gaps else ""
+
+    @property
+    def curves(self) -> list[tuple[Any, tuple[Point, ...]]]:
+        """The points at each value of the second parameter; None where there is no second."""
+        count = len(self.varied.values)
+        seconds = (None,) if self.second is None else self.second.values
+        return [(v, self.points[n * count : (n + 1) * count]) for n, v in enumerate(seconds)]
 
     def reasons(self, point: Point) -> list[str]:
         """Why figures that are shown have no value at a point."""
@@ -280,29 +266,21 @@ class Results:
         return list(dict.fromkeys(point.reasons[name] for name in names))
 
     def failures(self) -> list[tuple[str, str]]:
-        return [(self._place(c, point), r) for c, point in self.rows() for r in self.reasons(point)]
+        return [(self._place(point), r) for point in self.points for r in self.reasons(point)]
 
     def warnings(self) -> list[tuple[str, str]]:
-        return [
-            (self._place(c, point), line) for c, point in self.rows() for line in point.warnings
-        ]
+        return [(self._place(point), line) for point in self.points for line in point.warnings]
 
-    def _place(self, curve: Curve, point: Point) -> str:
+    def _place(self, point: Point) -> str:
         place = f"{self.varied.text} = {shown_value(point.value, self.varied.unit)}"
         if self.second is not None:
-            place += f", {self.second.text} = {shown_value(curve.second, self.second.unit)}"
+            place += f", {self.second.text} = {shown_value(point.second, self.second.unit)}"
         return place
 
-    def rows(self) -> Iterator[tuple[Curve, Point]]:
-        return ((curve, point) for curve in self.curves for point in curve.points)
 
-
-def changing_figures(figures: Sequence[Figure], curves: Sequence[Curve]) -> tuple[Figure, ...]:
+def changing_figures(figures: Sequence[Figure], points: Sequence[Point]) -> tuple[Figure, ...]:
     """Of the default figures, those that change; where none does, those that have a value."""
-    rows = {
-        figure: [point.figures.get(figure.text) for curve in curves for point in curve.points]
-        for figure in figures
-    }
+    rows = {figure: [point.figures.get(figure.text) for point in points] for figure in figures}
     shown: list[Figure] = []
     for figure, row in rows.items():
         known = (f for f in shown if f.is_total and figure.is_total and f.name == figure.name)
@@ -346,7 +324,10 @@ class PointEvaluator:
         network = before.network
         for (node, name), value, old in zip(self._targets, values, known, strict=True):
             if value is not old and (type(value) is not type(old) or value != old):
-                network = self._changed(network, node, name, value)
+                try:
+                    network = with_value(network, self.engine, node, name, value)
+                except errors.ParameterError as error:
+                    raise error.at(node) from error
         plan = self.engine.plan(network, folder=self._base.folder, previous=before)
         self._last = (plan, tuple(values))
         return plan
@@ -357,7 +338,7 @@ class PointEvaluator:
     def at(self, values: Sequence[Any], work: Work) -> Point:
         try:
             plan = self.planned(values)
-        except ParameterError as error:
+        except errors.ParameterError as error:
             return Point(reasons={figure.text: str(error) for figure in self.figures})
         found = self.figures_of(plan, work)
         return replace(found, warnings=self.warnings_of(plan, work))
@@ -389,7 +370,7 @@ class PointEvaluator:
         waiting = list(also)
         for node in dict.fromkeys(figure.node for figure in self.figures if not figure.is_total):
             names = [figure.name for figure in self.figures if figure.node == node]
-            with suppress(ImagechainError):  # the figure's reason says so
+            with suppress(errors.ImagechainError):  # the figure's reason says so
                 values = self.engine.planned_readouts(plan, node, names).values()
                 waiting += [value for value in values if isinstance(value, Recipe)]
         known: set[str] = set()
@@ -400,15 +381,6 @@ class PointEvaluator:
                 waiting += recipe.needs
         return known
 
-    def _changed(self, network: Network, node: str, name: str, value: Any) -> Network:
-        try:
-            return with_value(network, self.engine, node, name, value)
-        except ParameterError as error:
-            raise error.at(node) from error
-
-
-_ABSENT = object()
-
 
 def points_at(
     engine: Engine,
@@ -418,11 +390,12 @@ def points_at(
     places: Iterable[tuple[Any, ...]],
     figures: Sequence[Figure],
 ) -> Iterator[Point]:
-    """Evaluate place by place, each with a value for every parameter."""
+    """Evaluate place by place, each with a value for every parameter, the second first."""
     evaluator = PointEvaluator(engine, plan, targets, figures)
     for values in places:
         work.check()
-        yield replace(evaluator.at(values, work), value=values[-1])
+        second = values[0] if len(values) > 1 else None
+        yield replace(evaluator.at(values, work), value=values[-1], second=second)
 
 
 def trade_off(
@@ -441,20 +414,15 @@ def trade_off(
     axes = [varied] if second is None else [second, varied]
     targets = [(axis.node, axis.parameter.name) for axis in axes]
     places = itertools.product(*(axis.values for axis in axes))
-    made = []
+    points = []
     for point in points_at(engine, plan, work, targets, places, figures):
-        made.append(point)
-        reached(len(made))
-    seconds = (None,) if second is None else second.values
-    count = len(varied.values)
-    curves = [
-        Curve(value, tuple(made[at * count : (at + 1) * count])) for at, value in enumerate(seconds)
-    ]
+        points.append(point)
+        reached(len(points))
     if by_default:
-        figures = changing_figures([f for f in figures if f.text != varied.text], curves)
+        figures = changing_figures([f for f in figures if f.text != varied.text], points)
     default = None if varied.parameter.required else varied.parameter.default
     present = plan.node(varied.node).node.params.get(varied.parameter.name, default)
-    return Results(name, varied, second, figures, tuple(curves), present)
+    return Results(name, varied, second, figures, tuple(points), present)
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:
@@ -466,5 +434,5 @@ def parameter_of(network: Network, engine: Engine, node: str, parameter: str) ->
     module = engine.library.get(network.node(node).module)
     declared = declaration(module).parameter(parameter) if module is not None else None
     if declared is None:
-        raise NetworkError(f"{node} has no parameter {parameter}")
+        raise errors.NetworkError(f"{node} has no parameter {parameter}")
     return declared

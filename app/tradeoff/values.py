@@ -1,7 +1,5 @@
 """The values a parameter is to take: a range, or a list, as on the command line."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.run.evaluation import way_of_running
 from app.run.output import ancestors, find_output
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
-from app.run.way_of_running import way_of_running
-from core.chain.engine import Engine, Plan, asked_for
+from core.chain.engine import Engine, Plan
 from core.chain.frame_sequence import at_frame
 from core.chain.wires import Image
 from core.errors import DataError, ImagechainError, NetworkError, ParameterError, UsageError
@@ -50,14 +50,9 @@ class Camera:
         planner = Engine(standard_library()) if engine is None else engine
         self._policy, self._size, self._unit = policy, _checked_size(size), scene.get("unit", "")
         words = {name: value for name, value in scene.items() if name != "node"}
-        replaced = with_own_scene(
-            state.network,
-            OwnScene(np.zeros(self._size, np.float32), **words),
-            library=planner.library,
-            plan=state.plan(planner),
-            node=scene.get("node"),
-            engine=planner,
-        )
+        own = OwnScene(np.zeros(self._size, np.float32), **words)
+        how: Any = {"library": planner.library, "plan": state.plan(planner), "engine": planner}
+        replaced = with_own_scene(state.network, own, node=scene.get("node"), **how)
         self._scene, self._ends = replaced.node, replaced.ends
         assert replaced.samples is not None
         samples = {**state.samples, replaced.node: replaced.samples}

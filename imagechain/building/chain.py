@@ -32,8 +32,7 @@ from core.network.macro import declared_node
 from core.network.network import Link, Network
 from core.network.validation import NetworkProblems
 from imagechain.building.camera import Camera
-from imagechain.building.chain_node import ChainNode
-from imagechain.building.chain_state import ChainState, Check
+from imagechain.building.chain_state import ChainNode, ChainState, Check
 from imagechain.parts.module_part import Part
 from imagechain.parts.plain_errors import block, plain_errors, table
 from imagechain.results.chain_result import Result, RunOptions, current_folder, run_plan, whole_path
@@ -312,14 +311,9 @@ class Chain:
             range of the old scene. By default the file's unit, else ``relative``.
         """
         is_file = isinstance(picture, str | PathLike)
-        own = OwnScene(
-            Path(fspath(picture)) if is_file else np.asarray(picture),
-            fov_deg=fov_deg,
-            range_m=range_m,
-            sample_m=sample_m,
-            band_um=band_um,
-            unit=unit or getattr(picture, "attrs", {}).get("units", ""),
-        )
+        given = Path(fspath(picture)) if is_file else np.asarray(picture)
+        unit = unit or getattr(picture, "attrs", {}).get("units", "")
+        own = OwnScene(given, fov_deg, range_m, sample_m, band_um, unit)
         self._state = self._state.with_scene(own, node, self._engine)
         return self
 
@@ -492,10 +486,7 @@ class Chain:
     def __repr__(self) -> str:
         title = f"<Chain {shown(self.name) if self.name else ''}".rstrip()
         head = f"{title}: {len(self)} nodes, seed {self.seed}>"
-        rows = [
-            (f"  {name}", module, "← " + wires if wires else "")
-            for name, module, wires in self._rows()
-        ]
+        rows = [(f"  {name}", key, wires and f"← {wires}") for name, key, wires in self._rows()]
         return f"{head}\n{columns(rows)}" if rows else head
 
     def _rows(self) -> list[tuple[str, str, str]]:

@@ -6,12 +6,14 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral
 from os import PathLike, fspath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.study.carrying_out import run_study
+from app.run.option_values import save_target
+from app.study.carrying_out import Workers, run_study
 from core.errors import UsageError
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
@@ -109,24 +111,20 @@ def study(
     for name, count in counts.items():
         if not (count is None or (isinstance(count, Integral) and count >= 0)):
             raise UsageError(f"{name} = {count!r:.80} is not allowed: a whole number, 0 or more")
+    files = _texts("summary", summary, str | PathLike, "a file, or a list of files")
     rows = run_study(
         chain.network if isinstance(chain, Chain) else fspath(chain),
-        folder=chain.folder if isinstance(chain, Chain) else None,
+        Workers(jobs, scheduler, memory_bytes=memory_bytes),
+        folder=chain.folder if isinstance(chain, Chain) else Path(),
+        output=None if output is None else fspath(output),
+        summaries=[fspath(path) for path in files],
+        fresh=fresh,
         vary={label: _values(label, values) for label, values in (vary or {}).items()},
-        over=over,
+        over=[f"{label}={pattern}" for label, pattern in (over or {}).items()],
         sample=fspath(sample),
         points=points,
         figures=_texts("figures", figures, str, "NODE.READOUT, or a list of read-outs"),
-        saves=save,
-        output=None if output is None else fspath(output),
-        summaries=[
-            fspath(path)
-            for path in _texts("summary", summary, str | PathLike, "a file, or a list of files")
-        ],
-        jobs=jobs,
-        scheduler=scheduler,
-        memory_bytes=memory_bytes,
-        fresh=fresh,
+        saves=[save_target(f"{port}={pattern}") for port, pattern in (save or {}).items()],
         policy=Policy(precision, tolerance, threads),
     )
     return StudyTable(rows)

@@ -1,19 +1,26 @@
-"""Modules with their values, not yet in a chain, and expressions in place of values."""
+"""Modules with their values, not yet in a chain, and the functions that make them."""
 
-from collections.abc import Mapping
+import inspect
+import textwrap
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from core.errors import ParameterError, close, shown, thaw
-from core.modules.declaration import Declaration
+from app.run.preset_files import shipped_presets
+from core.errors import NetworkError, ParameterError, close, shown, thaw
+from core.modules.declaration import Declaration, declaration, local_key
 from core.modules.parameters import Parameter, plain
+from core.network.file import read_network
 from core.network.linked_values import expression as raw_expression
+from core.network.macro import declared_node
 from core.network.network import Network
+from imagechain.parts.plain_errors import plain_errors
 from nodes.input_output.source_file import HeldSamples
+from nodes.library import standard_library
 
 
 @dataclass(frozen=True)
@@ -105,3 +112,130 @@ def shown_value(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     return str(value)
+
+
+# A function for every module, with its documented parameters as arguments.
+
+_WIDTH = 96
+
+
+def module_function(key: str) -> Callable[..., Part]:
+    """The function that makes a module; raises `AttributeError` if there is no such module."""
+    library = standard_library()
+    if key not in library:
+        raise AttributeError(f"there is no module {key!r}{close(key, library)}")
+    module = library[key]
+    declared = declaration(module)
+    kind = inspect.Parameter.KEYWORD_ONLY
+    arguments = [
+        inspect.Parameter(one.name, kind, default=default(one), annotation=annotation(one)[0])
+        for one in declared.parameters
+    ]
+
+    def made(**values: Any) -> Part:
+        params = file_values(declared, values)
+        plain_values = {name: v for name, v in params.items() if not isinstance(v, dict)}
+        if len(plain_values) == len(params):  # combinations with expressions: when it is planned
+            module.build(plain_values).check()
+        return Part(key, params)
+
+    function: Any = plain_errors(made)
+    function.__name__ = function.__qualname__ = local_key(key)
+    function.__module__ = "imagechain.modules"
+    function.__doc__ = documentation(declared)
+    function.__signature__ = inspect.Signature(arguments, return_annotation=Part)
+    function.__annotations__ = {one.name: one.annotation for one in arguments} | {"return": Part}
+    del function.__wrapped__
+    result: Callable[..., Part] = function
+    return result
+
+
+@plain_errors
+def part(module: str, **values: Any) -> Part:
+    """Create a module from its key and parameter values. Modules from plug-ins work too."""
+    library = standard_library()
+    if module not in library:
+        raise NetworkError(f"there is no module {shown(module)}{close(module, library)}")
+    return module_function(module)(**values)
+
+
+def documentation(declared: Declaration) -> str:
+    """The docstring: the module's description, parameters, ports and read-outs."""
+    lines = [declared.text, ""]
+    if declared.parameters:
+        lines += ["Parameters", "----------"]
+        for parameter in declared.parameters:
+            lines.append(f"{parameter.name} : {annotation(parameter)[1]}")
+            unit = f" [{parameter.param.unit}]" if parameter.param.unit else ""
+            usual = "empty" if parameter.default is None else repr(default(parameter))
+            text = f"{parameter.param.text}{unit}: {parameter.allowed()}; default {usual}"
+            lines += textwrap.wrap(text, _WIDTH, initial_indent="    ", subsequent_indent="    ")
+        lines.append("")
+    lines += ["Notes", "-----", f"{declared.title}, in the group {declared.group}."]
+    inputs = [f"{port.name}{'' if port.required else ' (optional)'}" for port in declared.inputs]
+    outputs = [port.name for port in declared.outputs]
+    for title, names in (("Inputs", inputs), ("Outputs", outputs)):
+        if names:
+            lines += textwrap.wrap(f"{title}: {', '.join(names)}.", _WIDTH)
+    if declared.readouts:
+        names = [f"{r.name}{f' ({r.unit})' if r.unit else ''}" for r in declared.readouts]
+        lines += textwrap.wrap(f"Read-outs: {', '.join(names)}.", _WIDTH)
+    return "\n".join(lines).strip()
+
+
+def default(parameter: Parameter) -> Any:
+    """The default as a Python value."""
+    return () if parameter.default == () else plain(parameter.default)
+
+
+_TYPES: dict[str, tuple[Any, str]] = {
+    "number": (float | Expression, "float | Expression"),
+    "integer": (int | Expression, "int | Expression"),
+    "switch": (bool, "bool"),
+    "text": (str, "str"),
+    "path": (str, "str | PathLike[str]"),
+    "numbers": (tuple[float, ...], "Sequence[float]"),
+}
+
+
+def annotation(parameter: Parameter) -> tuple[Any, str]:
+    """The type of an argument, as an object and as text."""
+    if parameter.kind == "choice":
+        choices = ", ".join(map(repr, parameter.choices))
+        kind, text = Literal[parameter.choices], f"Literal[{choices}]"
+    else:
+        kind, text = _TYPES[parameter.kind]
+    return (kind | None, f"{text} | None") if parameter.empty else (kind, text)
+
+
+def presets() -> dict[str, str]:
+    """Titles of the shipped presets, by name."""
+    return {one.path.stem: one.title for one in shipped_presets(standard_library())}
+
+
+@plain_errors
+def preset(name: str, **values: Any) -> Part:
+    """Create a lens, detector, camera or light source, to add to a chain as one node.
+
+    Parameters
+    ----------
+    name : str
+        A name from `presets()`.
+    **values
+        Values of the parameters that the preset offers.
+    """
+    library = standard_library()
+    places = {one.path.stem: one.path for one in shipped_presets(library)}
+    if name not in places:
+        hint = close(name, places) or f"; the presets are {', '.join(places)}"
+        raise NetworkError(f"there is no preset {shown(name)}{hint}")
+    (node,) = read_network(places[name], library=library).nodes.values()
+    declared = declared_node(node, library)
+    assert declared is not None
+    own = {
+        parameter.name: str(places[name].parent / node.params[parameter.name])
+        for parameter in declared.parameters
+        if parameter.kind == "path" and parameter.name in node.params
+    }
+    params = {**node.params, **own, **file_values(declared, values)}
+    return Part(node.module, params, None, node.id, node.macro)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from core.atomic import write_text
 from core.modules.declaration import Declaration, Library, declaration
-from imagechain.parts.module_functions import annotation, default, documentation
+from imagechain.parts.module_part import annotation, default, documentation
 from nodes.library import standard_library
 
 STUB = Path(__file__).resolve().parents[1] / "modules.pyi"

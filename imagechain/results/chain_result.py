@@ -13,14 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.command.network_run import input_files, sink_files, sink_targets
-from app.run.evaluation import Evaluation, TimedWork, evaluate
+from app.run.evaluation import Evaluation, TimedWork, blocks_of, evaluate, way_of_running
 from app.run.option_values import size_in_bytes
-from app.run.output import find_output
+from app.run.output import find_output, ports_of_images
 from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_array, save_value
-from app.run.staging import Staging
-from app.run.way_of_running import blocks_of, way_of_running
-from app.run.write_rules import WriteRules, read_record
-from core.chain.engine import Engine, Plan, asked_for
+from app.run.staging import Staging, WriteRules, read_record
+from core.chain.engine import Engine, Plan
 from core.chain.frame_sequence import at_frame
 from core.chain.skipped import skips
 from core.chain.wires import Image
@@ -30,12 +28,7 @@ from core.evaluation.work import Policy
 from core.machine import store_bytes
 from core.modules.parameters import Caution
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
-from imagechain.results.chain_picture import Picture
-from imagechain.results.tables import (
-    ReadoutTable,
-    StageCurves,
-    curves_of,
-)
+from imagechain.results import tables
 from nodes.files.frames import header_beside_frames
 from nodes.files.read import check_finite
 
@@ -75,9 +68,7 @@ class RunOptions:
         """The rows and columns to compute in a picture of that shape; None means all of them."""
         if self.region is None:
             return None
-        (top, bottom, _), (left, right, _) = (
-            part.indices(length) for part, length in zip(self.region, shape, strict=True)
-        )
+        (top, bottom, _), (left, right, _) = map(slice.indices, self.region, shape)
         if bottom <= top or right <= left:
             allowed = f"{_REGION}, within the picture's {shape[0]} rows and {shape[1]} columns"
             raise ParameterError("region", self.region, allowed)
@@ -122,18 +113,10 @@ class Result:
     """
 
     def __init__(
-        self,
-        engine: Engine,
-        plan: Plan,
-        options: RunOptions,
-        work: TimedWork,
-        smaller: Smaller,
+        self, engine: Engine, plan: Plan, options: RunOptions, work: TimedWork, smaller: Smaller
     ) -> None:
-        self._engine = engine
-        self._plan = plan
-        self._options = options
-        self._work = work
-        self._smaller = smaller
+        self._engine, self._plan, self._options = engine, plan, options
+        self._work, self._smaller = work, smaller
         self._values: dict[str, NDArray[Any]] = {}
 
     __reduce__ = stays_here
@@ -157,11 +140,11 @@ class Result:
         return self._samples(self._port(port))
 
     @plain_errors
-    def picture(self, port: str | None = None) -> Picture:
+    def picture(self, port: str | None = None) -> tables.Picture:
         """A picture with its unit, sampling interval and band; `port` is as for `image`."""
         name = self._port(port)
         image, samples = self._image(name), self._samples(name)
-        return Picture(name, image, samples, self._work, self._region(image))
+        return tables.Picture(name, image, samples, self._work, self._region(image))
 
     @property
     def images(self) -> "Images":
@@ -211,12 +194,12 @@ class Result:
 
     @property
     @plain_errors
-    def readouts(self) -> ReadoutTable:
+    def readouts(self) -> tables.ReadoutTable:
         """Read-outs of every node: ``result.readouts["electronics"]["netd_system_K"]``."""
-        return ReadoutTable(self._evaluation)
+        return tables.ReadoutTable(self._evaluation)
 
     @plain_errors
-    def curves(self, angle_deg: float | None = None) -> StageCurves:
+    def curves(self, angle_deg: float | None = None) -> tables.StageCurves:
         """MTF and PTF of every stage and of the product of all stages, from zero to Nyquist.
 
         Parameters
@@ -225,7 +208,7 @@ class Result:
             Angle of a line in the frequency plane, from ξ (0°) to η (90°); by default, curves along
             both axes.
         """
-        return curves_of(self._evaluation, None if angle_deg is None else float(angle_deg))
+        return tables.curves_of(self._evaluation, None if angle_deg is None else float(angle_deg))
 
     @property
     @plain_errors
@@ -389,12 +372,7 @@ class Images(Mapping[str, NDArray[Any]]):
 
 def image_ports(plan: Plan) -> tuple[str, ...]:
     """Ports of a plan's pictures, in order."""
-    return tuple(
-        f"{name}.{port}"
-        for name, planned in plan.nodes.items()
-        for port, value in planned.outputs.items()
-        if isinstance(value, Image)
-    )
+    return tuple(ports_of_images(plan))
 
 
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) -> Result:

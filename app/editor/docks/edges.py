@@ -28,8 +28,7 @@ from app.measure.measurement_text import REFUSED, REMOVED, USED
 from core.modules.preview import Axis
 
 if TYPE_CHECKING:
-    from app.fit.edge_fit import EdgesAt
-    from app.fit.patch import Patch
+    from app.fit.edge_fit import EdgesAt, Patch
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
     from core.physics.measurement.edge_mtf import MtfCurve
 

@@ -52,10 +52,9 @@ from core.modules.parameters import Parameter, plain
 from core.network.network import Network
 
 if TYPE_CHECKING:
-    from app.fit.edge_fit import EdgesAt
+    from app.fit.edge_fit import EdgesAt, Patch
     from app.fit.fit_result import FitResult
     from app.fit.free_parameter import FreeParameter
-    from app.fit.patch import Patch
     from app.fit.picture_fit import FittedPictures
 
 _NO_PICTURE = "no picture"

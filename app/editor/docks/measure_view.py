@@ -139,10 +139,9 @@ class MeasureView(WorkerView):
             return
 
         def job(stop: threading.Event, report: Report) -> PictureMeasurement:
-            from app.measure.measuring import MeasurePlan, measure_files
+            from app.measure.measuring import measure_files
 
-            plan = MeasurePlan(paths, band=band)
-            return measure_files(plan, check=partial(check_stop, stop), report=report)
+            return measure_files(paths, band, check=partial(check_stop, stop), report=report)
 
         of = "" if band is None else f", band {band}"
         self._begin(_Measuring(pictures_name(paths) + of, paths), job)
@@ -176,7 +175,7 @@ class MeasureView(WorkerView):
             return
 
         def job(_stop: threading.Event, _report: Report) -> Path:
-            from app.measure.measurement_files import write_measurement
+            from app.measure.measurement_page import write_measurement
 
             write_measurement(measured, path)
             return path

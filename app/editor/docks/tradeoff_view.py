@@ -40,11 +40,10 @@ from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button
-from app.run.responses import SYSTEM, TOTAL
+from app.run.transfer_chain import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_drawing import csv_text
 from app.tradeoff.tradeoff_results import (
     SENSORS,
-    Curve,
     Figure,
     Point,
     Results,
@@ -123,8 +122,7 @@ class TradeOffView(Viewer):
             return ""
         points = tuple(self.points[value] for value in sorted(self.points))
         varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
-        curves = (Curve(None, points),)
-        return csv_text(Results(self.session.network.name, varied, None, self.shown, curves))
+        return csv_text(Results(self.session.network.name, varied, None, self.shown, points))
 
     def queries(self) -> tuple[Query, ...]:
         if self.span is None or not self.shown:

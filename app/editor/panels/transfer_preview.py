@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
-from app.run.responses import Axis as Direction
-from app.run.responses import response
+from app.run.transfer_chain import Axis as Direction
+from app.run.transfer_chain import response
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Transfer
 from core.errors import DataError

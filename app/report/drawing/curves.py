@@ -7,10 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, number, strongest
+from app.report.drawing import picture_drawing as drawing
 from app.run.evaluation import Evaluation
-from app.run.responses import Response, Responses, StageResponse
-from app.run.transfer_chain import Chain
+from app.run.transfer_chain import Chain, Response, Responses, StageResponse
 from core.chain.engine import realize
 from core.chain.wires import Curve, CurveData, Series
 
@@ -31,15 +30,11 @@ def node_curves(evaluation: Evaluation) -> list[Named]:
 
 
 def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
+    names = ("title", "x_label", "y_label", "bars", "log_y", "log_x")
     return [
         {
             "port": port,
-            "title": data.title,
-            "x_label": data.x_label,
-            "y_label": data.y_label,
-            "bars": list(data.bars),
-            "log_y": data.log_y,
-            "log_x": data.log_x,
+            **{name: getattr(data, name) for name in names},
             "series": [{"label": s.label, "x": s.x, "y": s.y} for s in data.series],
         }
         for port, data in node_curves(evaluation)
@@ -49,30 +44,17 @@ def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
 def curves_png(curves: list[Named]) -> bytes:
     rows = [curves[at : at + _BESIDE] for at in range(0, len(curves), _BESIDE)]
     heights = [max(_height(data) for _, data in row) for row in rows]
-    with figure(10.0, sum(heights)) as (drawn, out):
+    with drawing.figure(10.0, sum(heights)) as (drawn, out):
         axes = drawn.subplots(len(rows), _BESIDE, squeeze=False, height_ratios=heights)
         for axis in axes.ravel()[len(curves) :]:
             axis.set_visible(False)
         for axis, (port, data) in zip(axes.ravel(), curves, strict=False):
             draw_on(axis, data)
             axis.set_title(f"{data.title}\n", pad=2)
-            axis.annotate(
-                port,
-                (0.0, 1.0),
-                xycoords="axes fraction",
-                xytext=(0, 4),
-                textcoords="offset points",
-                fontsize=7.5,
-                color="#666666",
-            )
+            look = {"xycoords": "axes fraction", "fontsize": 7.5, "color": "#666666"}
+            drawing.note(axis, port, (0.0, 1.0), (0, 4), **look)
             if len(data.series) > 1:
-                axis.legend(
-                    loc="upper center",
-                    bbox_to_anchor=(0.5, 0.0),
-                    borderaxespad=5.0,
-                    ncols=2,
-                    fontsize=7.5,
-                )
+                drawing.legend_below(axis, 5.0, 7.5)
     return out.getvalue()
 
 
@@ -82,14 +64,14 @@ def draw_on(axis: Any, data: CurveData) -> None:
 
 def _height(data: CurveData) -> float:
     """Inches: of bars as many as there are, and of a legend its rows."""
-    series = min(len(data.series), MOST_DRAWN + 1)
+    series = min(len(data.series), drawing.MOST_DRAWN + 1)
     legend = -(-series // 2) * _LINE if series > 1 else 0.0
     bars = len(data.bars) * (max(1, len(data.series)) * _LINE + 0.06) + 1.1
     return (max(2.2, bars) if data.bars else 3.3) + legend
 
 
 def _draw_curves(axis: Any, data: CurveData) -> None:
-    styles = ((colour, dash) for dash in cycle(_DASHES) for colour in COLOURS)
+    styles = ((colour, dash) for dash in cycle(_DASHES) for colour in drawing.COLOURS)
     shown = _drawn_series(data)
     for series, (colour, dash) in zip(shown, styles, strict=False):
         total = series.label.startswith("Total")
@@ -120,14 +102,16 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
 def _drawn_series(data: CurveData) -> list[Series]:
     """All of them; of very many the totals and the first."""
     total = [series.label.startswith("Total") for series in data.series]
-    return [data.series[place] for place in strongest([float(flag) for flag in total])]
+    return [data.series[place] for place in drawing.strongest([float(flag) for flag in total])]
 
 
 def _draw_bars(axis: Any, data: CurveData) -> None:
     count = max(1, len(data.series))
     thick = 0.8 / count
     places = np.arange(len(data.bars))
-    for place, (series, colour) in enumerate(zip(data.series, cycle(COLOURS), strict=False)):
+    for place, (series, colour) in enumerate(
+        zip(data.series, cycle(drawing.COLOURS), strict=False)
+    ):
         at = places + (place - (count - 1) / 2) * thick
         y = np.asarray(series.y, np.float64)
         drawn = _drawn(y, data.log_y)
@@ -136,9 +120,8 @@ def _draw_bars(axis: Any, data: CurveData) -> None:
             _write_value(axis, height, end, value, data.log_y)
     if data.log_y:
         axis.set_xscale("log")
-    axis.set_yticks(
-        places, ["\n".join(wrap(name, 24, max_lines=2, placeholder=" …")) for name in data.bars]
-    )
+    names = (wrap(name, 24, max_lines=2, placeholder=" …") for name in data.bars)
+    axis.set_yticks(places, ["\n".join(lines) for lines in names])
     axis.set_ylim(len(places) - 0.5, -0.5)
     axis.set_axisbelow(True)
     axis.grid(visible=False, axis="y")
@@ -150,22 +133,14 @@ def _draw_bars(axis: Any, data: CurveData) -> None:
 def _write_value(axis: Any, height: float, end: float, value: float, log: bool) -> None:
     """The value behind its bar; where there is no bar, where it would begin."""
     if np.isfinite(value):
-        text = number(value)
+        text = drawing.number(value)
     else:
         text = "–" if np.isnan(value) else "∞" if value > 0 else "−∞"
     begins: Any = ((0.0, height), ("axes fraction", "data")) if log else ((0.0, height), "data")
     place, counted = ((end, height), "data") if np.isfinite(end) else begins
     below = bool(value < 0) and bool(np.isfinite(end))
-    axis.annotate(
-        text,
-        place,
-        xycoords=counted,
-        xytext=(-3 if below else 3, 0),
-        textcoords="offset points",
-        ha="right" if below else "left",
-        va="center",
-        fontsize=7.5,
-    )
+    look = {"ha": "right" if below else "left", "va": "center", "fontsize": 7.5}
+    drawing.note(axis, text, place, (-3 if below else 3, 0), xycoords=counted, **look)
 
 
 def _drawn(y: Any, log: bool) -> Any:
@@ -185,7 +160,7 @@ _DASHES = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 def stages_png(responses: Responses, chain: Chain, part: Part) -> bytes:
     """MTF or PTF of the stages in `drawn_stages` and of the products: a. across, b. along."""
     stages = drawn_stages(responses, part)
-    with figure(10.0, 4.7) as (drawn, out):
+    with drawing.figure(10.0, 4.7) as (drawn, out):
         axes = drawn.subplots(1, 2, sharey=True)
         named: dict[str, Any] = {}
         for axis, along in zip(axes, ("x", "y"), strict=True):
@@ -194,14 +169,13 @@ def stages_png(responses: Responses, chain: Chain, part: Part) -> bytes:
             named = dict(zip(labels, handles, strict=True)) | named
         order = [_label(stage) for stage in (*stages, *responses.products)]
         named = {label: named[label] for label in order if label in named}
-        drawn.legend(
-            named.values(), named.keys(), loc="outside lower center", ncols=3, fontsize=8.5
-        )
+        texts = named.values(), named.keys()
+        drawn.legend(*texts, loc="outside lower center", ncols=3, fontsize=8.5)
     return out.getvalue()
 
 
 def line_png(responses: Responses, angle_deg: float) -> bytes:
-    with figure(6.6, 4.7) as (drawn, out):
+    with drawing.figure(6.6, 4.7) as (drawn, out):
         axis = drawn.subplots()
         panel(axis, responses, None, drawn_stages(responses, "mtf"), "mtf", "x")
         axis.set_title(f"MTFs at {angle_deg:g}° from horizontal")
@@ -218,18 +192,18 @@ def drawn_stages(responses: Responses, part: Part) -> list[StageResponse]:
         max(float(np.abs(_values(s, part, along) - neutral).max(initial=0.0)) for along in "xy")
         for s in stages
     ]
-    return [stages[place] for place in strongest(strengths)]
+    return [stages[place] for place in drawing.strongest(strengths)]
 
 
 def product_png(responses: Responses, chain: Chain) -> bytes:
     whole = responses.products[-1]
-    with figure(6.6, 4.3) as (drawn, out):
+    with drawing.figure(6.6, 4.3) as (drawn, out):
         axis = drawn.subplots()
         apart = whole.x.mtf - np.interp(responses.xi, responses.eta, whole.y.mtf)
         alike = float(np.max(np.abs(apart))) < _NEAR
         for frequency, response, colour, dash, name in (
-            (responses.xi, whole.x, COLOURS[0], "-", "Horizontal MTF"),
-            (responses.eta, whole.y, COLOURS[1], "--" if alike else "-", "Vertical MTF"),
+            (responses.xi, whole.x, drawing.COLOURS[0], "-", "Horizontal MTF"),
+            (responses.eta, whole.y, drawing.COLOURS[1], "--" if alike else "-", "Vertical MTF"),
         ):
             axis.plot(frequency, response.mtf, dash, color=colour, lw=2.0, label=name)
         _frame(axis, "frequency (cyc/mrad)", "MTF")
@@ -252,7 +226,7 @@ def panel(
     along: str,
 ) -> None:
     frequency = responses.xi if along == "x" else responses.eta
-    styles = zip(cycle(COLOURS), cycle(_DASHES), strict=False)
+    styles = zip(cycle(drawing.COLOURS), cycle(_DASHES), strict=False)
     curves = []
     for stage, (colour, dash) in zip(stages, styles, strict=False):
         if not (stage.has_phase if part == "ptf" else stage.has_blur):
@@ -269,11 +243,8 @@ def panel(
     direction = "a. Horizontal" if along == "x" else "b. Vertical"
     symbol = "ξ" if along == "x" else "η"
     axis.set_title(f"{direction} {part.upper()}s", pad=15)
-    _frame(
-        axis,
-        f"{symbol} (cyc/mrad)",
-        {"mtf": "MTF", "ptf": "PTF (rad)"}[part] if along == "x" else "",
-    )
+    height = {"mtf": "MTF", "ptf": "PTF (rad)"}[part]
+    _frame(axis, f"{symbol} (cyc/mrad)", height if along == "x" else "")
     if part == "mtf":
         _limits(axis, curves)
     _nyquist(axis, chain, along)
@@ -312,15 +283,7 @@ def _nyquist(axis: Any, chain: Chain | None, along: str) -> None:
         marks = [(nyquist, "samples' Nyquist"), (pixels, "pixels' Nyquist")]
     for index, (place, name) in enumerate(marks):
         axis.axvline(place, color="#999999", ls=":", lw=1.2)
-        axis.annotate(
-            f"{name} {place:.4g}",
-            (place, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, 2.5),
-            textcoords="offset points",
-            ha="left" if index else "right",
-            va="bottom",
-            fontsize=7,
-            color="#666666",
-        )
+        look = {"xycoords": ("data", "axes fraction"), "fontsize": 7, "color": "#666666"}
+        look |= {"ha": "left" if index else "right", "va": "bottom"}
+        drawing.note(axis, f"{name} {place:.4g}", (place, 1.0), (0, 2.5), **look)
     axis.set_xlim(0, marks[0][0] * 1.02)

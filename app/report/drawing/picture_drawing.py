@@ -34,16 +34,9 @@ MOST_DRAWN = 24
 RADIANCE = "W/m²/sr"
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 COLOURS = (
-    "#1f77b4",
-    "#d95f02",
-    "#2a9d4a",
-    "#c2267f",
-    "#7a5cc2",
-    "#8c6d31",
-    "#17a2b8",
-    "#e0a100",
+    "#1f77b4", "#d95f02", "#2a9d4a", "#c2267f", "#7a5cc2", "#8c6d31", "#17a2b8", "#e0a100",
     "#6b6b6b",
-)
+)  # fmt: skip
 LEGEND_LETTERS = 0.075  # inches of a letter of a legend, about
 _LEGEND_LINE, _LEGEND_ROW = 0.75, 0.2  # of the line before a name with its gaps, and of a row
 _STYLE: Any = {
@@ -68,6 +61,16 @@ def strongest(strengths: Sequence[float]) -> list[int]:
     """Places of the `MOST_DRAWN` greatest, in order."""
     ranked = sorted(range(len(strengths)), key=lambda place: -strengths[place])
     return sorted(ranked[:MOST_DRAWN])
+
+
+def note(axis: Any, text: str, place: Any, away: tuple[float, float], **look: Any) -> None:
+    """Write a text so many points away from a place."""
+    axis.annotate(text, place, xytext=away, textcoords="offset points", **look)
+
+
+def legend_below(axis: Any, away: float, size: float) -> None:
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "borderaxespad": away}
+    axis.legend(**place, ncols=2, fontsize=size)
 
 
 @contextmanager
@@ -145,10 +148,9 @@ def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str, ti
     axis.grid(visible=False)
     for spine in axis.spines.values():
         spine.set(visible=True, color="#bbbbbb", linewidth=0.5)
-    size = {"pad": 0.03, "aspect": 32, "shrink": 0.92} if along == "bottom" else {"pad": 0.02}
-    bar = drawn.colorbar(
-        shown, ax=axis, location=along, extend="both", ticks=MaxNLocator(ticks), **size
-    )
+    size: Any = {"pad": 0.03, "aspect": 32, "shrink": 0.92} if along == "bottom" else {"pad": 0.02}
+    size |= {"location": along, "extend": "both", "ticks": MaxNLocator(ticks)}
+    bar = drawn.colorbar(shown, ax=axis, **size)
     bar.outline.set_linewidth(0.5)
     return bar
 
@@ -393,11 +395,8 @@ def number(value: Any, unit: str | None = None) -> str:
     if not exponent:
         return mantissa
     raised = str(int(power.replace("−", "-"))).translate(_RAISED)
-    return (
-        f"{mantissa.removesuffix('1')}10{raised}"
-        if mantissa in ("1", "−1")
-        else (f"{mantissa}·10{raised}")
-    )
+    factor = mantissa.removesuffix("1") if mantissa in ("1", "−1") else f"{mantissa}·"
+    return f"{factor}10{raised}"
 
 
 def short(value: float | None, digits: int = 4) -> str:

@@ -2,8 +2,7 @@
 
 import pytest
 
-from app.bench.charts import chart_png
-from app.bench.tables import Chart, Table, figure_text, verdict
+from app.bench.tables import Chart, Table, chart_png, figure_text, verdict
 from app.bench.timing import paired
 
 

@@ -3,7 +3,7 @@
 import re
 import tomllib
 
-from app.handbook.module_examples import PAGES, PARTS
+from app.handbook.example_figures import PAGES, PARTS
 from child_process import ROOT
 from command_line import read_words
 

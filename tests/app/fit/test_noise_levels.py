@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.noise_levels import NoiseLevels, NoiseProblem
+from app.fit.chain_transfer import NoiseLevels, NoiseProblem
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.work import Policy

@@ -21,8 +21,8 @@ from itertools import pairwise
 
 import pytest
 
+from app.handbook.example_figures import PAGES, PARTS
 from app.handbook.markdown_text import blocks_of
-from app.handbook.module_examples import PAGES, PARTS
 from child_process import ROOT
 from command_line import read_words, run_here
 

@@ -9,8 +9,8 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
+from app.handbook.example_figures import PAGES, PARTS
 from app.handbook.markdown_text import blocks_of, rendered
-from app.handbook.module_examples import PAGES, PARTS
 from app.handbook.written_pages import (
     DRAWN,
     MARK,

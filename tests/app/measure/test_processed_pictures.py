@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from app.measure.measurement_files import measurement_json
-from app.measure.measurement_page import measurement_page
+from app.measure.measurement_page import measurement_json, measurement_page
 from app.measure.measurement_text import remarks, with_error
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.handbook.module_examples import PAGES
+from app.handbook.example_figures import PAGES
 from app.measure.measurement_text import refused_lines
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile

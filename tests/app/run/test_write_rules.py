@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from app.command.cli import main
-from app.run import write_rules
-from app.run.staging import Staging
-from app.run.write_rules import WriteRecord, read_record, remember_chosen
+from app.run.staging import Staging, WriteRecord, read_record, remember_chosen, write_rules
 from core.atomic import write_text
 from core.errors import FileError
 from nodes.files.read import read_pixels

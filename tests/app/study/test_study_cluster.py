@@ -59,7 +59,7 @@ def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_o
 
         if any(place == 11 for place, _, _ in tasks):
             os._exit(1)
-        from app.study.worker_rows import rows_of_batch
+        from app.study.worker_processes import rows_of_batch
 
         return rows_of_batch(setting, key, tasks, share)
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.run.output import HOW_TO_MARK, sound_part
-from app.run.responses import StageResponse, responses_along
-from app.run.transfer_chain import Chain, find_chain
+from app.run.transfer_chain import Chain, StageResponse, find_chain, responses_along
 from core.chain.engine import Plan
 from core.chain.wires import Curve, CurveData, CurveMark, Table, TableData
 from core.errors import NetworkError

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
 from app.editor.theme import DARK
-from app.run.write_rules import read_record
+from app.run.staging import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.operations import rewire, set_parameter
