@@ -234,12 +234,12 @@ def fitted(network, picture, free, clip_levels=None):
     made = parse_network(json.dumps(network), library=library, name_of_source="drawn")
     parameters = free_parameters(free, made, library)
     engine = Engine(library)
-    choice = edges_in(pictures=[picture], clip_levels=clip_levels)
-    if not choice.patches:
-        raise DataError(f"no edge can be used: {choice.reasons}")
+    patches, refused = edges_in(pictures=[picture], clip_levels=clip_levels)
+    if not patches:
+        raise DataError(f"no edge can be used: {refused}")
     chain = ChainAt(engine, engine.plan(made), [one.target for one in parameters])
     work = engine.work(Policy("single", None, 1))
-    problem = EdgeProblem(chain, work, parameters, choice.patches)
+    problem = EdgeProblem(chain, work, parameters, patches)
     fit = fit_chain(problem)
     return result_of(fit, problem.cost)
 

@@ -10,11 +10,7 @@ import pytest
 
 import imagechain as ic
 
-NETWORKS = {
-    "kodak_kir310": (32, 48),
-    "satellite_tdi": (48, 33),
-    "pushbroom_banding": (40, 40),
-}
+NETWORKS = {"kodak_kir310": (32, 48), "satellite_tdi": (48, 33), "pushbroom_banding": (40, 40)}
 
 
 def frames_of(shape, count=3, dtype=np.float32):

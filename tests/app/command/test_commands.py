@@ -98,7 +98,7 @@ def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatc
         def broken(*_, kind=kind):
             raise kind("of\ntwo lines")
 
-        monkeypatch.setattr("app.command.network_run.evaluate", broken)
+        monkeypatch.setattr("app.run.evaluation.evaluate", broken)
         assert main(["run", write(small)]) == 1
         err = capsys.readouterr().err
         assert err.count("\n") == 1
@@ -111,8 +111,7 @@ ENDLESS = ["run", "kodak_kir310", "--frames", "1000000", "--save"]
 
 
 @pytest.mark.parametrize(
-    ("number", "moment"),
-    [(signal.SIGINT, "starting"), (signal.SIGHUP, "writing")],
+    ("number", "moment"), [(signal.SIGINT, "starting"), (signal.SIGHUP, "writing")]
 )
 def test_stopped(number, moment, tmp_path):
     words = [sys.executable, "-m", "app.command.cli", *ENDLESS, "frame_grabber.image[:1,:1]=a.npy"]

@@ -98,11 +98,7 @@ def test_what_the_thesis_says_of_its_curves(report):
 
 
 @pytest.mark.parametrize(
-    ("words", "compared"),
-    [
-        ((), True),
-        (("--set", "photons.percent=50"), False),
-    ],
+    ("words", "compared"), [((), True), (("--set", "photons.percent=50"), False)]
 )
 def test_only_the_published_network_is_compared_with_the_thesis(words, compared, tmp_path):
     """By its content: here under another name, as a file of one's own."""

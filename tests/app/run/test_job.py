@@ -4,12 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from app.run.job import (
-    Job,
-    job_text,
-    read_job,
-    read_message,
-)
+from app.run.job import Job, job_text, read_job, read_message
 
 HERE = Path("/home/me")
 

@@ -8,13 +8,24 @@ from pathlib import Path
 import pytest
 
 import imagechain as ic
-from app.run.preset_files import own_presets, placed, preset_of, save_preset, shipped_presets
+from app.run.preset_files import (
+    given,
+    own_presets,
+    placed,
+    preset_of,
+    remove_set,
+    save_preset,
+    save_set,
+    sets_of,
+    shipped_presets,
+)
 from app.run.shipped import find_network
 from core.chain.engine import Engine
+from core.editing.document import Document
 from core.editing.macros import group
-from core.editing.operations import rename_node
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
+from core.modules.declaration import declaration
 from core.network.file import load_network, read_network
 from core.network.macro import expanded
 from core.network.network import Link, Network, Node
@@ -206,3 +217,58 @@ def test_what_is_no_preset_is_listed_with_its_problem(lens, tmp_path):
     assert "not a preset; a preset is a network of one node" in two.problem
     with pytest.raises(ImagechainError, match=r"broken\.json: not JSON"):
         placed(broken, lens, LIBRARY, None)
+
+
+# --- sets of parameters ---
+
+MODULE = "gaussian_mtf"
+SHARP = {"sigma_x_mrad": 0.25, "sigma_y_mrad": 0.5}
+
+
+def node(params):
+    return Node("blur", MODULE, params)
+
+
+def document(params):
+    return Document(Network(nodes={"blur": node(params)}), library=LIBRARY)
+
+
+def take(made, values, name="sharp"):
+    old = made.network.nodes["blur"]
+    return made.do(given(name, values, old, declaration(LIBRARY[MODULE]), "blur"))
+
+
+def test_a_set_is_kept_and_taken_again(tmp_path):
+    folder = tmp_path / "sets"
+    assert sets_of(MODULE, folder) == {}
+    save_set("sharp", node(SHARP), folder)
+    save_set("plain", node({}), folder)
+    assert json.loads((folder / f"{MODULE}.json").read_text())["sets"] == {
+        "sharp": SHARP,
+        "plain": {},
+    }
+    made = document({"sigma_x_mrad": 2.0, "apply": "filter_only"})
+    before = made.text()
+    assert take(made, sets_of(MODULE, folder)["sharp"])
+    assert dict(made.network.nodes["blur"].params) == SHARP  # what it leaves out has its default
+    made.undo()
+    assert made.text() == before
+    assert made.history.redo_text == "Set blur to sharp"
+    take(made, sets_of(MODULE, folder)["plain"])
+    assert dict(made.network.nodes["blur"].params) == {}
+    remove_set("sharp", MODULE, folder)
+    assert list(sets_of(MODULE, folder)) == ["plain"]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"sigma": 1}, "the saved parameters sharp include sigma, but Gaussian MTF has no"),
+        ({"sigma_x_mrad": -1}, "sigma_x_mrad = -1 mrad is not allowed"),
+    ],
+)
+def test_a_set_that_does_not_fit_changes_nothing(values, message):
+    made = document(SHARP)
+    with pytest.raises(ImagechainError, match=message):
+        take(made, values)
+    assert not made.history.undo_text

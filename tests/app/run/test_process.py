@@ -60,12 +60,12 @@ class Disturbing:
     def __del__(self):
         told()
 
-real = app.command.network_run.evaluate
+real = app.run.evaluation.evaluate
 def evaluate(*words):
     thing = Disturbing()
     del thing
     return real(*words)
-app.command.network_run.evaluate = evaluate
+app.run.evaluation.evaluate = evaluate
 """)
     assert (done.returncode, done.stderr) == (1, CANCELLED)
     assert names(tmp_path) == ["net.json"]
@@ -73,7 +73,7 @@ app.command.network_run.evaluate = evaluate
 
 def test_a_second_stop_while_the_first_is_told(disturbed, tmp_path):
     done = disturbed(
-        'before(app.command.network_run, "evaluate"); before(app.command.cli, "print_error")'
+        'before(app.run.evaluation, "evaluate"); before(app.command.cli, "print_error")'
     )
     assert (done.returncode, done.stderr) == (1, CANCELLED)
     assert names(tmp_path) == ["net.json"]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.command.cli import main
-from app.run.staging import Staging, WriteRecord, read_record, remember_chosen, write_rules
+from app.run.staging import Staging, WriteRecord, WriteRules, read_record, remember_chosen
 from core.atomic import write_text
 from core.errors import FileError
 from nodes.files.read import read_pixels
@@ -281,7 +281,7 @@ def test_a_run_killed_while_it_put_files_in_place_is_known(tmp_path):
             super().commit()
 
     for text in ("one", "two"):
-        rules = write_rules.WriteRules((tmp_path,), (), frozenset(), read_record(record.network))
+        rules = WriteRules((tmp_path,), (), frozenset(), read_record(record.network))
         with Killed(None) as staging:
             staging.claim(target, partial(rules.check, "out"))
             staging.write(target, partial(write_text, content=text))
@@ -300,7 +300,7 @@ def test_runs_of_one_network_at_once_do_not_disown_each_other(tmp_path):
     chosen = tmp_path / "elsewhere/c.txt"
 
     def rules():
-        return write_rules.WriteRules((tmp_path,), (), frozenset(), read_record(network))
+        return WriteRules((tmp_path,), (), frozenset(), read_record(network))
 
     def prepare(known, staging, path, text):
         staging.claim(path, partial(known.check, "out"))
@@ -332,7 +332,7 @@ def test_records_are_changed_in_turn(tmp_path):
 
 def test_what_changes_while_it_computes_is_seen(tmp_path):
     target = tmp_path / "nets/a.txt"
-    rules = write_rules.WriteRules((tmp_path / "nets",), (), frozenset(), WriteRecord(tmp_path))
+    rules = WriteRules((tmp_path / "nets",), (), frozenset(), WriteRecord(tmp_path))
 
     def disturbed(change):
         with Staging(None) as staging:

@@ -34,7 +34,7 @@ def cluster():
 @pytest.fixture
 def study(imagechain, sensor, cluster, monkeypatch):
     # On a busy machine a worker that has ended begins again when it can.
-    monkeypatch.setattr("app.study.dask_study._WITHOUT_S", PATIENCE_S)
+    monkeypatch.setattr("app.study.worker_processes._WITHOUT_S", PATIENCE_S)
 
     def run(*words, alone=False):
         where = ["--jobs=1"] if alone else ["--scheduler", cluster.scheduler_address]
@@ -63,7 +63,7 @@ def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_o
 
         return rows_of_batch(setting, key, tasks, share)
 
-    monkeypatch.setattr("app.study.dask_study.rows_of_batch", deadly)
+    monkeypatch.setattr("app.study.worker_processes.rows_of_batch", deadly)
     study("--output=a.csv", alone=True)
     done = study("--output=b.csv")
     assert done.returncode == 2

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.run.shipped import find_network, shipped_networks
-from app.study.carrying_out import run_study
+from app.study.carrying_out import Workers, run_study
 from core.network.file import load_network
 from nodes.library import standard_library
 from tradeoff_network import DOCUMENT, mtf
@@ -168,7 +168,8 @@ def test_the_default_figures_of_a_shipped_network_are_numbers(name):
         for name, value in node.params.items()
         if isinstance(value, float) and value > 0 and not name.startswith(("fov", "cut"))
     )
-    result = run_study(network, vary={number: [value, 1.02 * value]}, folder=place.folder)
+    vary = {number: [value, 1.02 * value]}
+    result = run_study(network, Workers(1), vary=vary, folder=place.folder)
     assert [row.error for row in result.rows] == ["", ""]
     names = {figure.text for figure in result.study.figures}
     figures = [column.values for column in result.columns() if column.name in names]

@@ -1,6 +1,7 @@
 """Each recipe is made once in an evaluation, whatever the store can hold."""
 
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from core.evaluation.store import Store
 from core.evaluation.work import Policy
 from core.network.file import load_network
 from core.network.network import Network
+from linked_network import linked_network
+from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
 from nodes.library import standard_library
 
 NETWORKS = Path(__file__).parents[3] / "networks"
@@ -77,3 +80,29 @@ def test_with_what_reports_show():
         report_facts(found, skips(plan, work))
     assert {name: count for name, count in work.times.items() if count > 1} == {}
     assert store.used_bytes <= 1
+
+
+# --- long networks ---
+
+LONG = 300
+
+
+def test_pictures_in_series():
+    """Each is made of the one before: no recursion is as deep as the chain."""
+    scene = {"kind": "uniform", "width": 8, "height": 8}
+    nodes = {"scene": ("test_scene", scene)}
+    nodes |= {f"n{k}": ("poisson_noise", {"percent": 0.01}) for k in range(LONG)}
+    names = list(nodes)
+    links = [(f"{a}.image", f"{b}.image") for a, b in pairwise(names)]
+    engine = Engine(standard_library(), Store(capacity_bytes=1))
+    plan = planned(engine, linked_network(nodes, links), Path())
+    work = TimedWork(Policy(threads=1), engine.store)
+    image = plan.output(f"n{LONG - 1}.image")
+    with work.hold(needed_later(plan, [], report=True)):
+        found = evaluate(engine, plan, work, Path())
+        noise = work.value(NoiseOf(image))
+    assert found.chain.final == f"n{LONG - 1}.image"
+    assert len(noise.terms) == LONG
+    assert len(transfer_of(image).stages) == 0
+    assert noise_free(image.recipe).key != image.key
+    assert engine.store.pinned == 0

@@ -1,0 +1,214 @@
+"""Pictures that were filtered after they were taken: what is said of them."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image as Pillow
+from scipy import ndimage
+
+from app.handbook.example_figures import PAGES
+from app.measure.measurement_page import measurement_json, measurement_page
+from app.measure.measurement_text import refused_lines, remarks, with_error
+from app.measure.measuring import Source, measure_pictures
+from app.measure.picture_measurement import MeasuredFile
+from camera_scenes import box, turned
+from core.physics.measurement.edge_search import find_edges
+from edge_truth import blur_network, gaussian_edge
+from oversampled_camera import Camera, half_plane, take
+from oversampled_scene import Scene, Shape
+
+SCENE = Scene(
+    background=3000,
+    shapes=tuple(
+        Shape(turned(box(46, 46), angle, middle), level)
+        for angle, middle, level in ((11, (40, 42), 9000), (27, (140, 140), 7000))
+    ),
+)
+
+
+@pytest.fixture(scope="module")
+def taken():
+    camera = Camera(cutoff=1.2, jitter=0.3, gain_e_per_dn=50, read_e=30)
+    return take(SCENE, camera, rows=192, columns=200, seed=1).picture
+
+
+def measured(picture):
+    return measure_pictures(Source((MeasuredFile("one", 1, ""),), [picture], *picture.shape))
+
+
+def test_a_picture_as_it_is_has_nothing_against_it(taken):
+    plain = measured(taken)
+    assert plain.x is not None
+    # Of the mean level's electrons, and the read noise.
+    assert plain.noise.sigma == pytest.approx(np.sqrt(50 * taken.mean() + 30**2) / 50, rel=0.03)
+    assert not any("sharpened" in line for line in remarks(plain))
+
+
+@pytest.mark.parametrize("amount", [0.4, 2.0])
+def test_noise_of_a_sharpened_picture_is_withheld(taken, amount):
+    picture = taken + amount * (taken - ndimage.gaussian_filter(taken, 1.0))
+    sharpened = measured(picture)
+    assert sharpened.noise is None
+    assert "sharpened" in sharpened.noise_reason
+
+
+def test_an_mtf_above_one_is_called_that_of_a_sharpened_picture(taken):
+    picture = taken + 2.0 * (taken - ndimage.gaussian_filter(taken, 1.0))
+    lines = remarks(measured(picture))
+    assert any(
+        line.startswith("warning: the horizontal MTF exceeds 1: the picture was") for line in lines
+    )
+
+
+@pytest.mark.parametrize("colour", ["green", "red"])
+def test_a_mosaic_of_filters_that_was_filled_in_is_measured_with_a_warning(taken, colour):
+    kept, weights = np.zeros_like(taken), [[1, 2, 1], [2, 4, 2], [1, 2, 1]]
+    kept[::2, ::2] = 1.0
+    if colour == "green":
+        kept[1::2, 1::2], weights = 1.0, [[0, 1, 0], [1, 4, 1], [0, 1, 0]]
+    filled = ndimage.convolve(taken * kept, np.array(weights) / 4.0)
+    result = measured(filled)
+    assert 0.1 < result.x.mtf50 < measured(taken).x.mtf50
+    assert result.noise is None
+    assert "interpolated" in result.noise_reason
+    assert any(line.startswith("warning: one: interpolated: ") for line in remarks(result))
+    # A fit of the camera's own blur is not for such a picture.
+    seen = find_edges(picture=filled)
+    assert not any(edge.used for edge in seen)
+    assert any(edge.why_not.startswith("interpolated: ") for edge in seen)
+
+
+def test_one_edge_has_one_error():
+    camera = Camera(cutoff=1.2, jitter=0.3, gain_e_per_dn=50, read_e=30)
+    picture = take(half_plane(9.0, (60, 50), 3000, 9000), camera, rows=100, columns=120).picture
+    result = measured(picture)
+    (edge,) = [edge for edge in result.edges if edge.used]
+    assert edge.mtf50_sigma == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
+    text = with_error(result.x.mtf50, result.x.mtf50_sigma)
+    assert measurement_page(result).count(text) == 2
+    (written,) = [one for one in json.loads(measurement_json(result))["edges"] if one["used"]]
+    assert written["sigma"] == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
+
+
+# --- pictures with loss ---
+
+FREE = ("--free", "blur.sigma_x_mrad")
+
+
+@pytest.fixture
+def picture(tmp_path):
+    """An edge of the chain's own blur, in 8 bits, and the chain."""
+    network = blur_network(blur=("gaussian_mtf", {"sigma_x_mrad": 0.06, "sigma_y_mrad": 0.05}))
+    (tmp_path / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    edge = gaussian_edge(
+        angle_deg=6.0, sigma=(0.6, 0.5), shape=(64, 64), levels=(50, 200), noise=1.5, seed=5
+    )
+    return Pillow.fromarray(np.rint(edge).astype(np.uint8))
+
+
+# Of the best quality: no border of a block shows in the samples.
+@pytest.mark.parametrize(
+    ("name", "how"), [("a.jpg", {"quality": 100}), ("a.jp2", {"irreversible": True})]
+)
+def test_no_figure_comes_of_a_file_with_loss(fails, works, tmp_path, picture, name, how):
+    picture.save(tmp_path / name, **how)
+    works("measure", name, "--json", "m.json")
+    facts = json.loads((tmp_path / "m.json").read_text("utf-8"))
+    assert set(facts["mtf"]["x"]) == set(facts["mtf"]["y"]) == set(facts["noise"]) == {"reason"}
+    assert "compressed with loss" in facts["mtf"]["x"]["reason"]
+    assert "compressed with loss" in facts["noise"]["reason"]
+    assert not any(one["used"] for one in facts["edges"])
+    assert facts["warnings"] == [line for line in facts["warnings"] if "without loss" in line] != []
+    line = fails("fit", "net.json", "--to", name, *FREE, "--json", "f.json")
+    assert line.startswith(f"imagechain: {name}: compressed with loss")
+    assert not (tmp_path / "f.json").exists()
+
+
+@pytest.mark.parametrize(("name", "how"), [("a.png", {}), ("a.jp2", {"irreversible": False})])
+def test_what_keeps_every_sample_is_measured(works, tmp_path, picture, name, how):
+    picture.save(tmp_path / name, **how)
+    works("measure", name, "--json", "m.json")
+    facts = json.loads((tmp_path / "m.json").read_text("utf-8"))
+    assert facts["mtf"]["x"]["mtf50"] > 0.0
+    # So few samples do not give the noise to the 3 % that are asked for; why says what they give.
+    assert "1.5" in facts["noise"]["reason"]
+
+
+# --- edges that are refused ---
+
+SIZE = (96, 96)
+
+
+def edge(angle_deg=6.0, **how):
+    how = {"sigma": (0.6, 0.6), "shape": SIZE, "levels": (50.0, 200.0), "noise": 1.0, **how}
+    return gaussian_edge(angle_deg=angle_deg, seed=3, **how)
+
+
+def two_edges():
+    """A dark bar, seven samples wide."""
+    left, right = (edge(middle=(48.0 + away, 48.0), noise=0.0) for away in (-3.5, 3.5))
+    return 200.0 - left + right + np.random.default_rng(2).standard_normal(SIZE)
+
+
+def interlaced():
+    picture = edge()
+    picture[1::2] = np.roll(picture[1::2], 2, axis=1)
+    return picture[:, 4:]
+
+
+def uneven():
+    """One side is striped, by half of the contrast."""
+    stripes = 37.0 * np.sin(np.arange(SIZE[0]) / 3.0)[:, np.newaxis]
+    return edge() + stripes * (edge(noise=0.0) - 50.0) / 150.0
+
+
+@pytest.mark.parametrize(
+    ("picture", "words"),
+    [
+        (np.clip(edge(), 60.0, 190.0), "clipped"),
+        (edge(levels=(50.0, 62.0), noise=3.0, shape=(24, 96)), "too little contrast"),
+        (edge(0.0), "not slanted enough"),
+        (edge(0.5, middle=(92.5, 48.0)), "too close to the frame's border"),
+        (two_edges(), "another edge too close"),
+        (interlaced(), "interlaced"),
+        (uneven(), "brightness or contrast varies along the edge"),
+        (edge(sigma=(5.0, 5.0)), "the edge spread is wider than the clear area around the edge"),
+    ],
+)
+def test_the_clearest_edge_is_refused(picture, words):
+    seen = find_edges(picture=picture)
+    assert seen
+    assert not seen[0].used
+    assert seen[0].why_not.partition(":")[0] == words
+    assert words in (PAGES / "edge_pictures.md").read_text(encoding="utf-8")
+
+
+def test_what_helps_is_named_where_no_edge_is_used():
+    def lines(picture):
+        file = MeasuredFile("p.npy", 1, "")
+        return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
+
+    told = ["1 not used: not slanted enough", "for advice, run imagechain handbook edge_pictures"]
+    assert lines(edge(0.0)) == told
+    both = np.concatenate([edge(0.0), edge()], axis=1)
+    assert lines(both)
+    assert told[1] not in lines(both)
+
+
+# --- figures in words ---
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.187208, 0.000277855, "0.18721 ± 0.00028"),
+        (1e-10, 0.0034, "0.0000 ± 0.0034"),
+        (12345.6, 480.0, "12350 ± 480"),
+        (3.2e-9, 1.1e-10, "3.2e-09 ± 1.1e-10"),
+        (0.12345, None, "0.1235"),
+        (None, 1.0, "–"),
+    ],
+)
+def test_a_figure_has_the_digits_that_its_error_leaves(value, error, text):
+    assert with_error(value, error) == text
