@@ -27,7 +27,7 @@ from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_of
 from app.tradeoff.values import Variation
 from core.atomic import write_text
 from core.chain.engine import Engine, realize
-from core.errors import InputError, UsageError
+from core.errors import InputError, UsageError, printable
 from core.evaluation.store import Store
 from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration

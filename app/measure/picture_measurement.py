@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from core.physics.measurement.edges import edge_mtf
 from numpy.typing import NDArray
 
+from core.physics.measurement import edge_mtf
 from core.physics.measurement.found_edge import FoundEdge
 from core.physics.measurement.picture_noise import FramesNoise
 from core.physics.measurement.sample_noise import LevelVariance

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from app.run.readout_tables import columns, json_text, number_text
 from core.errors import DataError, in_line
+from core.physics.measurement import thermal_response as thermal
 from core.physics.measurement.photon_transfer import (
     FlatField,
     FlatFrames,
     PhotonTransfer,
     photon_transfer,
 )
-from core.physics.measurement.thermal_response import thermal_response as thermal
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines

@@ -125,7 +125,9 @@ def named_figure(option: str, text: str, network: Network, library: Library) -> 
     if text not in known:
         beside = [name for name in known if known[name].node == text.rpartition(".")[0]]
         hint = near("", beside) if beside else near(text, known)
-        raise errors.UsageError(f"{option} {shown(text)}: the network has no such read-out{hint}")
+        raise errors.UsageError(
+            f"{option} {errors.shown(text)}: the network has no such read-out{hint}"
+        )
     return known[text]
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.run.evaluation import way_of_running
 from app.run.output import ancestors, find_output
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
-from core.chain.engine import Engine, Plan
+from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
 from core.chain.wires import Image
 from core.errors import DataError, ImagechainError, NetworkError, ParameterError, UsageError

@@ -18,7 +18,7 @@ from app.run.option_values import size_in_bytes
 from app.run.output import find_output, ports_of_images
 from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_array, save_value
 from app.run.staging import Staging, WriteRules, read_record
-from core.chain.engine import Engine, Plan
+from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
 from core.chain.skipped import skips
 from core.chain.wires import Image

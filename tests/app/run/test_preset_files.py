@@ -23,6 +23,7 @@ from app.run.shipped import find_network
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.macros import group
+from core.editing.operations import rename_node
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from core.modules.declaration import declaration
