@@ -121,11 +121,6 @@ class EditorProcess:
         numbers = told.split()
         return int(numbers[-1]) if numbers else None
 
-    def windows(self):
-        """The ids of all its windows in sight, menus among them."""
-        its_own = ("--all", "--pid", self.process.pid)
-        return set(self._xdotool("search", "--onlyvisible", *its_own, "--name", "").split())
-
     def title(self):
         return self._xdotool("getwindowname", self.main).strip()
 
@@ -149,13 +144,6 @@ class EditorProcess:
 
     def keys(self, *names):
         self._xdotool("key", "--delay", "20", *names)
-
-    def move(self, x, y):
-        self._xdotool("mousemove", x, y)
-
-    def click(self, x, y, button=1):
-        self.move(x, y)
-        self._xdotool("click", button)
 
     def focus(self, window):
         """What a window manager does with a new window, and on a click."""

@@ -48,6 +48,12 @@ class Hands:
     def type(self, text):
         self._run([["type", "--delay", "6", "--", text]])
 
+    def enter(self, text, *first):
+        """Keys, then a text over what is there, and Return."""
+        keys = ["key", "--delay", "12", *first, "ctrl+a"]
+        self._run([keys, ["type", "--delay", "6", "--", text]])
+        self.keys("Return")
+
     def keys(self, *names):
         """Keys as xdotool calls them: ``ctrl+z``, ``Tab``, ``question``."""
         self._run([["key", "--delay", "12", *names]])
@@ -60,7 +66,7 @@ class Hands:
         thread.start()
         while thread.is_alive():
             process_events(0.004)
-        process_events(0.04)
+        process_events(0.02)
 
 
 def process_events(seconds):

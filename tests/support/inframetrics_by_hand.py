@@ -55,7 +55,6 @@ class ValuesByHand:
         field = self.find(QWidget, f"field.{name}", self.window.panels)
         self.turn_to_page_of(field)
         self.bring_into_view(field)
-        wait_still(field)
         kind = declaration(self.library[node.module]).parameter(name).kind
         if kind == "choice":
             self.choose(field, name, value)
@@ -65,9 +64,7 @@ class ValuesByHand:
                 self.hands.click(box.mapToGlobal(QPoint(8, box.height() // 2)))
         else:
             self.hands.click(centre(self.find(QLineEdit, f"value.{name}", field)))
-            self.hands.keys("ctrl+a")
-            self.hands.type(repr(value))
-            self.hands.keys("Return")
+            self.hands.enter(repr(value))
         wait_until(
             lambda: (
                 self.network.nodes[node.id].params.get(name, _default(self, node, name)) == value
@@ -114,6 +111,7 @@ class ValuesByHand:
                 QPoint(area.viewport().width() - 3, area.viewport().height() // 2)
             )
             self.hands.wheel(edge, clicks)
+            wait_still(widget)
         raise AssertionError(f"{widget.objectName()} cannot be scrolled into view")
 
     def set_seed(self):
@@ -121,9 +119,7 @@ class ValuesByHand:
         for name, value in (("name", self.wanted.name), ("seed", str(self.wanted.seed))):
             edit = self.find(QLineEdit, f"network_{name}", self.window.panels)
             self.hands.click(centre(edit))
-            self.hands.keys("ctrl+a")
-            self.hands.type(value)
-            self.hands.keys("Return")
+            self.hands.enter(value)
         wait_until(lambda: self.network.seed == self.wanted.seed, "the seed is set")
 
 
@@ -205,14 +201,14 @@ class Builder(ValuesByHand):
         return self.window.canvas
 
     def screenshot(self, name):
-        process_events(0.3)
+        process_events(0.1)
         picture = self.app.primaryScreen().grabWindow(0)
         assert picture.save(str(self.screenshots / f"{name}.png"))
 
     def settle(self):
         process_events(0.1)
         wait_until(lambda: self.window.evaluator.idle, "all is computed")
-        process_events(0.2)
+        process_events(0.1)
 
     def find(self, kind, name, inside=None):
         found = (inside or self.window).findChild(kind, name)
@@ -272,10 +268,7 @@ class Builder(ValuesByHand):
         if old == new:
             return
         self.select(old)
-        self.hands.keys("F2")
-        self.hands.keys("ctrl+a")
-        self.hands.type(new)
-        self.hands.keys("Return")
+        self.hands.enter(new, "F2")
         wait_until(lambda: new in self.network.nodes, f"{old} is called {new}")
 
     def select(self, name):
@@ -320,6 +313,7 @@ class Builder(ValuesByHand):
         self.hands.drag(
             self.port("scene", "image", "output"), self.port("detector", "magnitude", "input")
         )
+        wait_until(lambda: self.window.status.error, "it is refused")
         assert self.network is before
         assert "image" in self.window.status.error
         assert "magnitude" in self.window.status.error
@@ -363,9 +357,7 @@ class Builder(ValuesByHand):
         self.hands.keys("ctrl+s")
         wait_until(lambda: self.window.findChild(QWidget, "file_dialog"), "the dialog is open")
         process_events(0.3)
-        self.hands.keys("ctrl+a")
-        self.hands.type(str(path))
-        self.hands.keys("Return")
+        self.hands.enter(str(path))
         wait_until(path.is_file, "the file is written")
         wait_until(lambda: not self.window.session.document.modified, "the document is saved")
 
@@ -388,11 +380,17 @@ class Builder(ValuesByHand):
         """One more edit, which no file holds; then wait for the end."""
         self.select("jitter")
         self.set_value(self.wanted.nodes["jitter"], "sigma_mrad", 0.5)
-        (self.folder / "unsaved.json").write_text(self.window.session.document.text())
-        process_events(1.9)
+        text = self.window.session.document.text()
+        (self.folder / "unsaved.json").write_text(text)
+        wait_until(lambda: text in self.kept(), "it is kept against a crash")
         (self.folder / "ready").write_text("kill me")
         while True:
             process_events(1.0)
+
+    def kept(self):
+        """The networks that recovery files hold, but for one that is being written."""
+        files = (self.folder / "recovery").glob("[!.]*.recovery")
+        return [json.loads(path.read_text())["network"] for path in files]
 
     def recover(self):
         self.screenshot("7_recovered_work")

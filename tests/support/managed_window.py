@@ -19,6 +19,7 @@ from app.editor.window.recent_files import Settings
 from app.editor.window.start import application
 from hands import Hands, centre, process_events, wait_until
 from nodes.library import standard_library
+from window_hands import show_small
 
 
 class Managed:
@@ -27,6 +28,7 @@ class Managed:
     def __init__(self, folder):
         self.hands = Hands()
         self.app = application()
+        self.app.setDoubleClickInterval(150)  # single clicks follow as soon
         self.screen = self.app.primaryScreen()
         self.window = MainWindow(
             library=standard_library(),
@@ -111,7 +113,7 @@ def first(folder):
     """The first start."""
     made = Managed(folder)
     made.note("welcome")
-    made.window.files.open_now("kodak_kir310")
+    show_small(made.window, "kodak_kir310")
     made.settle()
     made.note("first")
     made.double_click_on_title()
@@ -130,7 +132,7 @@ def first(folder):
 def again(folder):
     """The next start."""
     made = Managed(folder)
-    made.window.files.open_now("kodak_kir310")
+    show_small(made.window, "kodak_kir310")
     made.settle()
     made.note("begun")
     made.double_click_on_title()

@@ -78,7 +78,7 @@ def type_in(edit, text, key=Qt.Key.Key_Return):
 def other_value(parameter, now):
     """A value that the parameter may have and has not."""
     wanted = {
-        "number": (0.25, 1.5, 42.0, 3.0, 0.1),
+        "number": (0.25, 1.5, 42.0, 3.0, 0.1, -2.0, 0.9999),
         "integer": (3, 5, 7),
         "switch": (True, False),
         "choice": parameter.choices,

@@ -41,7 +41,7 @@ def heights(panel):
 
 def choose(made, node):
     """Click on a node; its panel, once all is computed."""
-    process_events(0.6)  # a second click would be a double-click
+    process_events(0.2)  # a second click would be a double-click
     made.hands.click(made.at(place_of_head(made.window.canvas, node)))
     wait_until(lambda: made.window.session.selection == (node,), f"{node} is selected")
     made.settle()
@@ -62,7 +62,7 @@ def dragged(made, panel, name, pixels):
     steps += [("mousemove", x + pixels * step // 4, y) for step in range(1, 5)]
     for step in (*steps, ("mouseup", 1)):
         subprocess.run(["xdotool", *map(str, step)], check=True)
-        process_events(0.3)
+        process_events(0.15)
         wait_until(lambda: made.window.evaluator.idle, "all is computed")
         found.append(heights(panel))
         badges.append(panel.head.problem.text())
@@ -81,17 +81,6 @@ def main(folder):
     }
     seen["exposure"] = dragged(made, panel, "integration_time_s", 30)
     seen["jitter"] = dragged(made, choose(made, "jitter"), "sigma_mrad", -200)
-
-    plot = made.window.viewers.plot
-    panel = choose(made, "optics")
-    seen["curves of optics"] = {
-        "thick": [entry.name for entry in plot.canvas.drawing.entries if entry.strong],
-        "on the panel": panel.findChild(PreviewView).isVisible(),
-    }
-    choose(made, "back")
-    seen["curves of back"] = plot.hint.isVisible() and plot.hint.text()
-    choose(made, "budget")
-    seen["curves of budget"] = plot.port
 
     def shows():
         panel = choose(made, "focal_plane")

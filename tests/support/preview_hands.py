@@ -74,24 +74,23 @@ class PreviewBench:
         self._qtbot, self._session, self._folder = qtbot, session, folder
         self.evaluator = None
 
-    def show(self, network, node="node", theme=DARK, width=340, evaluated=True):
+    def show(self, network, node="node"):
         """The preview of a node."""
         session = self._session
         path = self._folder / "network.json"
         session.open(Document(network, library=session.library, path=path))
-        self.evaluator = Evaluator(session) if evaluated else None
+        self.evaluator = Evaluator(session)
         widget = PreviewView(session, self.evaluator, node)
-        widget.setPalette(theme.palette())
+        widget.setPalette(DARK.palette())
         self._qtbot.addWidget(widget)
-        widget.resize(width, widget.sizeHint().height())
+        widget.resize(340, widget.sizeHint().height())
         widget.show()
         self.settle()
         return widget
 
     def settle(self):
         """Until all that is wanted has been answered."""
-        if self.evaluator is not None:
-            self._qtbot.waitUntil(lambda: self.evaluator.idle)
+        self._qtbot.waitUntil(lambda: self.evaluator.idle)
         QApplication.processEvents()
 
     def close(self):

@@ -1,34 +1,26 @@
 """Errors and parameters in the window's words."""
 
-import pytest
-
 from app.editor.declared_text import error_text, label_of
 from core.errors import DataError, ParameterError
 
 ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my blur")
 
 
-@pytest.mark.parametrize(
-    ("error", "on_node", "text"),
-    [
+def test_the_panels_label_and_the_nodes_name():
+    empty = ParameterError("detector_x_um", None, "give it here", unit="um", node="init")
+    for error, on_node, text in (
         (ERROR, False, "σ y of my blur = -1.0 mrad is not allowed: at least 0"),
         (ERROR, True, "σ y = -1.0 mrad is not allowed: at least 0"),
-        (
-            ParameterError("detector_x_um", None, "give it here", unit="um", node="init"),
-            False,
-            "Detector x of init is empty: give it here (um)",
-        ),
+        (empty, False, "Detector x of init is empty: give it here (um)"),
         (DataError("no samples", node="scene"), False, "scene: no samples"),
         (DataError("no samples", node="scene"), True, "no samples"),
-    ],
-)
-def test_the_panels_label_and_the_nodes_name(error, on_node, text):
-    assert error_text(error, on_node=on_node) == text
-
-
-@pytest.mark.parametrize(("name", "label"), [
-    ("responsivity_A_per_W", "Responsivity"), ("dark_current_A_per_cm2", "Dark current"),
-    ("emva_dynamic_range_dB", "EMVA dynamic range"), ("k3", "k₃"), ("l_mrad", "l"),
-])  # fmt: skip
-def test_a_label_has_no_unit(name, label):
-    assert label_of(name) == label
+    ):
+        assert error_text(error, on_node=on_node) == text
+    for name, label in (
+        ("responsivity_A_per_W", "Responsivity"),
+        ("dark_current_A_per_cm2", "Dark current"),
+        ("emva_dynamic_range_dB", "EMVA dynamic range"),
+        ("k3", "k₃"),
+        ("l_mrad", "l"),
+    ):
+        assert label_of(name) == label

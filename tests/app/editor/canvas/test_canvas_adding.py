@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QApplication
 from app.editor.canvas.adding import possible_links
 from app.editor.library_view import module_data
 from core.network.network import Link
+from window_hands import drag_event
 
 COPY = Qt.DropAction.CopyAction
 NONE = Qt.KeyboardModifier.NoModifier
@@ -23,7 +24,7 @@ def position(session):
     return session.document.position
 
 
-def test_tab_opens_the_search_and_enter_adds_at_the_mouse(session, canvas, hand, library):
+def test_modules_are_searched_by_tab_and_added_by_keys_and_mouse(session, canvas, hand, library):
     hand.click(hand.at(120, 60))
     hand.key(Qt.Key.Key_Tab)
     assert canvas.popup.is_open
@@ -38,25 +39,6 @@ def test_tab_opens_the_search_and_enter_adds_at_the_mouse(session, canvas, hand,
     assert session.selection == ("gaussian_mtf",)
     assert position(session) == 1
     assert canvas.view.hasFocus()
-
-
-def test_the_arrows_and_the_mouse_choose_too(session, canvas, hand):
-    canvas.open_search()
-    hand.type("scene")
-    hand.key(Qt.Key.Key_Down)
-    hand.key(Qt.Key.Key_Up)
-    hand.key(Qt.Key.Key_Return)
-    assert "test_scene" in session.network.nodes
-    canvas.open_search()
-    listed = canvas.popup.list
-    row = listed.visualItemRect(listed.item(2)).center()
-    title = listed.item(2).text()
-    QTest.mouseClick(listed.viewport(), LEFT, NONE, row)
-    (added,) = set(session.network.nodes) - {"test_scene"}
-    assert session.declared(added).title == title
-
-
-def test_modules_are_found_by_title_key_and_group(session, canvas, hand):
     canvas.open_search()
     for typed, title in (
         ("zyx", None),
@@ -69,8 +51,19 @@ def test_modules_are_found_by_title_key_and_group(session, canvas, hand):
     ):
         canvas.popup.field.setText(typed)
         assert (title in titles(canvas)) if title else not titles(canvas)
+    canvas.popup.field.clear()
+    hand.type("scene")
+    hand.key(Qt.Key.Key_Down)
+    hand.key(Qt.Key.Key_Up)
     hand.key(Qt.Key.Key_Return)
-    assert session.network.nodes
+    assert "test_scene" in session.network.nodes
+    canvas.open_search()
+    listed, before = canvas.popup.list, set(session.network.nodes)
+    row = listed.visualItemRect(listed.item(2)).center()
+    title = listed.item(2).text()
+    QTest.mouseClick(listed.viewport(), LEFT, NONE, row)
+    (added,) = set(session.network.nodes) - before
+    assert session.declared(added).title == title
 
 
 # --- wiring by the keyboard -----------------------------------------------------------------------
@@ -91,19 +84,11 @@ def test_possible_wires_fit(opened, library):
 # --- drops ----------------------------------------------------------------------------------------
 
 
-def drag_event(kind, pos, data):
-    """A drag event; their points are of floating point from Qt 6.12 on."""
-    try:
-        return kind(QPointF(pos), COPY, data, LEFT, NONE)
-    except TypeError:
-        return kind(pos, COPY, data, LEFT, NONE)
-
-
 def drag_and_drop(canvas, data, pos, *, leave=False):
     """What Qt sends while something is dragged over the canvas; whether it was taken."""
     viewport = canvas.view.viewport()
-    QApplication.sendEvent(viewport, drag_event(QDragEnterEvent, pos, data))
-    moving = drag_event(QDragMoveEvent, pos, data)
+    QApplication.sendEvent(viewport, drag_event(QDragEnterEvent, pos, COPY, data, LEFT, NONE))
+    moving = drag_event(QDragMoveEvent, pos, COPY, data, LEFT, NONE)
     QApplication.sendEvent(viewport, moving)
     if leave:
         QApplication.sendEvent(viewport, QDragLeaveEvent())

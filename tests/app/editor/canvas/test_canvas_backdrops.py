@@ -23,7 +23,7 @@ def position(session):
     return session.document.position
 
 
-def test_a_backdrop_takes_its_nodes_along_in_one_step(grounded, canvas, hand):
+def test_a_backdrop_takes_its_nodes_along_is_resized_and_titled(grounded, canvas, hand):
     (before,) = backdrops_of(grounded.network)
     start = hand.at(before.x + 60, before.y + 10)
     hand.drag(start, start + QPoint(20, -40))
@@ -37,10 +37,6 @@ def test_a_backdrop_takes_its_nodes_along_in_one_step(grounded, canvas, hand):
     assert backdrops_of(grounded.network) == (before,)
     assert grounded.network.layout["scene"] == (0.0, 0.0)
     assert canvas.content.backdrops[0].frame().x() == before.x
-
-
-def test_a_backdrops_corner_resizes_it(grounded, canvas, hand):
-    (before,) = backdrops_of(grounded.network)
     corner = hand.at(before.x + before.width - 5, before.y + before.height - 5)
     hand.drag(corner, corner + QPoint(60, 35))
     (after,) = backdrops_of(grounded.network)
@@ -51,10 +47,8 @@ def test_a_backdrops_corner_resizes_it(grounded, canvas, hand):
     (least,) = backdrops_of(grounded.network)
     assert least.width > 0
     assert least.height > 0
-
-
-def test_a_title_is_edited_in_its_place(grounded, canvas, hand):
-    (before,) = backdrops_of(grounded.network)
+    grounded.undo()
+    # Its title is edited in its place.
     hand.double_click(hand.at(before.x + 60, before.y + 10))
     assert canvas.title_editor.isVisible()
     assert canvas.title_editor.text() == "Front end"

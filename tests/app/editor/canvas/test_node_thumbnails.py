@@ -6,11 +6,12 @@ import pytest
 from app.editor.canvas.node_thumbnails import SmallCurve, SmallPicture
 from core.editing.operations import move_nodes, remove_nodes, set_parameter
 from core.evaluation.work import Policy
+from window_hands import show_small
 
 
 @pytest.fixture
 def kodak(window, idle, qtbot):
-    window.files.open_now("kodak_kir310")
+    show_small(window, "kodak_kir310")
     idle(window)
     qtbot.waitUntil(lambda: "frame_grabber" in thumbnails(window) and window.evaluator.idle)
     window.canvas.setFocus()
@@ -32,13 +33,7 @@ def test_pictures_and_curves_stand_below_what_gives_them(kodak):
     pictures = {name for name, item in items.items() if isinstance(item.small, SmallPicture)}
     curves = {name for name, item in items.items() if isinstance(item.small, SmallCurve)}
     assert pictures == {
-        "scene",
-        "photons",
-        "pupil",
-        "back",
-        "pixels",
-        "electronics",
-        "frame_grabber",
+        *("scene", "photons", "pupil", "back", "pixels", "electronics", "frame_grabber")
     }
     assert curves == {"optics", "aberration", "detector", "charge", "charge_phase"}
     for name, item in items.items():
@@ -46,22 +41,16 @@ def test_pictures_and_curves_stand_below_what_gives_them(kodak):
         assert item.frame().top() >= node.bottom()
         assert item.frame().left() >= node.left() - 0.5
         assert item.frame().right() <= node.right() + 0.5
-
-
-def test_a_picture_is_that_of_the_node(kodak):
-    """By block means of its own, and the order of light and dark."""
-    small = thumbnails(kodak)["pixels"].small.grey.astype(float)
+    # A picture is that of the node: by block means of its own, the order of light and dark.
+    small = items["pixels"].small.grey.astype(float)
     samples = full(kodak, "pixels.image")
     rows, columns = small.shape
     block = samples.shape[0] // rows, samples.shape[1] // columns
     trimmed = samples[: rows * block[0], : columns * block[1]]
     means = trimmed.reshape(rows, block[0], columns, block[1]).mean(axis=(1, 3))
     assert np.corrcoef(means.ravel(), small.ravel())[0, 1] > 0.95
-
-
-def test_a_curve_is_the_nodes_mtf(kodak):
-    """A Gaussian's: its logarithm falls as the square of the frequency."""
-    small = thumbnails(kodak)["aberration"].small
+    # A curve is the node's MTF: a Gaussian's logarithm falls as the square of the frequency.
+    small = items["aberration"].small
     expected = np.log(small.values[-1]) * small.places**2
     np.testing.assert_allclose(np.log(small.values), expected, atol=1e-3)
     assert 0 < small.values[-1] < 1

@@ -27,7 +27,7 @@ def open_figures(view):
     return {view.list.item(row).text(): view.list.item(row) for row in range(view.list.count())}
 
 
-def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
+def test_a_parameter_is_found_by_keys_by_typing_and_by_the_menu_of_its_value(opened_window, idle):
     window = opened_window
     view, action = window.viewers.tradeoff, window.actions_by_name["trade_off"]
     assert not view.isVisible()
@@ -38,24 +38,15 @@ def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
     idle(window)
     assert view.isVisible()
     assert action.isChecked()
-    assert view.parameter.hasFocus()
+    combo = view.parameter
+    assert combo.hasFocus()
     assert view.list.count() == 0
     open_figures(view)
     assert view.list.count() == len(view.figures) > 5
     view.choice.close()
-    QTest.keyClick(view.parameter, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
-    assert not view.isVisible()
-    assert not action.isChecked()
-
-
-def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
-    window = opened_window
-    window.actions_by_name["trade_off"].trigger()
-    view = window.viewers.tradeoff
-    combo = view.parameter
     give_focus(combo)
-    idle(window)
     field = combo.lineEdit()
+    field.selectAll()
     QTest.keyClicks(field, "y of blur")
     listed = combo.completer().completionModel()
     assert [listed.index(row, 0).data() for row in range(listed.rowCount())] == [
@@ -70,36 +61,40 @@ def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
     QTest.keyClick(popup, KEY.Key_Down)
     QTest.keyClick(popup, KEY.Key_Return)
     idle(window)
-    assert view.parameter.toolTip() == "blur.sigma_y_mrad"
+    assert combo.toolTip() == "blur.sigma_y_mrad"
     assert len(view.points) == view.span.count
     field.selectAll()
     QTest.keyClicks(field, SIGMA)  # as the history, links and `--vary` write it
     QTest.keyClick(field, KEY.Key_Return)
     assert combo.currentText() == LISTED
     assert combo.toolTip() == SIGMA
-
-
-def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
-    window = opened_window
+    give_focus(combo)
+    QTest.keyClick(combo, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
+    assert not view.isVisible()
+    assert not action.isChecked()
+    # The menu of a value leads to it.
     window.session.select(["jitter"])
     idle(window)
     field = window.panels.panels["jitter"].body.sections.field("sigma_mrad")
+    choose_trade_off(window, field)
+    idle(window)
+    assert view.isVisible()
+    assert combo.currentText() == "σ of jitter (mrad)"
+    assert len(view.points) == view.span.count
+
+
+def choose_trade_off(window, field):
+    """By the menu of the right button."""
     window.panels.ensureWidgetVisible(field)
     at = field.label.rect().center()
     QTest.mouseClick(field.label, Qt.MouseButton.RightButton, pos=at)
     field.open_menu(field.label.mapToGlobal(at))
     menu = field.findChild(QMenu, "field.menu")
-    action = next(each for each in menu.actions() if each.objectName() == "trade_off")
-    action.trigger()
+    next(each for each in menu.actions() if each.objectName() == "trade_off").trigger()
     menu.close()
-    idle(window)
-    view = window.viewers.tradeoff
-    assert view.isVisible()
-    assert view.parameter.currentText() == "σ of jitter (mrad)"
-    assert len(view.points) == view.span.count
 
 
-def test_a_drag_of_the_mark_is_one_step_to_undo(opened_window, dock, idle, qtbot):
+def test_drags_clicks_and_keys_set_the_parameter_each_as_a_step(opened_window, dock, idle):
     plots, before = dock.plots, opened_window.session.network
     start, end = (place_in(plots, 0, value).toPoint() for value in (0.5, 0.9))
     QTest.mousePress(plots, LEFT, pos=start)
@@ -113,9 +108,6 @@ def test_a_drag_of_the_mark_is_one_step_to_undo(opened_window, dock, idle, qtbot
     assert opened_window.session.network == before
     assert sigma(opened_window) == 0.5
     assert plots.mark == 0.5
-
-
-def test_clicks_and_keys_set_the_parameter_each_as_a_step(opened_window, dock):
     QTest.mouseClick(dock.plots, LEFT, pos=place_in(dock.plots, 1, 0.2).toPoint())
     assert sigma(opened_window) == pytest.approx(0.2, abs=0.01)
     QTest.mouseClick(dock.plots, LEFT, pos=place_in(dock.plots, 0, 0.7).toPoint())
@@ -131,7 +123,7 @@ def test_clicks_and_keys_set_the_parameter_each_as_a_step(opened_window, dock):
     assert sigma(opened_window) == pytest.approx(0.51)
 
 
-def test_another_range_and_number_of_points(opened_window, dock, idle, graph):
+def test_range_and_figures_are_chosen_and_written(opened_window, dock, idle, graph, tmp_path):
     give_focus(dock.range)
     for text in ("0.1:10", "0.1:10:3:log"):
         dock.range.selectAll()
@@ -143,9 +135,6 @@ def test_another_range_and_number_of_points(opened_window, dock, idle, graph):
     idle(opened_window)
     assert dock.span == Span(0.1, 10.0, log=True, count=3)
     assert graph(MTF).x == pytest.approx([0.1, 1.0, 10.0])
-
-
-def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
     rows = open_figures(dock)
     assert rows["NETD system of electronics (K)"].checkState() == Qt.CheckState.Checked
     rows["NER of electronics (W/m²/sr)"].setCheckState(Qt.CheckState.Checked)
@@ -160,17 +149,14 @@ def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
     assert dock.list.isVisible()
     dock.choice.close()
     assert not dock.list.isVisible()
-
-
-def test_numbers_and_pictures_are_written(opened_window, dock, tmp_path, graph):
     give_focus(dock.plots)
     opened_window.actions_by_name["export"].trigger()
     dialog = opened_window.findChild(QFileDialog, "export_dialog")
     dialog.fileSelected.emit(str(tmp_path / "a.csv"))
     dialog.reject()
     with (tmp_path / "a.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row[SIGMA]) for row in rows] == list(graph(MTF).x)
-    assert [float(row[MTF]) for row in rows] == list(graph(MTF).y)
+        written = list(csv.DictReader(file))
+    assert [float(row[SIGMA]) for row in written] == list(graph(MTF).x)
+    assert [float(row[MTF]) for row in written] == list(graph(MTF).y)
     dock.export(tmp_path / "a.png")
     assert QImage(str(tmp_path / "a.png")).width() == 2 * dock.plots.width()

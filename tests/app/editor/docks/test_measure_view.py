@@ -19,6 +19,7 @@ from app.editor.docks.measure_view import MeasureView
 from app.measure.measurement_text import REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field
+from window_hands import show_small
 
 SIGMA = 0.8
 
@@ -136,7 +137,7 @@ def test_work_is_stopped_and_shows_nothing(view, qtbot):
 
 
 def test_the_window_measures_what_a_viewer_shows(window, qtbot):
-    window.open_first("first_steps")
+    show_small(window, "first_steps", 256)
     viewer = window.viewers.images[1]
     qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
     window.actions_by_name["measure"].trigger()
@@ -161,7 +162,7 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     for button in (view.viewer, view.file, view.stop, view.remove, view.unused, view.write):
         assert button.toolTip()
         assert button.accessibleName()
-    window.open_first("noise_budget")
+    show_small(window, "pupils")
     assert view.measured is None
     assert view.source is None
     assert view.table.topLevelItemCount() == 0

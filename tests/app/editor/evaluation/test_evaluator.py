@@ -66,15 +66,13 @@ def test_what_is_wanted_is_answered_and_pictures_come_first(evaluator, answers, 
     # Table 5.4 of Tantalo 1996 for 1024 samples; 1/(2τ) goes with the number of samples.
     assert figures.value["bandwidth_Hz"] == pytest.approx(294912.0 * 64 / 1024)
     assert evaluator.plan.network is small.network
-
-
-def test_what_an_edit_does_not_change_is_not_answered_again(evaluator, answers, small, settled):
+    # What an edit does not change is not answered again.
     evaluator.ask("viewer", [FINAL, Samples("back.image")])
     settled()
     answers.clear()
     small.do(set_parameter("electronics", "amplifier_snr", 77.0))
     settled()
-    assert [answer.query for answer in answers] == [FINAL]
+    assert [answer.query for answer in answers if answer.owner == "viewer"] == [FINAL]
 
 
 def test_a_burst_of_edits_shows_pictures_meanwhile(evaluator, answers, small, settled, qtbot):
@@ -176,11 +174,11 @@ def test_closing_joins_the_thread_and_gives_python_its_old_pace_back(
     evaluator.deleteLater()
 
 
-def test_opening_fifty_documents_leaves_nothing_behind(evaluator, small, settled):
+def test_opening_twenty_documents_leaves_nothing_behind(evaluator, small, settled):
     evaluator.ask("viewer", [FINAL])
     store = evaluator._runner._engine.store
     used, threads, planned = [], [], []
-    for number in range(50):
+    for number in range(20):
         network = small.network.with_parameter("electronics", "amplifier_snr", 50.0 + number)
         small.open(Document(network, library=small.library))
         settled()
@@ -219,3 +217,26 @@ def test_no_two_wants_hinder_each_other(evaluator, answers, small, settled):
     assert str(by_query[queries[1]].error) == "internal error: KeyError: 'nothing'"
     assert by_query[queries[2]].value == -np.inf
     assert by_query[FINAL].error is None
+
+
+def test_only_passes_that_follow_a_change_say_so(small, evaluator, settled):
+    """Not those for what is looked at in addition; on a slow machine previews come before."""
+    passes = []
+    evaluator.pass_done.connect(passes.append)
+
+    def since_last():
+        settled()
+        found = [done.after_edit for done in passes if not done.cancelled and done.reduced == 1]
+        passes.clear()
+        return found
+
+    evaluator.ask("viewer", [FINAL])
+    assert since_last() == [True]
+    evaluator.ask("panel", [Readouts("electronics")])
+    assert since_last() == [False]
+    evaluator.ask("other viewer", [Samples("scene.image")])
+    assert since_last() == [False]
+    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
+    assert since_last() == [True]
+    evaluator.ask("third viewer", [Samples("init.magnitude")])
+    assert since_last() == [False]

@@ -23,18 +23,15 @@ def clock(monkeypatch):
     return made
 
 
-@pytest.mark.parametrize(
-    ("elapsed", "expected", "has_preview", "new_gesture", "gives_way"),
-    [
+def test_who_gives_way_to_an_edit():
+    for elapsed, expected, has_preview, new_gesture, gives_way in (
         (FAST, FAST, True, True, False),  # a fast pass is always finished
         (SLOW, FAST, True, False, True),  # before a preview, whatever the gesture
         (SLOW, SLOW, False, False, False),  # the same drag waits for its picture
         (SLOW, SLOW, False, True, True),
-    ],
-)
-def test_who_gives_way_to_an_edit(elapsed, expected, has_preview, new_gesture, gives_way):
-    found = Pace().gives_way(elapsed, expected, has_preview=has_preview, new_gesture=new_gesture)
-    assert found is gives_way
+    ):
+        how = {"has_preview": has_preview, "new_gesture": new_gesture}
+        assert Pace().gives_way(elapsed, expected, **how) is gives_way
 
 
 def test_new_gestures_do_not_put_a_picture_off_for_ever():
@@ -53,11 +50,7 @@ def test_new_gestures_do_not_put_a_picture_off_for_ever():
     assert gives_way()
 
 
-@pytest.mark.parametrize(
-    ("took", "wait"),
-    [(2.0, 8.0), (0.001, 0.1)],
-    ids=["two seconds", "next to nothing"],
-)
+@pytest.mark.parametrize(("took", "wait"), [(2.0, 8.0), (0.001, 0.1)])
 def test_what_is_no_picture_takes_a_fifth_of_the_time(clock, took, wait):
     """Four times as long a rest as it took, but a tenth of a second at least."""
     pace = Pace()

@@ -24,7 +24,7 @@ BUILDING_S = 1000  # a hundred gestures, each waited for
 def built(tmp_path_factory):
     """The folder that the hands leave behind, their process having been killed."""
     folder = tmp_path_factory.mktemp("by_hand")
-    with virtual_screen(2560, 1440) as environment:
+    with virtual_screen(1920, 1080) as environment:
         run = start("build", folder, environment)
         wait_for((folder / "ready").exists, "all is built", child=run, seconds=BUILDING_S)
         run.send_signal(signal.SIGKILL)

@@ -51,7 +51,7 @@ def beside_handle(slider):
 
 
 def test_escape_gives_up_whatever_is_dragged(opened, idle):
-    window, steps = opened, opened.session.document.history.position
+    window, steps = opened, opened.session.document.position
 
     def sigma():
         return window.session.network.nodes["blur"].params["sigma_x_mrad"]
@@ -73,7 +73,7 @@ def test_escape_gives_up_whatever_is_dragged(opened, idle):
     dragged, after = held(plots, [place_in(plots, 0, x).toPoint() for x in shares], sigma)
     assert dragged != before
     assert after == [before] * 3
-    assert window.session.document.history.position == steps
+    assert window.session.document.position == steps
     # A bound of the histogram.
     viewer = window.viewers.images[1]
     window.viewers.docks[1].raise_()

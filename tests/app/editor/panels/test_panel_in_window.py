@@ -37,7 +37,3 @@ def test_the_control_panel_in_a_small_window(seen):
         "jitter": True,
         "optics": False,  # as at first: its curve stands among the curves
     }
-    # Curves follow the selection and stand in one place.
-    assert seen["curves of optics"] == {"thick": ["optics"], "on the panel": False}
-    assert seen["curves of back"].startswith("back has no curves")
-    assert seen["curves of budget"] == "budget.noise"

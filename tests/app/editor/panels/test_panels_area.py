@@ -1,7 +1,7 @@
 """Which panels are open, what stands on them beside the parameters, and that they go away."""
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -30,12 +30,8 @@ def test_panels_follow_the_document_without_editing_it(qtbot, session):
     assert x.slider.value() == 0
     assert not x.changed
     assert session.document.position == position
-
-
-def test_esc_restores_and_leaving_takes_what_was_typed(qtbot, session):
-    area = panel_area(qtbot, session)
-    drop(session, "gaussian_mtf")
-    x, y = (field_of(area, session, f"sigma_{axis}_mrad") for axis in "xy")
+    # Esc restores, and leaving takes what was typed.
+    QTest.keyClick(y.edit, Qt.Key.Key_Escape)
     before = session.document.text()
     type_in(x.edit, "3", key=Qt.Key.Key_Escape)
     assert x.edit.text() == "0"
@@ -113,7 +109,7 @@ def test_a_name_is_edited_in_place_and_refusals_are_said(qtbot, session):
     assert session.selection == ("shake",)
 
 
-def test_toggles_of_the_head(qtbot, session):
+def test_toggles_and_problems_stand_in_the_head(qtbot, session):
     area = panel_area(qtbot, session)
     drop(session, "jitter_mtf")
     head = area.panels["node"].head
@@ -130,6 +126,16 @@ def test_toggles_of_the_head(qtbot, session):
     assert session.document.text() == before
     assert head.auto.isChecked()
     assert not head.disable.isChecked()
+    # What is wrong with the node stands on its panel.
+    problem = head.problem
+    assert not problem.isVisible()
+    area.set_badges({"node": Badge("incomplete", "not connected: context needs a context")})
+    assert problem.isVisible()
+    assert "context needs a context" in problem.text()
+    area.set_badges({"node": Badge("running", "computing")})
+    assert "context needs a context" in problem.text()  # does not flicker
+    area.set_badges({})
+    assert not problem.isVisible()
     with qtbot.waitSignal(area.requests.generate):
         QTest.mouseClick(head.generate, LEFT)
     assert not head.text.isVisible()
@@ -179,22 +185,6 @@ def order(area):
     return sorted(area.panels, key=lambda name: area.panels[name].y())
 
 
-def test_what_is_wrong_with_a_node_stands_on_its_panel(qtbot, session):
-    area = panel_area(qtbot, session)
-    drop(session, "jitter_mtf")
-    problem = area.panels["node"].head.problem
-    assert not problem.isVisible()
-    area.set_badges({"node": Badge("incomplete", "not connected: context needs a context")})
-    assert problem.isVisible()
-    assert "context needs a context" in problem.text()
-    area.set_badges({"node": Badge("running", "computing")})
-    assert "context needs a context" in problem.text()  # does not flicker
-    session.select([])
-    session.select(["node"])
-    area.set_badges({})
-    assert not area.panels["node"].head.problem.isVisible()
-
-
 def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
     area = panel_area(qtbot, session)
     drop(session, "exit_pupil")
@@ -208,3 +198,44 @@ def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
             QApplication.processEvents()
             for inside in section.parameters:
                 assert sections.field(inside).isVisible() == (choice in values)
+
+
+LONG = "/data/campaigns/2024-spring/flights/17/calibrated/radiance/runway_after_rain.exr"
+
+
+def test_the_end_of_a_path_is_seen(qtbot, session):
+    area = panel_area(qtbot, session, width=360)
+    drop(session, "read_image")
+    session.do(set_parameter("node", "path", LONG))
+    line = field_of(area, session, "path").edit
+    area.setFocus()
+    line.grab()
+    assert line.text() == LONG
+    assert line.fontMetrics().horizontalAdvance(LONG) > line.width()
+    assert line.cursorPositionAt(QPoint(line.width() - 3, line.height() // 2)) == len(LONG)
+
+
+def offered(field):
+    QApplication.processEvents()
+    return [c for c, b in zip(field.choices, field.buttons, strict=True) if b.isVisible()]
+
+
+def press(field, choice):
+    button = field.buttons[field.choices.index(choice)]
+    QTest.mouseClick(button, LEFT, pos=QPoint(8, button.height() // 2))
+
+
+def test_a_region_offers_its_materials_as_buttons(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "electronics_noise")
+    sections = area.panels["node"].body.sections
+    region, material = sections.field("region"), sections.field("material")
+    for name, materials in (
+        ("MWIR", {"InSb", "PtSi", "HgCdTe", "manual"}),
+        ("VIS", {"Si", "manual", "HgCdTe"}),  # the last one is chosen, and stays
+        ("LWIR", {"HgCdTe", "Si:Ga", "Si:As", "manual"}),  # figs. 4.35 and 4.42
+    ):
+        press(region, name)
+        assert set(offered(material)) == materials
+    press(material, "Si:As")
+    assert session.network.nodes["node"].params["material"] == "Si:As"

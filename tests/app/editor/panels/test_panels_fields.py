@@ -22,19 +22,6 @@ from panel_hands import (
     undo_to,
 )
 
-RANGED, NUMBERED = (
-    {
-        key: names
-        for key, module in LIBRARY.items()
-        if (names := [each.name for each in declaration(module).parameters if wanted(each)])
-    }
-    for wanted in (
-        lambda parameter: parameter.param.low is not None or parameter.param.high is not None,
-        lambda parameter: parameter.kind in ("number", "integer"),
-    )
-)
-
-
 # Together they have every kind of parameter and of section.
 EVERY_KIND = (
     "electronics_noise",
@@ -46,7 +33,6 @@ EVERY_KIND = (
     "atmosphere_mtf",
     "line_by_line",
 )
-variations = pytest.mark.thorough(but=4, always=EVERY_KIND)
 
 
 def kinds(key):
@@ -82,13 +68,27 @@ def outside(parameter):
         yield int(param.high) if param.below else int(param.high) + 1
 
 
-@variations
+@pytest.mark.thorough(but=4, always=EVERY_KIND)
 @pytest.mark.parametrize("key", LIBRARY)
-def test_every_parameter_is_changed_by_its_widget_and_undone(qtbot, session, key):
+def test_every_parameter_of_a_module_on_its_panel(qtbot, session, key):
     area = panel_area(qtbot, session)
     drop(session, key)
+    parameters = declaration(LIBRARY[key]).parameters
+    position = session.document.position
+    assert_it_says_what_it_is(area, session, parameters)
+    undo_to(session, position)
+    assert_it_is_changed_and_undone(area, session, parameters)
+    for parameter in parameters:
+        if parameter.param.low is not None or parameter.param.high is not None:
+            assert_what_is_out_of_range_is_refused(area, session, parameter)
+        if parameter.kind in ("number", "integer"):
+            assert_a_drag_of_the_slider_is_one_step(area, session, parameter.name)
+
+
+def assert_it_is_changed_and_undone(area, session, parameters):
+    """By its widget."""
     before, position = session.document.text(), session.document.position
-    for parameter in declaration(LIBRARY[key]).parameters:
+    for parameter in parameters:
         field = field_of(area, session, parameter.name)
         steps = session.document.position
         value = change(field)
@@ -102,13 +102,9 @@ def test_every_parameter_is_changed_by_its_widget_and_undone(qtbot, session, key
     assert not any(field.changed for field in area.panels["node"].body.sections.fields)
 
 
-@variations
-@pytest.mark.parametrize("key", LIBRARY)
-def test_every_parameter_says_what_it_is(qtbot, session, key):
-    area = panel_area(qtbot, session)
-    drop(session, key)
+def assert_it_says_what_it_is(area, session, parameters):
     names = set()
-    for parameter in declaration(LIBRARY[key]).parameters:
+    for parameter in parameters:
         field = field_of(area, session, parameter.name)
         names.add(field.marked_label().text())
         assert field.marked_label().isVisible()
@@ -129,56 +125,49 @@ def test_every_parameter_says_what_it_is(qtbot, session, key):
             assert editor.focusPolicy() & Qt.FocusPolicy.TabFocus
         if parameter.kind not in ("switch", "choice"):
             assert parameter.allowed() in tip
-    assert len(names) == len(declaration(LIBRARY[key]).parameters)  # no two alike
+    assert len(names) == len(parameters)  # no two alike
     assert "" not in names
 
 
-@variations
-@pytest.mark.parametrize("key", RANGED)
-def test_what_is_out_of_range_is_marked_and_refused(qtbot, session, key):
-    area = panel_area(qtbot, session)
-    drop(session, key)
-    for name in RANGED[key]:
-        parameter = declaration(LIBRARY[key]).parameter(name)
-        field = field_of(area, session, name)
-        shown, before = field.edit.text(), session.document.text()
-        bad = list(outside(parameter))
-        assert bad, name
-        for value in bad:
-            type_in(field.edit, str(value))
-            given = [value] if parameter.kind == "numbers" else value
-            why = ParameterError(name, given, parameter.allowed(), unit=parameter.param.unit)
-            assert session.document.text() == before, (name, value)
-            unit = f" {parameter.param.unit}" if shown and parameter.param.unit else ""
-            still = shown or ("none" if parameter.kind == "numbers" else "empty")
-            counts = "" if parameter.required else f" (still {still}{unit})"
-            assert field.message.text() == why.message + counts
-            assert field.message.isVisible(), (name, value)
-            frame = field.edit.grab().toImage().pixelColor(1, field.edit.height() // 2)
-            assert frame == QColor(DARK.error), (name, value)
-        QTest.keyClick(field.edit, Qt.Key.Key_Escape)
-        assert field.edit.text() == shown, name
-        assert not field.edit.marked, name
-        assert not field.message.isVisible(), name
-        assert session.document.text() == before, name
+def assert_what_is_out_of_range_is_refused(area, session, parameter):
+    """And marked, in the words of the command."""
+    name = parameter.name
+    field = field_of(area, session, name)
+    shown, before = field.edit.text(), session.document.text()
+    bad = list(outside(parameter))
+    assert bad, name
+    for value in bad:
+        type_in(field.edit, str(value))
+        given = [value] if parameter.kind == "numbers" else value
+        why = ParameterError(name, given, parameter.allowed(), unit=parameter.param.unit)
+        assert session.document.text() == before, (name, value)
+        unit = f" {parameter.param.unit}" if shown and parameter.param.unit else ""
+        still = shown or ("none" if parameter.kind == "numbers" else "empty")
+        counts = "" if parameter.required else f" (still {still}{unit})"
+        assert field.message.text() == why.message + counts
+        assert field.message.isVisible(), (name, value)
+        frame = field.edit.grab().toImage().pixelColor(1, field.edit.height() // 2)
+        assert frame == QColor(DARK.error), (name, value)
+    QTest.keyClick(field.edit, Qt.Key.Key_Escape)
+    assert field.edit.text() == shown, name
+    assert not field.edit.marked, name
+    assert not field.message.isVisible(), name
+    assert session.document.text() == before, name
 
 
-@variations
-@pytest.mark.parametrize("key", NUMBERED)
-def test_a_drag_of_the_slider_is_one_step(qtbot, session, key):
-    area = panel_area(qtbot, session)
-    drop(session, key)
-    changes = []
-    session.changed.connect(lambda _, after: changes.append(after.nodes["node"].params))
-    for name in NUMBERED[key]:
-        field = field_of(area, session, name)
-        before, position = session.document.text(), session.document.position
-        changes.clear()
-        up = field.slider.value() < field.slider.maximum() / 2
-        drag(field.slider, 0.4 if up else -0.4)
-        seen = [params.get(name) for params in changes]
-        assert len(set(seen)) > 2, name
-        assert session.document.position == position + 1, name
-        assert float(field.edit.text()) == stored(session, name) == seen[-1], name
-        session.undo()
-        assert session.document.text() == before, name
+def assert_a_drag_of_the_slider_is_one_step(area, session, name):
+    field, changes = field_of(area, session, name), []
+    before, position = session.document.text(), session.document.position
+
+    def note(_, after):
+        changes.append(after.nodes["node"].params.get(name))
+
+    session.changed.connect(note)
+    up = field.slider.value() < field.slider.maximum() / 2
+    drag(field.slider, 0.4 if up else -0.4)
+    session.changed.disconnect(note)
+    assert len(set(changes)) > 2, name
+    assert session.document.position == position + 1, name
+    assert float(field.edit.text()) == stored(session, name) == changes[-1], name
+    session.undo()
+    assert session.document.text() == before, name

@@ -32,18 +32,22 @@ def test_ten_digits_are_shown_as_they_are(digits, power):
     assert shown == str(abs(digits)).strip("0")
 
 
-@pytest.mark.parametrize(
-    ("text", "number"),
-    [
+def test_friendly_spellings_are_understood():
+    for text, number in (
         ("1,5", 1.5),
         ("\N{MINUS SIGN}3", -3),
         ("0,125", 0.125),
         ("9223372036854775807", 2**63 - 1),
         ("", None),
-    ],
-)
-def test_friendly_spellings_are_understood(text, number):
-    assert number_of(text, ANY) == number
+    ):
+        assert number_of(text, ANY) == number, text
+    for text, numbers in (
+        ("0, 0.1", [0, 0.1]),
+        ("0,1; 0,5", [0.1, 0.5]),
+        ("1 2.5", [1, 2.5]),
+        ("", []),
+    ):
+        assert numbers_of(text, ANY) == numbers, text
 
 
 @pytest.mark.parametrize("text", ["1,000", "abc", "nan", "1e999", "1_000", "1 2"])
@@ -52,60 +56,39 @@ def test_senseless_texts_are_refused(text):
         ANY.coerce(number_of(text, ANY))
 
 
-@pytest.mark.parametrize(
-    ("text", "numbers"),
-    [
-        ("0, 0.1", [0, 0.1]),
-        ("0,1; 0,5", [0.1, 0.5]),
-        ("1 2.5", [1, 2.5]),
-        ("", []),
-    ],
-)
-def test_lists_are_understood(text, numbers):
-    assert numbers_of(text, ANY) == numbers
+def test_figures_are_brief():
+    for value, text in ((None, "—"), (True, "yes"), (0.96836766, "0.96837"), (3e13, "3e13")):
+        assert shown_figure(value) == text
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (None, "—"),
-        (True, "yes"),
-        (0.96836766, "0.96837"),
-        (3e13, "3e13"),
-    ],
-)
-def test_figures_are_brief(value, text):
-    assert shown_figure(value) == text
+@pytest.mark.parametrize("key", dict(NUMBERS))
+def test_all_positions_of_a_slider_are_allowed_and_in_order(key):
+    for name in (name for owner, name in NUMBERS if owner == key):
+        parameter = declaration(LIBRARY[key]).parameter(name)
+        scale = scale_of(parameter)
+        values = [scale.value_at(position) for position in range(scale.positions + 1)]
+        for value in values:
+            parameter.coerce(value)
+        assert values == sorted(values), name
+        assert len(set(values)) > min(len(values), 200) / 4, name
+        if parameter.param.slider is not None and parameter.param.slider[1] <= 1e6:
+            low, high = parameter.param.slider
+            assert values[-1] == high, name
+            least = values[0]
+            assert least in (low, 0) or math.isclose(least, low, abs_tol=high / 500), name
 
 
-@pytest.mark.parametrize(("key", "name"), NUMBERS, ids=map(".".join, NUMBERS))
-def test_all_positions_of_a_slider_are_allowed_and_in_order(key, name):
-    parameter = declaration(LIBRARY[key]).parameter(name)
-    scale = scale_of(parameter)
-    values = [scale.value_at(position) for position in range(scale.positions + 1)]
-    for value in values:
-        parameter.coerce(value)
-    assert values == sorted(values)
-    assert len(set(values)) > min(len(values), 200) / 4
-    if parameter.param.slider is not None and parameter.param.slider[1] <= 1e6:
-        low, high = parameter.param.slider
-        assert values[-1] == high
-        assert values[0] in (low, 0) or math.isclose(values[0], low, abs_tol=high / 500)
-
-
-@pytest.mark.parametrize(
-    ("value", "steps", "stepped"),
-    [
-        (340.0, 1, 350.0),  # a tenth of its decade
+def test_a_step_of_a_logarithmic_slider_is_a_tenth_of_the_decade():
+    for value, steps, stepped in (
+        (340.0, 1, 350.0),
         (1.0, 1, 1.1),
         (100.0, -1, 99.0),  # downwards the decade below begins at once
         (999.9999999999, 1, 1100.0),  # as good as 1000
         (1.2e5, 3, 1.5e5),
         (340.0, -100, 34.0),  # never below a tenth, however many at once
-    ],
-)
-def test_a_step_of_a_logarithmic_slider_is_a_tenth_of_the_decade(value, steps, stepped):
-    assert Scale(1.0, 1e6, zero=True).stepped(value, steps) == pytest.approx(stepped, rel=1e-10)
+    ):
+        found = Scale(1.0, 1e6, zero=True).stepped(value, steps)
+        assert found == pytest.approx(stepped, rel=1e-10), value
 
 
 @pytest.mark.parametrize("text", ["1.23456789012345678", "1e-7"])

@@ -1,6 +1,4 @@
-"""The networks that are shipped."""
-
-from __future__ import annotations
+"""The network of the thesis' sensor."""
 
 import pytest
 
@@ -9,11 +7,5 @@ from core.network.file import read_network
 
 
 @pytest.fixture
-def shipped(library):
-    """Shipped networks by name."""
-    return {name: read_network(path, library=library) for name, path in shipped_networks().items()}
-
-
-@pytest.fixture
-def kodak(shipped):
-    return shipped["kodak_kir310"]
+def kodak(library):
+    return read_network(shipped_networks()["kodak_kir310"], library=library)

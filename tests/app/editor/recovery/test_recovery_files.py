@@ -31,20 +31,11 @@ def left_behind(folder, name="0123", **changes):
     return file
 
 
-def test_without_a_lock_the_number_of_a_process_is_not_enough(folder, library):
-    left_behind(folder)
+def test_a_living_process_is_told_by_its_lock_else_by_number_and_start(folder, library):
+    """Numbers of processes in a container say nothing outside of it."""
+    file = left_behind(folder)  # no lock: of a number alone nothing is told
     (work,) = recoverable(folder)
     assert work.document(library).network == Network()
-
-
-def test_without_a_lock_a_living_process_is_told_by_number_and_start(folder):
-    left_behind(folder, started=own_token())
-    assert recoverable(folder) == ()
-
-
-def test_where_there_is_a_lock_it_alone_decides(folder):
-    """Numbers of processes in a container say nothing outside of it."""
-    file = left_behind(folder)
     lock = take(file.with_suffix(".lock"))
     assert lock is not None
     assert recoverable(folder) == ()
@@ -52,16 +43,12 @@ def test_where_there_is_a_lock_it_alone_decides(folder):
     left_behind(folder, started=own_token())
     file.with_suffix(".lock").touch()
     assert len(recoverable(folder)) == 1
+    file.with_suffix(".lock").unlink()
+    left_behind(folder, started=own_token())
+    assert recoverable(folder) == ()
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"{",
-        b"[" * 200_000,
-    ],
-)
+@pytest.mark.parametrize("content", [b"{", b"[" * 200_000])
 def test_a_damaged_file_is_told_and_can_be_discarded(folder, library, content):
     good = left_behind(folder, "good")
     bad = folder / "bad.recovery"
@@ -77,13 +64,7 @@ def test_a_damaged_file_is_told_and_can_be_discarded(folder, library, content):
     assert [work.file for work in recoverable(folder)] == [good]
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"format": "other"},
-        {"time": 1e300},
-    ],
-)
+@pytest.mark.parametrize("changes", [{"format": "other"}, {"time": 1e300}])
 def test_strange_fields_are_told(folder, changes):
     left_behind(folder, **changes)
     (work,) = recoverable(folder)

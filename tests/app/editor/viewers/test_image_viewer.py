@@ -26,33 +26,27 @@ def told(viewer):
     return viewer.status.more.text()
 
 
-def test_shows_the_samples_of_the_wire(bench, viewer):
+def test_shows_the_samples_of_the_wire_and_tells_them(bench, viewer):
     truth = bench.value(FINAL)
     assert (viewer.picture.samples == truth).all()
     low, high = viewer.picture.levels
     # The quantiles are of a histogram of fine steps.
     assert (low, high) == pytest.approx(np.quantile(truth, (0.005, 0.995)), rel=0.01)
-    assert (viewer.canvas.first.image == grey_levels(truth, low, high)).all()
+    grey = grey_levels(truth, low, high)
+    assert (viewer.canvas.first.image == grey).all()
     rows, columns = truth.shape
     assert f"{columns} × {rows}" in shown(viewer)
     assert "W/m²/sr" in shown(viewer)
     assert viewer.bar.ports.port == FINAL
-
-
-def test_the_drawn_picture_is_indexed_grey_and_the_right_way_up(bench, viewer):
+    # It is drawn as indexed grey and the right way up.
     viewer.canvas.grab()
     drawn = viewer.canvas.first.qimage
-    truth = viewer.picture.grey
     assert drawn.format() in (QImage.Format.Format_Grayscale8, QImage.Format.Format_Indexed8)
-    rows, columns = truth.shape
     for row, column in ((0, 0), (0, columns - 1), (rows - 1, 0), (rows // 3, columns // 4)):
-        assert drawn.pixelColor(column, row).red() == truth[row, column]
+        assert drawn.pixelColor(column, row).red() == grey[row, column]
     top = viewer.canvas.view.mapViewToScene(QPointF(5, 0)).y()
     assert top < viewer.canvas.view.mapViewToScene(QPointF(5, rows - 1)).y()
-
-
-def test_the_probe_tells_the_sample(bench, viewer):
-    truth = bench.value(FINAL)
+    # The probe tells the sample.
     place = viewer.canvas.view.mapViewToScene(QPointF(17.2, 5.3))
     viewer.canvas.scene().sigMouseMoved.emit(place)
     assert "row 5  column 17:" in told(viewer)
@@ -61,7 +55,7 @@ def test_the_probe_tells_the_sample(bench, viewer):
     assert told(viewer) == ""
 
 
-def test_zoom_by_keys(viewer, qtbot):
+def test_zoom_by_keys_alone_and_linked(bench, viewer, qtbot):
     view = viewer.canvas.view
     columns = viewer.picture.facts.columns
     whole = view.viewRect()
@@ -74,9 +68,7 @@ def test_zoom_by_keys(viewer, qtbot):
     assert view.viewRect().width() == pytest.approx(dots, rel=1e-6)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_0)
     assert view.viewRect().width() == pytest.approx(whole.width())
-
-
-def test_linked_viewers_show_the_same_part(bench, viewer, qtbot):
+    # Linked viewers show the same part.
     other = ImageViewer(bench.session, bench.evaluator, 2)
     other.look_at("scene.image")
     bench.show(other, 400, 300)
@@ -91,36 +83,30 @@ def test_linked_viewers_show_the_same_part(bench, viewer, qtbot):
     assert viewer.canvas.zoom == before
 
 
-def test_an_error_keeps_the_last_picture_faint(bench, viewer):
+def test_follows_errors_names_and_removals(bench, viewer):
     before = viewer.picture
     bench.do(set_parameter("scene", "width", -1))
-    assert viewer.picture is before
+    assert viewer.picture is before  # the last one, faint
     assert viewer.canvas.first.opacity() < 1
     assert "scene" in shown(viewer)
     assert "\n" not in shown(viewer)
     bench.session.undo()
-    bench.settle()
+    bench.do(rename_node("back", "inverse & last"))
     assert viewer.canvas.first.opacity() == 1
     assert "W/m²/sr" in shown(viewer)
-
-
-def test_follows_a_renamed_node(bench, viewer):
-    bench.do(rename_node("back", "inverse & last"))
     assert viewer.choices.port == "inverse & last.image"
     assert viewer.bar.ports.currentText() == "inverse & last.image"
     assert (viewer.picture.samples == bench.value("inverse & last.image")).all()
-
-
-def test_of_a_removed_node_the_nearest_picture_is_shown_until_it_is_back(bench, viewer):
-    bench.do(remove_nodes(("back",)))
+    # Of a removed node the nearest picture is shown until it is back.
+    bench.do(remove_nodes(("inverse & last",)))
     assert viewer.choices.port == viewer.bar.ports.port == "scene.image"
     assert (viewer.picture.samples == bench.value("scene.image")).all()
     bench.do(remove_nodes(("scene",)))
     assert viewer.picture is None
     assert viewer.choices.port is None
     assert viewer.bar.ports.port == ""
-    bench.session.undo()
-    bench.session.undo()
+    for _ in range(3):
+        bench.session.undo()
     bench.settle()
     assert viewer.choices.port == FINAL
     assert viewer.picture is not None

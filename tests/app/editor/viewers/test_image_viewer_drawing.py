@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QImage
 
 from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine
-from app.editor.viewers.pixels.grey_levels import NAMES, colour_table, grey_levels
+from app.editor.viewers.pixels.grey_levels import colour_table, grey_levels
 from nodes.files.read import read_pixels
 
 NETWORK, FINAL = "first_steps", "back.image"
@@ -17,12 +17,13 @@ def viewer(image_viewer):
     return image_viewer(FINAL)
 
 
-def shown(viewer):
-    return viewer.status.title.text()
-
-
-def test_levels_are_dragged_on_the_histogram(bench, viewer, qtbot):
+def test_levels_are_dragged_on_the_histogram_of_the_samples(bench, viewer, qtbot):
     samples = viewer.picture.samples.astype(float)
+    counts, _ = np.histogram(samples, 256)
+    _, drawn = viewer.canvas.levels.plot.getData()
+    assert drawn.max() == 1.0  # of the logarithm of the largest count
+    shown = np.expm1(drawn * np.log1p(counts.max()))
+    assert np.abs(shown - counts).sum() <= 0.02 * counts.sum()
     low, high = np.quantile(samples, 0.1), np.quantile(samples, 0.9)
     viewer.canvas.levels.region.setRegion((low, high))
     bench.settle()
@@ -35,53 +36,24 @@ def test_levels_are_dragged_on_the_histogram(bench, viewer, qtbot):
     qtbot.waitUntil(lambda: viewer.canvas.levels.getLevels() == wanted)
 
 
-@pytest.mark.parametrize("wide", [37.0, 44.0])
-def test_a_pixel_that_is_wide_enough_has_its_value_written_on_it(viewer, qtbot, wide):
+def test_a_pixel_that_is_wide_enough_has_its_value_written_on_it(viewer, qtbot):
     canvas, picture = viewer.canvas, viewer.picture
     columns = picture.facts.columns
-    canvas.set_zoom((0.5, 0.5, canvas.view.width() / wide / columns))
-    qtbot.wait(30)
-    to_screen = canvas.first.sceneTransform()
-    pixel = to_screen.mapRect(QRectF(columns // 2, picture.facts.rows // 2, 1, 1))
-    assert pixel.width() == pytest.approx(wide, rel=0.02)
-    image = canvas.grab().toImage()
-    ratio = image.width() / canvas.width()
-    inner = pixel.adjusted(2, 2, -2, -2)
-    shades = {
-        image.pixel(round(x * ratio), round(y * ratio))
-        for x in np.arange(inner.left(), inner.right())
-        for y in np.arange(inner.top(), inner.bottom())
-    }
-    assert (len(shades) > 3) == (wide > 40)
-
-
-def test_the_histogram_is_that_of_the_samples(viewer):
-    counts, _ = np.histogram(viewer.picture.samples.astype(float), 256)
-    _, drawn = viewer.canvas.levels.plot.getData()
-    assert drawn.max() == 1.0  # of the logarithm of the largest count
-    shown = np.expm1(drawn * np.log1p(counts.max()))
-    assert np.abs(shown - counts).sum() <= 0.02 * counts.sum()
-
-
-@pytest.mark.parametrize("name", list(NAMES)[:2])
-def test_colours(viewer, name):
-    viewer.bar.display.colours.chosen.emit(name)
-    viewer.canvas.grab()
-    drawn, table = viewer.canvas.first.qimage, colour_table(name)
-    level = viewer.picture.grey[9, 9]
-    assert drawn.pixelColor(9, 9).getRgb()[:3] == tuple(table[level].tolist())
-    assert table.shape == (256, 3)
-
-
-def test_centred_spectrum_is_shown_on_frequencies(bench, viewer):
-    viewer.bar.display.mapping.chosen.emit("spectrum")
-    bench.settle()
-    assert viewer.picture.facts.kind == "plane"
-    assert "cyc/mrad" in viewer.canvas.plot.getAxis("bottom").labelText
-    assert "log" in shown(viewer)
-    seen, facts = viewer.canvas.view.viewRect(), viewer.picture.facts
-    assert seen.contains(QPointF(facts.across.at(0), facts.along.at(0)))
-    assert seen.width() < 20 * facts.across.step * facts.columns
+    for wide in (37.0, 44.0):
+        canvas.set_zoom((0.5, 0.5, canvas.view.width() / wide / columns))
+        qtbot.wait(30)
+        to_screen = canvas.first.sceneTransform()
+        pixel = to_screen.mapRect(QRectF(columns // 2, picture.facts.rows // 2, 1, 1))
+        assert pixel.width() == pytest.approx(wide, rel=0.02)
+        image = canvas.grab().toImage()
+        ratio = image.width() / canvas.width()
+        inner = pixel.adjusted(2, 2, -2, -2)
+        shades = {
+            image.pixel(round(x * ratio), round(y * ratio))
+            for x in np.arange(inner.left(), inner.right())
+            for y in np.arange(inner.top(), inner.bottom())
+        }
+        assert (len(shades) > 3) == (wide > 40)
 
 
 def test_wipe(bench, viewer):
@@ -108,7 +80,7 @@ def test_wipe(bench, viewer):
     assert not canvas.second.isVisible()
 
 
-def test_line_profile(bench, viewer):
+def test_profile_means_and_spectrum(bench, viewer):
     viewer.bar.display.profile.setChecked(True)
     profile = viewer.canvas.below[ProfileLine]
     for handle, x in zip(profile.line.getHandles(), (0.25, 0.75), strict=True):
@@ -123,9 +95,7 @@ def test_line_profile(bench, viewer):
     assert value == pytest.approx(wanted, rel=1e-6)
     viewer.bar.display.profile.setChecked(False)
     assert not viewer.canvas.shows(ProfileLine)
-
-
-def test_means_of_rows_and_columns_of_both_pictures(bench, viewer):
+    # Means of rows and columns, of both pictures.
     viewer.bar.display.means.setChecked(True)
     viewer.bar.compare.other_chosen.emit("scene.image")
     bench.settle()
@@ -137,21 +107,32 @@ def test_means_of_rows_and_columns_of_both_pictures(bench, viewer):
         assert list(columns[0][:2]) == [0.0, 1.0]
     viewer.bar.display.means.setChecked(False)
     assert not viewer.canvas.shows(LineMeans)
+    # The centred spectrum is shown on frequencies.
+    viewer.bar.compare.mode.chosen.emit("alone")
+    viewer.bar.display.mapping.chosen.emit("spectrum")
+    bench.settle()
+    assert viewer.picture.facts.kind == "plane"
+    assert "cyc/mrad" in viewer.canvas.plot.getAxis("bottom").labelText
+    assert "log" in viewer.status.title.text()
+    seen, facts = viewer.canvas.view.viewRect(), viewer.picture.facts
+    assert seen.contains(QPointF(facts.across.at(0), facts.along.at(0)))
+    assert seen.width() < 20 * facts.across.step * facts.columns
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".exr"])
-def test_samples_are_written(bench, viewer, tmp_path, suffix):
-    path = tmp_path / f"out{suffix}"
-    viewer.save_as(path)
-    assert (read_pixels(path) == bench.value(FINAL)).all()
-
-
-def test_a_picture_is_written_as_it_looks(viewer, tmp_path):
+def test_samples_are_written_in_full_and_a_picture_as_it_looks(bench, viewer, tmp_path):
+    for suffix in (".npy", ".exr"):
+        path = tmp_path / f"out{suffix}"
+        viewer.save_as(path)
+        assert (read_pixels(path) == bench.value(FINAL)).all()
     viewer.bar.display.colours.chosen.emit("viridis")
+    viewer.canvas.grab()
     viewer.save_as(tmp_path / "look.png")
     written = QImage(str(tmp_path / "look.png")).convertToFormat(QImage.Format.Format_RGB888)
     rows, columns = viewer.picture.grey.shape
     assert (written.height(), written.width()) == (rows, columns)
-    wanted = colour_table("viridis")[viewer.picture.grey]
+    table = colour_table("viridis")
+    assert table.shape == (256, 3)
+    wanted = table[viewer.picture.grey]
     for row, column in ((0, 0), (5, 9), (rows - 1, columns - 1)):
-        assert written.pixelColor(column, row).getRgb()[:3] == tuple(wanted[row, column].tolist())
+        for image in (written, viewer.canvas.first.qimage):
+            assert image.pixelColor(column, row).getRgb()[:3] == tuple(wanted[row, column].tolist())

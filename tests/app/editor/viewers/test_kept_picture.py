@@ -3,7 +3,6 @@
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import sample_text
 from core.evaluation.work import Policy
@@ -22,19 +21,6 @@ def kept_of(bench, port=PORT, plan=None):
     work = bench.engine.work(Policy())
     passing = Passing(bench.engine, plan or bench.plan, work)
     return PictureQuery(port).kept_picture(passing)
-
-
-@pytest.mark.parametrize("levels", ["extremes", "percentiles", (5.0, 40.0)])
-def test_a_is_drawn_by_the_levels_of_b(bench, levels):
-    kept = kept_of(bench)
-    after = bench.changed("jitter", "sigma_mrad", 3.0)
-    picture = bench.answer(PictureQuery(PORT, levels=levels, kept=kept), after)
-    alone = bench.answer(PictureQuery(PORT, levels=levels), after)
-    assert picture.levels == picture.other.levels == alone.levels
-    assert (picture.grey == alone.grey).all()
-    assert (picture.other.grey == grey_levels(kept.samples, *alone.levels)).all()
-    assert picture.other.samples is kept.samples
-    assert not picture.other.grey.flags.writeable
 
 
 def test_another_size_is_refused_in_one_line(bench):

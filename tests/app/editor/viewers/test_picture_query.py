@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from app.editor.viewers.picture.plots_below import along_line
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import PictureQuery
+from app.editor.viewers.pixels.probing import index_at, probe, probe_text
 from core.errors import ImagechainError
 from picture_bench import PictureBench
 
@@ -24,11 +26,7 @@ def test_samples_are_those_of_the_wire_and_not_copied(bench):
     assert facts.band_um == (8.0, 12.0)
     assert picture.levels == (float(picture.samples.min()), float(picture.samples.max()))
     assert not picture.logarithmic
-
-
-def test_logarithm(bench):
     picture = bench.answer(PictureQuery("back.image", mapping="log"))
-    assert picture.samples is bench.value("back.image")
     logarithm = np.log10(np.abs(picture.samples.astype(float)))
     assert picture.levels == pytest.approx((logarithm.min(), logarithm.max()), abs=1e-6)
     assert picture.logarithmic
@@ -44,8 +42,8 @@ def test_centred_spectrum_of_a_picture(bench):
     assert picture.logarithmic
 
 
-@pytest.mark.parametrize("port", ["jitter.magnitude", "jitter.mtf"])
-def test_planes_have_zero_frequency_in_the_middle(bench, port):
+def test_planes_have_zero_frequency_in_the_middle(bench):
+    port = "jitter.magnitude"
     picture = bench.answer(PictureQuery(port))
     plane = bench.value(port)
     assert (picture.samples == np.fft.fftshift(plane)).all()
@@ -59,17 +57,13 @@ def test_planes_have_zero_frequency_in_the_middle(bench, port):
         assert "cyc/mrad" in axis.title
 
 
-def test_difference(bench):
+def test_a_difference_is_grey_at_zero_and_a_wipe_has_the_same_levels_on_both_sides(bench):
     picture = bench.answer(PictureQuery("back.image", "scene.image", "difference"))
     wanted = bench.value("back.image") - bench.value("scene.image")
     assert (picture.samples == wanted).all()
     reach = float(np.abs(wanted).max())
     assert picture.levels == (-reach, reach)
-    middle = grey_levels(np.zeros((1, 1), np.float32), *picture.levels)[0, 0]
-    assert middle in (127, 128)
-
-
-def test_wipe_has_the_same_levels_on_both_sides(bench):
+    assert grey_levels(np.zeros((1, 1), np.float32), *picture.levels)[0, 0] in (127, 128)
     picture = bench.answer(PictureQuery("scene.image", "pixels.image", "wipe"))
     assert picture.other.levels == picture.levels
     assert (picture.other.samples == bench.value("pixels.image")).all()
@@ -102,3 +96,23 @@ def test_the_key_tells_whether_the_picture_would_change(bench):
     assert both.key(bench.changed("jitter", "sigma_mrad", 0.1)) != both.key(bench.plan)
     alone = PictureQuery("scene.image", "back.image", "alone")
     assert alone.key(bench.changed("jitter", "sigma_mrad", 0.1)) == alone.key(bench.plan)
+
+
+def test_probe_of_a_plane_tells_frequencies(bench):
+    picture = bench.answer(PictureQuery("jitter.mtf"))
+    row, column = index_at(picture.facts, 0.0, 0.0)
+    assert (row, column) == (20, 24)
+    found = probe(picture, row, column)
+    assert (found.value, found.temperature_K) == (1.0, None)
+    assert probe_text(picture, found) == "ξ 0  η 0 cyc/mrad:  1"
+    difference = bench.answer(PictureQuery("back.image", "scene.image", "difference"))
+    assert probe(difference, 7, 31).temperature_K is None
+
+
+def test_values_along_a_line_across_a_slope():
+    rows, columns = np.mgrid[0:20, 0:30]
+    slope = (2.0 * columns + 5.0 * rows).astype(np.float32)
+    x, y = np.linspace(0.1, 0.9, 7), np.linspace(0.2, 0.95, 7)
+    wanted = 2.0 * (30 * x - 0.5) + 5.0 * (20 * y - 0.5)
+    assert along_line(slope, x, y) == pytest.approx(wanted, rel=1e-12)
+    assert np.isnan(along_line(slope, np.array([0.5, 1.2]), np.array([-0.1, 0.5]))).all()

@@ -23,26 +23,11 @@ def strong(viewer):
     return [entry.name for entry in viewer.canvas.drawing.entries if entry.strong]
 
 
-def test_the_curve_of_the_selected_node_is_shown(select):
+def test_the_curve_of_the_selected_node_is_shown_unless_another_is_pinned(select):
     viewer = select("merit")
     assert viewer.port == "merit.mrtd"
     assert viewer.canvas.drawing.panels[0].y_label == "MRTD (K)"
-    assert select("budget").port == "budget.noise"
-    assert viewer.canvas.bars is not None
-
-
-def test_of_a_stage_the_chain_is_shown_with_its_curve_thick(select):
-    viewer = select("optics")
-    assert viewer.port is None
-    assert strong(viewer) == ["optics"]
-    pens = viewer.canvas.pens
-    assert pens["optics"].widthF() == 3 * pens["jitter"].widthF()
-    assert strong(select("jitter")) == ["jitter"]
-    assert viewer.canvas.pens["optics"].widthF() == 1
-
-
-def test_a_node_without_curves_is_told_and_keeps_no_others(select, bench):
-    viewer = select("merit")
+    # A node without curves is told, and keeps no others.
     select("back")
     assert viewer.hint.isVisible()
     assert viewer.hint.text().startswith("back has no curves")
@@ -52,11 +37,16 @@ def test_a_node_without_curves_is_told_and_keeps_no_others(select, bench):
     select("merit")
     assert viewer.canvas.isVisible()
     assert not viewer.hint.isVisible()
-
-
-def test_pinned_it_keeps_its_curves(select):
-    viewer = select("merit")
     QTest.mouseClick(viewer.bar.pin, LEFT)
     assert select("optics").port == "merit.mrtd"
     QTest.mouseClick(viewer.bar.pin, LEFT)
     assert select("budget").port == "budget.noise"
+    assert viewer.canvas.bars is not None
+    # Of a stage the chain is shown, with its curve thick.
+    select("optics")
+    assert viewer.port is None
+    assert strong(viewer) == ["optics"]
+    pens = viewer.canvas.pens
+    assert pens["optics"].widthF() == 3 * pens["jitter"].widthF()
+    assert strong(select("jitter")) == ["jitter"]
+    assert viewer.canvas.pens["optics"].widthF() == 1

@@ -25,23 +25,18 @@ def buttons(viewer):
     return {button.text(): button for button in shown.values() if button.isVisible()}
 
 
-def test_a_click_shows_another_output(bench, viewer):
+def test_a_click_shows_another_output_and_a_table_is_copied_with_all_digits(bench, viewer):
     assert list(buttons(viewer)) == ["Noise", "Blur", "Table"]
     for text, port, kind in (
         ("Blur", "budget.blur", CurveData),
-        ("Table", "budget.table", TableData),
         ("Noise", "budget.noise", CurveData),
+        ("Table", "budget.table", TableData),
     ):
         QTest.mouseClick(buttons(viewer)[text], LEFT)
         bench.settle()
         assert viewer.port == viewer.bar.ports.port == port
         assert isinstance(viewer.data, kind)
         assert [name for name, each in buttons(viewer).items() if each.isChecked()] == [text]
-
-
-def test_a_table_is_copied_with_all_digits(bench, viewer):
-    viewer.look_at("budget.table")
-    bench.settle()
     truth = bench.value("budget.table").rows
     give_focus(viewer.table)
     QTest.keyClick(viewer.table, KEY.Key_C, CTRL)

@@ -44,7 +44,7 @@ def test_an_edit_draws_only_what_it_changes(bench, viewer):
     assert axes == [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
 
 
-def test_draws_every_stage_and_the_totals(bench, viewer):
+def test_draws_every_stage_and_the_totals_along_any_line(bench, viewer, qtbot):
     (panel,) = viewer.canvas.drawing.panels
     assert panel.y_label == "MTF"
     drawn = viewer.canvas.plots[0].drawn
@@ -56,9 +56,19 @@ def test_draws_every_stage_and_the_totals(bench, viewer):
     texts = [viewer.list.item(row).text() for row in range(viewer.list.count())]
     assert texts[:2] == ["Total", "Total with electronics"]
     assert "2.64" in viewer.status.title.text()  # the cutoff, beyond Nyquist
-
-
-def test_buttons_and_angle(bench, viewer, qtbot):
+    # The cursor reads the nearest curve.
+    canvas, box = viewer.canvas, viewer.canvas.plots[0].getViewBox()
+    x = 0.3
+    y = np.interp(x, found.frequency, named(found)["detector"].mtf)
+    canvas.scene().sigMouseMoved.emit(box.mapViewToScene(QPointF(x, float(y))))
+    told = viewer.status.more.text().replace("\N{MINUS SIGN}", "-")
+    assert "detector" in told
+    assert "cyc/mrad" in told
+    assert float(told.split()[0]) == pytest.approx(x, abs=1e-3)
+    assert float(told.split()[-1]) == pytest.approx(y, abs=1e-2)
+    canvas.scene().sigMouseMoved.emit(QPointF(-9, -9))
+    assert viewer.status.more.text() == ""
+    # Buttons and an angle choose the line.
     qtbot.mouseClick(viewer.bar._y, Qt.MouseButton.LeftButton)
     bench.settle()
     assert viewer.angle_deg == 90.0
@@ -73,7 +83,14 @@ def test_buttons_and_angle(bench, viewer, qtbot):
     assert viewer.angle_deg == 0.0
 
 
-def test_both_parts_share_their_abscissa(bench, viewer):
+def test_both_parts_share_their_abscissa_and_the_legend_switches_curves(bench, viewer):
+    row = next(r for r in range(viewer.list.count()) if "jitter" in viewer.list.item(r).text())
+    curve = viewer.canvas.plots[0].drawn["jitter"]
+    assert curve.isVisible()
+    viewer.list.item(row).setCheckState(Qt.CheckState.Unchecked)
+    assert not curve.isVisible()
+    bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
+    assert not curve.isVisible()
     viewer.set_parts("both")
     assert [panel.y_label for panel in viewer.canvas.drawing.panels] == ["MTF", "PTF (rad)"]
     upper, lower = (plot.getViewBox() for plot in viewer.canvas.plots)
@@ -84,34 +101,7 @@ def test_both_parts_share_their_abscissa(bench, viewer):
     assert names == {"electronics", "total_with_electronics"}  # the others have no phase
 
 
-def test_the_legend_switches_curves(bench, viewer):
-    row = next(r for r in range(viewer.list.count()) if "jitter" in viewer.list.item(r).text())
-    curve = viewer.canvas.plots[0].drawn["jitter"]
-    assert curve.isVisible()
-    viewer.list.item(row).setCheckState(Qt.CheckState.Unchecked)
-    assert not curve.isVisible()
-    bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
-    assert not curve.isVisible()
-
-
-def test_the_cursor_reads_the_nearest_curve(bench, viewer):
-    canvas, box = viewer.canvas, viewer.canvas.plots[0].getViewBox()
-    found = curves(bench)
-    x = 0.3
-    y = np.interp(x, found.frequency, named(found)["detector"].mtf)
-    place = box.mapViewToScene(QPointF(x, float(y)))
-    canvas.scene().sigMouseMoved.emit(place)
-    told = viewer.status.more.text().replace("\N{MINUS SIGN}", "-")
-    assert "detector" in told
-    assert "cyc/mrad" in told
-    frequency, value = float(told.split()[0]), float(told.split()[-1])
-    assert frequency == pytest.approx(x, abs=1e-3)
-    assert value == pytest.approx(y, abs=1e-2)
-    canvas.scene().sigMouseMoved.emit(QPointF(-9, -9))
-    assert viewer.status.more.text() == ""
-
-
-def test_a_curve_of_a_node(bench, viewer):
+def test_a_curve_and_a_table_of_a_node(bench, viewer):
     viewer.look_at("picture.curve")
     bench.settle()
     truth = bench.value("picture.curve")
@@ -120,9 +110,6 @@ def test_a_curve_of_a_node(bench, viewer):
     assert (y == truth.series[0].y).all()
     assert viewer.canvas.drawing.x_label == truth.x_label
     assert not viewer.bar.angle.isEnabled()
-
-
-def test_a_table_of_a_node(bench, viewer):
     viewer.look_at("electronics.table")
     bench.settle()
     truth = bench.value("electronics.table")

@@ -1,6 +1,8 @@
 """The window with an empty network, and with one of the thesis' sensors."""
 
 import pytest
+from PySide6.QtCore import QObject, QUrl, Slot
+from PySide6.QtGui import QDesktopServices
 
 from snapshot_hands import PORT, Person
 from window_hands import WindowHands, show_small
@@ -33,3 +35,23 @@ def person(window, idle):
     made = Person(window, idle)
     assert made.viewer.choices.port == PORT
     return made
+
+
+class Browser(QObject):
+    """What is opened outside of the window."""
+
+    def __init__(self):
+        super().__init__()
+        self.opened = []
+
+    @Slot(QUrl)
+    def open(self, url):
+        self.opened.append(url.toLocalFile())
+
+
+@pytest.fixture
+def browser(qtbot):
+    made = Browser()
+    QDesktopServices.setUrlHandler("file", made, "open")
+    yield made
+    QDesktopServices.unsetUrlHandler("file")

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import (
     QPushButton,
 )
 
+from core.editing.document import Document
 from core.editing.operations import set_parameter
 from window_hands import CTRL, KEY, SHIFT, add, answer, give_focus
 
@@ -42,22 +43,19 @@ def assert_alive(window, qtbot, folder):
     assert window.status.error == ""
 
 
-# --- unmodified --------------------------------------------------------------------------------
-
-
-def test_the_keys_to_quit_close_an_unmodified_network(window, hand, qtbot, idle):
-    window.files.open_now("first_steps")
-    idle(window)
-    hand.focus()
-    hand.key(KEY.Key_Q, CTRL)
-    qtbot.waitUntil(lambda: not window.isVisible())
-
-
 # --- modified ----------------------------------------------------------------------------------
 
 
-def test_cancel_leaves_a_window_that_computes_and_keeps_work(window, qtbot, tmp_path):
-    add(window, "init_trans")
+def test_work_is_asked_for_until_it_is_saved(window, hand, qtbot, idle, tmp_path):
+    """Quitting in the middle of a number asks for it: it has not been entered yet."""
+    name = add(window, "jitter_mtf")
+    window.session.open(Document(window.session.network, library=window.session.library))
+    window.session.select([name])
+    idle(window)
+    edit = window.panels.panels[name].body.sections.field("sigma_mrad").edit
+    give_focus(edit)
+    edit.selectAll()
+    QTest.keyClicks(edit, "0.75")
     assert not window.close()
     answer(qtbot, window, _BUTTON.Cancel)
     assert window.isVisible()
@@ -66,34 +64,21 @@ def test_cancel_leaves_a_window_that_computes_and_keeps_work(window, qtbot, tmp_
     (box,) = questions(window)  # it asks again
     QTest.keyClick(box, KEY.Key_Escape)
     qtbot.waitUntil(lambda: not questions(window))
+    box.setObjectName("answered")
     assert window.isVisible()
-
-
-def test_what_is_being_typed_counts_as_work(window, hand, qtbot, idle):
-    """Quitting in the middle of a number asks for it: it has not been entered yet."""
-    name = add(window, "jitter_mtf")
-    window.session.save(window.settings.path.parent.parent / "mine.json")
-    window.session.select([name])
-    idle(window)
-    type_sigma(window, name, "0.75")
-    assert not window.close()
-    assert len(questions(window)) == 1
-
-
-def type_sigma(window, name, text):
-    """Type in a panel, without Enter."""
-    edit = window.panels.panels[name].body.sections.field("sigma_mrad").edit
-    give_focus(edit)
-    edit.selectAll()
-    QTest.keyClicks(edit, text)
+    window.close()
+    answer(qtbot, window, _BUTTON.Save)
+    qtbot.waitUntil(lambda: bool(dialogs(window)))
+    (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
+    dialog.fileSelected.emit(str(tmp_path / "mine.json"))
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert b"test_scene" in (tmp_path / "mine.json").read_bytes()
 
 
 # --- with a dialog open ------------------------------------------------------------------------
 
 DIALOGS = [
     ("open", "file_dialog", False),
-    ("shortcuts", "shortcuts", False),
-    ("save_as", "file_dialog", True),
     ("add_run", "add_run", True),
 ]
 
@@ -122,67 +107,39 @@ def test_the_keys_to_quit_work_with_a_menu_open(window, hand, qtbot):
     qtbot.waitUntil(lambda: not window.isVisible())
 
 
-def test_a_dialog_to_save_goes_with_its_document(window, hand, qtbot, tmp_path):
-    """It would otherwise give the name meant for one network to the next."""
-    add(window, "test_scene")
-    window.session.save(tmp_path / "one.json")
-    hand.focus()
-    hand.key(KEY.Key_S, CTRL | SHIFT)
-    window.files.open_now("first_steps")
-    assert not [each for each in dialogs(window) if isinstance(each, QFileDialog)]
-
-
-def test_saving_as_asked_at_the_close_ends_the_window(window, qtbot, tmp_path):
-    add(window, "test_scene")
-    window.close()
-    answer(qtbot, window, _BUTTON.Save)
-    qtbot.waitUntil(lambda: bool(dialogs(window)))
-    (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
-    dialog.fileSelected.emit(str(tmp_path / "mine.json"))
-    qtbot.waitUntil(lambda: not window.isVisible())
-    assert b"test_scene" in (tmp_path / "mine.json").read_bytes()
-
-
 # --- over a file that is there -----------------------------------------------------------------
 
 
-@pytest.fixture
-def replacing(window, hand, qtbot, tmp_path):
-    """Save As, with the name of a file that is there; gives what to call to enter it, and more."""
+def test_a_file_is_replaced_only_once_that_is_agreed(window, hand, tmp_path):
+    add(window, "test_scene")
+    window.session.save(tmp_path / "one.json")
     other = tmp_path / "other.json"
     other.write_text("mine")
-
-    def begin(action="save_as"):
-        window.actions_by_name[action].trigger()
-        (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
-        dialog.setDirectory(str(tmp_path))
-        dialog.selectFile(str(other))
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL | SHIFT)
+    (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
+    dialog.setDirectory(str(tmp_path))
+    dialog.selectFile(str(other))
+    for reply in ("cancel", "replace"):
         dialog.accept()
-        (box,) = window.findChildren(QMessageBox, "replace_file")
-        assert box.isVisible()
-        return dialog, box, other
-
-    return begin
-
-
-def keep_the_file(box):
-    """Press Escape at the question to replace it, where a person does."""
-    give_focus(box.findChild(QPushButton, "cancel"))
-    QTest.keyClick(box, KEY.Key_Escape)
-    assert not box.isVisible()
-
-
-def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
-    add(window, "test_scene")
-    dialog, box, other = replacing()
-    keep_the_file(box)
-    assert dialog.isVisible()
-    assert other.read_text() == "mine"
-    dialog.accept()  # asks anew
-    box = next(each for each in window.findChildren(QMessageBox) if each.isVisible())
-    box.findChild(QPushButton, "replace").click()
+        box = next(each for each in window.findChildren(QMessageBox) if each.isVisible())
+        assert box.objectName() == "replace_file"
+        if reply == "cancel":  # by Escape
+            give_focus(box.findChild(QPushButton, reply))
+            QTest.keyClick(box, KEY.Key_Escape)
+            assert not box.isVisible()
+            assert dialog.isVisible()
+            assert other.read_text() == "mine"
+        else:
+            box.findChild(QPushButton, reply).click()
     assert not dialog.isVisible()
     assert "test_scene" in other.read_text()
+    # One that is open goes with its document: it would give the name to the next network.
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL | SHIFT)
+    assert dialogs(window)
+    window.files.open_now("first_steps")
+    assert not [each for each in dialogs(window) if isinstance(each, QFileDialog)]
 
 
 # --- told to end -------------------------------------------------------------------------------

@@ -9,12 +9,9 @@ import sys
 
 import pytest
 
+from app.run.shipped import shipped_networks
 from child_process import PATIENCE_S, ROOT, finished, wait_for
 from virtual_screen import virtual_screen
-
-
-def words(*arguments):
-    return [sys.executable, "-m", "app.command.cli", "edit", *map(str, arguments)]
 
 
 def environment(folder, base=os.environ):
@@ -29,9 +26,11 @@ def size_of_png(path):
 
 
 SHOTS = {
-    "window.png": (("first_steps",), (1600, 900)),
-    "smaller.png": (("first_steps", "--size", "1366x768", "--look", "light"), (1366, 768)),
-    "picture.png": (("kodak_kir310", "--part", "picture", "--size", "320x320"), None),
+    "window.png": (("small.json",), (1600, 900)),
+    "part.png": (
+        ("small.json", "--part", "picture", "--size", "320x320", "--look", "light"),
+        (320, 240),
+    ),
 }
 FAULTS = {
     "no such network": (("nowhere.json", "w.png"), "neither a file nor the name of a shipped"),
@@ -56,6 +55,9 @@ def drawn(tmp_path_factory):
     """The folder of the screenshots, and how each command ended."""
     folder = tmp_path_factory.mktemp("drawn")
     (folder / "broken.json").write_text("[1, 2")
+    small = json.loads(shipped_networks()["first_steps"].read_text())
+    small["nodes"]["scene"]["params"] |= {"width": 512, "height": 384, "fov_y_deg": 7.5}
+    (folder / "small.json").write_text(json.dumps(small))
     asked = {name: [*words, "--screenshot", name] for name, (words, _) in SHOTS.items()}
     for name, ((network, file), _) in FAULTS.items():
         asked[name] = [network, "--screenshot", file]
@@ -69,48 +71,24 @@ def test_screenshots_and_what_cannot_be_drawn(drawn):
     folder, ends = drawn
     for name, (_, wanted) in SHOTS.items():
         assert ends[name] == [0, "", ""]
-        width, height = size_of_png(folder / name)
-        if wanted is None:  # no larger than asked for, and as wide as the picture is
-            assert max(width, height) == 320
-            assert height / width == pytest.approx(486 / 512, abs=0.01)
-        else:
-            assert (width, height) == wanted
+        # A part is no larger than asked for, and as wide as the picture is.
+        assert size_of_png(folder / name) == wanted, name
     for name, (_, why) in FAULTS.items():
         code, out, err = ends[name]
         assert (code, out) == (2, "")
         assert why in err
         assert err.count("\n") == 1
-    assert {path.name for path in folder.iterdir()} == {*SHOTS, "broken.json"}
+    assert {path.name for path in folder.iterdir()} == {*SHOTS, "broken.json", "small.json"}
 
 
-@pytest.fixture(scope="module")
-def screen():
-    with virtual_screen(1366, 768) as found:
-        yield found
-
-
-def started(command, folder, screen):
-    """The editor's process, once its window is there."""
-    env = environment(folder, screen)
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    run = subprocess.Popen(command, cwd=folder, env=env, **pipes)
-    search = ["xdotool", "search", "--onlyvisible", "--name", "Imagechain"]
-    wait_for(lambda: finished(search, env=env).returncode == 0, "a window came", child=run)
-    return run
-
-
-def ended(run, number):
-    """How it ends when it is told to."""
-    run.send_signal(number)
-    told = run.communicate(timeout=PATIENCE_S)
-    return (run.returncode, *told)
-
-
-def test_told_to_end_the_window_closes_quietly(tmp_path, screen):
-    run = started(words("first_steps"), tmp_path, screen)
-    assert ended(run, signal.SIGINT) == (0, "", "")
-
-
-def test_without_words_the_first_page_opens(tmp_path, screen):
-    run = started([sys.executable, "-m", "app.command.cli"], tmp_path, screen)
-    assert ended(run, signal.SIGTERM) == (0, "", "")
+def test_without_words_the_first_page_opens_and_told_to_end_closes_quietly(tmp_path):
+    with virtual_screen(1366, 768) as screen:
+        env = environment(tmp_path, screen)
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        command = [sys.executable, "-m", "app.command.cli"]
+        run = subprocess.Popen(command, cwd=tmp_path, env=env, **pipes)
+        search = ["xdotool", "search", "--onlyvisible", "--name", "Imagechain"]
+        wait_for(lambda: finished(search, env=env).returncode == 0, "a window came", child=run)
+        run.send_signal(signal.SIGINT)
+        told = run.communicate(timeout=PATIENCE_S)
+        assert (run.returncode, *told) == (0, "", "")

@@ -2,11 +2,11 @@
 
 from typing import get_args
 
-import pytest
 from PySide6.QtWidgets import QTableView
 
 from app.editor.widgets import ElidedLabel
 from app.editor.window.window_layout import LayoutName
+from window_hands import show_small
 
 SIZE = 1366, 768
 
@@ -47,17 +47,18 @@ def cut_short(window):
     return found
 
 
-@pytest.mark.parametrize("network", ["kodak_kir310", "mwir_camera"])
-def test_figures_are_read_in_full(window, idle, network):
+def test_figures_are_read_in_full(window, idle):
     window.resize(*SIZE)
-    window.files.open_now(network)
-    idle(window)
-    assert window.figures.isVisible()
-    for layout in get_args(LayoutName):
-        window.choose_layout(layout)
+    for network in ("kodak_kir310", "mwir_camera"):
+        show_small(window, network)
         idle(window)
-        assert cut_short(window) == [], layout
-    for dock in ("snapshots", "fit", "trade_off", "measure"):
-        window.actions_by_name[dock].trigger()
-        idle(window)
-        assert cut_short(window) == [], dock
+        assert window.figures.isVisible()
+        for layout in get_args(LayoutName):
+            window.choose_layout(layout)
+            idle(window)
+            assert cut_short(window) == [], (network, layout)
+        for dock in ("snapshots", "fit", "trade_off", "measure"):
+            window.actions_by_name[dock].trigger()
+            idle(window)
+            assert cut_short(window) == [], (network, dock)
+            window.actions_by_name[dock].trigger()

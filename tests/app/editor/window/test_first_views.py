@@ -2,7 +2,6 @@
 
 import json
 
-import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
@@ -15,30 +14,26 @@ SHOWN = {
 }
 
 
-@pytest.mark.parametrize("network", SHOWN)
-def test_an_analysis_shows_its_panel_its_curve_and_a_telling_picture(window, idle, network):
-    node, curve, pictures, front = SHOWN[network]
-    QTest.mouseClick(window.findChild(QWidget, f"welcome.{network}"), Qt.MouseButton.LeftButton)
-    idle(window)
-    assert window.session.selection == (() if node is None else (node,))
-    panels = window.panels
-    assert panels.network_panel.isVisible() == (node is None)
-    assert list(panels.panels) == ([] if node is None else [node])
-    plot = window.viewers.plot
-    assert plot.port == curve
-    assert plot.data is not None
-    viewers = window.viewers.images
-    assert tuple(viewers[number].choices.port for number in (1, 2)) == pictures
-    behind = [viewers[number].visibleRegion().isEmpty() for number in (1, 2)]
-    assert behind == [front != 1, front != 2]
-    assert viewers[front].picture is not None
-    assert not window.session.document.modified
-
-
-def test_an_analysis_that_cannot_be_planned_is_not_what_a_network_is_there_for(
-    window, idle, tmp_path
-):
-    """Its first node of analysis has nothing connected; the next one counts."""
+def test_a_network_shows_what_it_is_there_for(window, idle, tmp_path):
+    """An analysis its panel, its curve and a telling picture."""
+    for network, (node, curve, pictures, front) in SHOWN.items():
+        window.show_welcome()
+        QTest.mouseClick(window.findChild(QWidget, f"welcome.{network}"), Qt.MouseButton.LeftButton)
+        idle(window)
+        assert window.session.selection == (() if node is None else (node,))
+        panels = window.panels
+        assert panels.network_panel.isVisible() == (node is None)
+        assert list(panels.panels) == ([] if node is None else [node])
+        plot = window.viewers.plot
+        assert plot.port == curve
+        assert plot.data is not None
+        viewers = window.viewers.images
+        assert tuple(viewers[number].choices.port for number in (1, 2)) == pictures
+        behind = [viewers[number].visibleRegion().isEmpty() for number in (1, 2)]
+        assert behind == [front != 1, front != 2]
+        assert viewers[front].picture is not None
+        assert not window.session.document.modified
+    # An analysis that cannot be planned does not count: nothing is connected to it.
     document = json.loads(shipped_networks()["noise_budget"].read_text())
     links = [link for link in document["links"] if link[1] != "budget.image"]
     assert len(links) == len(document["links"]) - 1
@@ -48,9 +43,7 @@ def test_an_analysis_that_cannot_be_planned_is_not_what_a_network_is_there_for(
     idle(window)
     assert window.session.selection == ("components",)
     assert window.viewers.plot.port == "components.curve"
-
-
-def test_view_of_a_curve_opens_the_curves_that_were_closed(window, idle):
+    # "View" of a curve opens the curves that were closed.
     window.files.open_now("measured_mtf")
     idle(window)
     window.viewers.plot_dock.close()

@@ -3,33 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from PySide6.QtCore import QObject, Qt, QUrl, Slot
-from PySide6.QtGui import QDesktopServices
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from app.handbook.written_pages import MARK, content_mark
 from nodes.library import standard_library
 from window_hands import add
-
-
-class Browser(QObject):
-    """Takes what would go to the browser."""
-
-    def __init__(self):
-        super().__init__()
-        self.pages = []
-
-    @Slot(QUrl)
-    def take(self, url):
-        self.pages.append(url.toLocalFile())
-
-
-@pytest.fixture
-def browser():
-    taken = Browser()
-    QDesktopServices.setUrlHandler("file", taken, "take")
-    yield taken
-    QDesktopServices.unsetUrlHandler("file")
 
 
 @pytest.fixture
@@ -63,13 +42,13 @@ def test_help_leads_to_the_page_of_the_module(window, browser, written, lines, q
     window.session.select([add(window, "jitter_mtf")])
     page = str(written / "modules" / "jitter_mtf.html")
     window.actions_by_name["module_help"].trigger()
-    qtbot.waitUntil(lambda: browser.pages == [page])
+    qtbot.waitUntil(lambda: browser.opened == [page])
     assert ("note", f"the handbook was opened in the browser: {page}") in lines
     head = window.panels.panels["jitter_mtf"].head
     QTest.mouseClick(head.help, Qt.MouseButton.LeftButton)
     assert head.more.isVisible()
     head.more.linkActivated.emit("handbook")
-    qtbot.waitUntil(lambda: browser.pages == [page, page])
+    qtbot.waitUntil(lambda: browser.opened == [page, page])
 
 
 def test_a_handbook_that_cannot_be_opened_is_a_line(
@@ -80,4 +59,4 @@ def test_a_handbook_that_cannot_be_opened_is_a_line(
     window.actions_by_name["handbook"].trigger()
     qtbot.waitUntil(lambda: [kind for kind, _ in lines][-1:] == ["error"])
     assert lines[-1][1].startswith("the handbook could not be opened: cannot make the folder")
-    assert browser.pages == []
+    assert browser.opened == []

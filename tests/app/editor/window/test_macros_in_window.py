@@ -11,7 +11,7 @@ from core.network.file import format_network
 from core.network.linked_values import resolved
 from core.network.macro import face_of_macro
 from panel_hands import type_in
-from window_hands import CTRL, KEY, SHIFT, WindowHands
+from window_hands import CTRL, KEY, SHIFT, WindowHands, show_small
 
 SIDES = ("input", "output")
 ALT = Qt.KeyboardModifier.AltModifier
@@ -21,7 +21,7 @@ MEMBERS = ("init", "blur", "back")
 @pytest.fixture
 def hands(window, idle):
     """On the first network, whose chain is a scene, a spectrum, a blur and the way back."""
-    window.files.open_now("first_steps")
+    show_small(window, "first_steps")
     idle(window)
     made = WindowHands(window)
     made.focus()
@@ -31,13 +31,24 @@ def hands(window, idle):
 
 @pytest.fixture
 def grouped(hands, window, idle):
-    """The chain as one node, called lens."""
+    """The chain as one node, called lens; it gives the same picture, and is undone."""
+    before, start = window.viewers.images[1].picture, text(window)
     hands.select(*MEMBERS)
     hands.key(KEY.Key_G, CTRL)
+    assert QApplication.focusWidget() is window.panels.panels["macro"].head.name
     hands.type("lens")
     hands.key(KEY.Key_Return)
-    hands.focus()
     idle(window)
+    assert set(window.level.network.nodes) == {"scene", "lens", "picture"}
+    assert set(window.canvas.content.nodes) == {"scene", "lens", "picture"}
+    assert window.canvas.content.nodes["lens"].face.macro
+    assert np.array_equal(before.samples, window.viewers.images[1].picture.samples)
+    assert window.canvas.isAncestorOf(QApplication.focusWidget()), "Enter gives the keyboard back"
+    for _ in range(2):  # its name, and the group
+        hands.key(KEY.Key_Z, CTRL)
+    assert text(window) == start
+    for _ in range(2):
+        hands.key(KEY.Key_Z, CTRL | SHIFT)
     return hands
 
 
@@ -59,28 +70,32 @@ def text(window):
     return format_network(window.session.document.network, library=window.session.library)
 
 
-def test_ctrl_g_makes_one_node_and_its_name_is_typed_in_place(hands, window, idle):
-    before, start = window.viewers.images[1].picture, text(window)
-    hands.select(*MEMBERS)
-    hands.key(KEY.Key_G, CTRL)
-    assert QApplication.focusWidget() is window.panels.panels["macro"].head.name
-    hands.type("lens")
-    hands.key(KEY.Key_Return)
-    idle(window)
-    assert set(window.level.network.nodes) == {"scene", "lens", "picture"}
-    assert set(window.canvas.content.nodes) == {"scene", "lens", "picture"}
-    assert window.canvas.content.nodes["lens"].face.macro
-    after = window.viewers.images[1].picture
-    assert np.array_equal(before.samples, after.samples)
-    hands.focus()
-    for _ in range(2):  # its name, and the group
-        hands.key(KEY.Key_Z, CTRL)
-    assert text(window) == start
+def inputs_and_outputs_are_drawn(window):
+    """With their names, beside the nodes."""
+    ends = window.canvas.content.ends
+    face = face_of_macro(window.level.network)
+    drawn = {side: {end.name for end in ends.ends if end.side == side} for side in SIDES}
+    assert drawn == {"input": set(face.inputs), "output": set(face.outputs)}
+    assert all(drawn.values())
+    nodes = window.canvas.content.nodes
+    for end in ends.ends:
+        assert not any(node.frame().intersects(end.plate) for node in nodes.values())
+        assert window.canvas.view.visible_rect().contains(end.plate)
+        of = face.inputs[end.name][0] if end.side == "input" else face.outputs[end.name]
+        port = nodes[of[0]].ports[end.side, of[1]].centre()
+        wire = end.wires[0]
+        assert wire.pointAtPercent(1.0 if end.side == "input" else 0.0) == port
+    first = ends.ends[0].plate
+    window.level.do(move_nodes({next(iter(nodes)): (-700.0, 0.0)}))
+    assert ends.ends[0].plate != first
+    window.session.undo()
 
 
-def test_a_double_click_shows_the_inside_and_the_bar_leads_back(grouped, window):
+def test_a_macro_is_entered_worked_in_and_left(grouped, window, idle):
     assert not window.crumbs.isVisible()
+    assert window.canvas.content.ends.ends == ()
     grouped.double_click(grouped.head("lens"))
+    idle(window)
     assert window.level.path == ("lens",)
     assert set(window.canvas.content.nodes) == set(MEMBERS)
     assert window.crumbs.isVisible()
@@ -90,9 +105,11 @@ def test_a_double_click_shows_the_inside_and_the_bar_leads_back(grouped, window)
         assert button.visibleRegion().boundingRect().size() == button.size()
         assert button.accessibleName()
         assert button.toolTip()
+    inputs_and_outputs_are_drawn(window)
     QTest.mouseClick(window.crumbs.steps[0], Qt.MouseButton.LeftButton)
     assert window.level.path == ()
     assert not window.crumbs.isVisible()
+    assert window.canvas.content.ends.ends == ()
     grouped.focus()
     grouped.select("lens")
     grouped.key(KEY.Key_Return)
@@ -100,9 +117,7 @@ def test_a_double_click_shows_the_inside_and_the_bar_leads_back(grouped, window)
     QTest.keyClick(window.canvas.view, KEY.Key_PageUp, ALT)
     assert window.level.path == ()
     assert window.session.selection == ("lens",)
-
-
-def test_work_inside_is_undone_across_levels(grouped, window):
+    # Work inside is undone across levels.
     grouped.double_click(grouped.head("lens"))
     start = text(window)
     grouped.select("blur")
@@ -113,7 +128,18 @@ def test_work_inside_is_undone_across_levels(grouped, window):
     grouped.key(KEY.Key_Z, CTRL)
     assert text(window) == start
     grouped.double_click(grouped.head("lens"))
-    for _ in range(2):
+    # A fault inside stands on the macro.
+    link = next(link for link in window.level.network.links if link.target == "back")
+    grouped.click(grouped.wire(link))
+    grouped.key(KEY.Key_Delete)
+    idle(window)
+    assert window.canvas.content.nodes["back"].badge.kind == "incomplete"
+    grouped.key(KEY.Key_PageUp, ALT)
+    badge = window.canvas.content.nodes["lens"].badge
+    assert badge.kind == "incomplete"
+    assert badge.text.startswith("lens/back: not connected")
+    grouped.double_click(grouped.head("lens"))
+    for _ in range(3):
         grouped.key(KEY.Key_Z, CTRL)
     assert window.level.path == ()  # the macro is gone, so what lay around it is shown
     assert set(window.canvas.content.nodes) == {"scene", "picture", *MEMBERS}
@@ -149,8 +175,8 @@ def test_a_parameter_is_exposed_set_renamed_and_hidden_by_menus(grouped, window,
 
 
 def test_a_value_inside_follows_its_neighbour_by_the_name_it_has_there(grouped, window, idle):
-    """Shown as typed, computed as what it means in the whole network, unlinked and undone."""
     session = window.session
+    grouped.focus()
     grouped.double_click(grouped.head("lens"))
     session.do(set_parameter("lens/init", "f_number", 2.0))
     grouped.select("blur")
@@ -187,19 +213,6 @@ def test_a_value_inside_follows_its_neighbour_by_the_name_it_has_there(grouped, 
     idle(window)
 
 
-def test_a_fault_inside_stands_on_the_macro(grouped, window, idle):
-    grouped.double_click(grouped.head("lens"))
-    link = next(link for link in window.level.network.links if link.target == "back")
-    grouped.click(grouped.wire(link))
-    grouped.key(KEY.Key_Delete)
-    idle(window)
-    assert window.canvas.content.nodes["back"].badge.kind == "incomplete"
-    grouped.key(KEY.Key_PageUp, ALT)
-    badge = window.canvas.content.nodes["lens"].badge
-    assert badge.kind == "incomplete"
-    assert badge.text.startswith("lens/back: not connected")
-
-
 def library_item(window, text):
     tree = window.library_view.tree
     return next(item for item in tree.modules.values() if item.text(0) == text)
@@ -213,7 +226,7 @@ def click_twice(window, item):
     QTest.mouseDClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=where)
 
 
-def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, idle):
+def test_presets_and_sets_of_values_are_kept_and_taken_again(grouped, window, settings):
     item = library_item(window, "Kodak KIR-310")
     assert item.parent().text(0) == "Camera presets"
     assert "Tantalo 1996" in item.toolTip(0)
@@ -227,9 +240,9 @@ def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, 
     shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]
     assert shown == ["FLIR Tau 2 lens, 50 mm F/1.2"]
 
-
-def test_an_own_macro_becomes_a_preset(grouped, window, settings):
-    grouped.select("lens")
+    window.library_view.filter.clear()
+    # An own macro becomes a preset.
+    window.session.select(["lens"])
     window.actions_by_name["save_preset"].trigger()
     folder = settings.path.parent / "presets"
     assert [path.name for path in folder.iterdir()] == ["lens.json"]
@@ -238,54 +251,27 @@ def test_an_own_macro_becomes_a_preset(grouped, window, settings):
     assert item.parent().text(0) == "Own presets"
     click_twice(window, item)
     assert window.session.selection == ("lens_2",)
-    grouped.focus()
     window.session.select(["lens"])
     window.actions_by_name["save_preset"].trigger()
     assert "a preset lens already exists" in window.status.error
     assert [path.name for path in folder.iterdir()] == ["lens.json"]
-
-
-def test_parameters_are_saved_as_a_set_and_taken_again(hands, window, settings):
-    hands.select("blur")
-    panel = window.panels.panels["blur"]
-    params = dict(window.session.network.nodes["blur"].params)
+    # Parameters are saved as a set and taken again.
+    window.session.select(["scene"])
+    QApplication.processEvents()
+    panel = window.panels.panels["scene"]
+    params = dict(window.session.network.nodes["scene"].params)
     menu = panel.sets_menu
     menu.popup(panel.head.sets.mapToGlobal(QPoint(0, 0)))
     line = menu.findChild(QLineEdit, "set_name")
     line.setFocus()
     QTest.keyClicks(line, "as shipped")
     QTest.keyClick(line, KEY.Key_Return)
-    file = settings.path.parent / "presets" / "parameters" / "gaussian_mtf.json"
-    assert file.is_file()
-    field(window, "blur", "sigma_x_mrad").offer(3.0)
-    assert dict(window.session.network.nodes["blur"].params) != params
+    assert (folder / "parameters" / "test_scene.json").is_file()
+    field(window, "scene", "fov_x_deg").offer(3.0)
+    assert dict(window.session.network.nodes["scene"].params) != params
     menu.popup(panel.head.sets.mapToGlobal(QPoint(0, 0)))
     entry = next(each for each in menu.actions() if each.text() == "as shipped")
     entry.trigger()
     menu.close()
-    assert dict(window.session.network.nodes["blur"].params) == params
-    assert window.session.document.undo_text == "Set blur to as shipped"
-
-
-def test_inside_a_macro_its_inputs_and_outputs_are_drawn_with_their_names(grouped, window, idle):
-    assert window.canvas.content.ends.ends == ()
-    window.level.enter("lens")
-    idle(window)
-    ends = window.canvas.content.ends
-    face = face_of_macro(window.level.network)
-    drawn = {side: {end.name for end in ends.ends if end.side == side} for side in SIDES}
-    assert drawn == {"input": set(face.inputs), "output": set(face.outputs)}
-    assert all(drawn.values())
-    nodes = window.canvas.content.nodes
-    for end in ends.ends:
-        assert not any(node.frame().intersects(end.plate) for node in nodes.values())
-        assert window.canvas.view.visible_rect().contains(end.plate)
-        of = face.inputs[end.name][0] if end.side == "input" else face.outputs[end.name]
-        port = nodes[of[0]].ports[end.side, of[1]].centre()
-        wire = end.wires[0]
-        assert wire.pointAtPercent(1.0 if end.side == "input" else 0.0) == port
-    first = ends.ends[0].plate
-    window.level.do(move_nodes({next(iter(nodes)): (-700.0, 0.0)}))
-    assert ends.ends[0].plate != first
-    window.level.leave()
-    assert ends.ends == ()
+    assert dict(window.session.network.nodes["scene"].params) == params
+    assert window.session.document.undo_text == "Set scene to as shipped"

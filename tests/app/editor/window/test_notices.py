@@ -2,7 +2,6 @@
 
 import re
 
-import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
@@ -38,33 +37,29 @@ def ink_of(mark):
     return ink, frozenset(places)
 
 
-@pytest.mark.parametrize("look", list(THEMES))
-def test_severities_differ_in_colour_and_in_shape(window, look):
-    window.set_theme(THEMES[look])
+def test_severities_are_told_apart_and_each_is_closed_by_a_click(window, idle):
     mark = window.findChild(QWidget, "status.message").findChild(Mark)
-    drawn = {}
-    for kind, severity in KINDS.items():
-        window.session.message.emit(kind, f"a {kind}")
-        assert mark.severity == severity
-        drawn[severity] = ink_of(mark)
-    assert len({ink for ink, _ in drawn.values()}) == len({s for _, s in drawn.values()}) == 3
-    assert all(len(shape) > 20 for _, shape in drawn.values())
-    hues = {severity: QColor(ink) for severity, (ink, _) in drawn.items()}
-    assert hues["information"].hsvSaturation() < 60
-    assert hues["error"].hsvHue() < 12
-    assert 25 < hues["warning"].hsvHue() < 50
-
-
-def test_each_is_closed_by_a_click_and_a_warning_outlives_an_edit(window):
-    for kind in KINDS:
-        window.session.message.emit(kind, f"a {kind}")
-        click(window, "status.message.close")
-        assert not window.findChild(QWidget, "status.message").isVisible()
+    for look, theme in THEMES.items():
+        window.set_theme(theme)
+        drawn = {}
+        for kind, severity in KINDS.items():
+            window.session.message.emit(kind, f"a {kind}")
+            assert mark.severity == severity
+            drawn[severity] = ink_of(mark)
+            click(window, "status.message.close")
+            assert not window.findChild(QWidget, "status.message").isVisible()
+        assert len({ink for ink, _ in drawn.values()}) == 3, look
+        assert len({shape for _, shape in drawn.values()}) == 3, look
+        assert all(len(shape) > 20 for _, shape in drawn.values())
+        hues = {severity: QColor(ink) for severity, (ink, _) in drawn.items()}
+        assert hues["information"].hsvSaturation() < 60
+        assert hues["error"].hsvHue() < 12
+        assert 25 < hues["warning"].hsvHue() < 50
+    # A warning outlives an edit.
     window.session.message.emit("warning", "another program has the file")
     window.session.message.emit("error", "not saved")
-    assert (window.status.error, window.status.warning) == (
-        "not saved", "another program has the file",
-    )  # fmt: skip
+    assert window.status.error == "not saved"
+    assert window.status.warning == "another program has the file"
     click(window, "status.message.close")
     label = window.findChild(QWidget, "status.message.text")
     assert label.text() == "another program has the file"
@@ -73,9 +68,7 @@ def test_each_is_closed_by_a_click_and_a_warning_outlives_an_edit(window):
     assert label.text() == "another program has the file"
     window.session.open(Document(Network(), library=window.session.library))
     assert window.status.warning == ""
-
-
-def test_no_band_is_kept_for_messages_and_nothing_moves(window, idle):
+    # No band is kept for messages, and nothing moves.
     window.resize(1366, 768)
     window.show_canvas()
     idle(window)
@@ -117,25 +110,23 @@ def test_a_list_has_the_gravest_first_and_is_gone_once_all_are_closed(qtbot):
     assert shown.isVisible()
 
 
+SHARED = ("app/fit/", "app/measure/picture", "app/run/output", "core/", "nodes/")
+
+
 def test_no_text_of_the_window_names_an_option_of_the_command_line():
     """Those of errors are in `hint`; commands that have no window part name their own."""
-    window = [text for text in user_texts() if text.kind in ("window", "docstring")]
+    texts = list(user_texts())
+    window = [text for text in texts if text.kind in ("window", "docstring")]
     modules = [text for text in window if text.place.startswith(("app/editor/", "nodes/"))]
     assert len(modules) > 300
     named = [text for text in modules if re.search(r"(?<![\w-])--[a-z]{2,}", text.words)]
     assert not named, named
-
-
-SHARED = ("app/fit/", "app/measure/picture", "app/run/output", "core/", "nodes/")
-
-
-def test_no_error_of_what_the_window_calls_names_an_option():
     named = [
         text
-        for text in user_texts()
+        for text in texts
         if text.place.startswith(SHARED)
         and text.kind == "message"
         and re.search(r"(?<![\w-])--[a-z]{2,} ?", text.words)
-        and not re.match(r"(or )?(give|leave out)\b.{0,30}--", text.words)  # a hint
+        and not re.match(r"(or )?(give|leave out|raise)\b.{0,30}--", text.words)  # a hint
     ]
     assert [text for text in named if "photon_transfer" not in text.place] == []

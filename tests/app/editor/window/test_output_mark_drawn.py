@@ -10,7 +10,7 @@ from core.editing.operations import add_nodes, mark_output
 from core.network.file import load_network
 from core.network.network import Link, Node
 from viewer_bench import ViewerBench
-from window_hands import KEY, WindowHands
+from window_hands import KEY
 
 SECOND = add_nodes(
     (
@@ -25,18 +25,12 @@ def marked(session):
     return [name for name, node in session.network.nodes.items() if node.final]
 
 
-@pytest.fixture
-def hand(window, library):
-    made = WindowHands(window)
-    made.begin()
+def test_the_key_marks_unmarks_and_refuses_in_words(window, hand, library):
     path = shipped_networks()["first_steps"]
     window.session.open(Document(load_network(path, library=library), library=library, path=path))
-    made.focus()
-    return made
-
-
-def test_the_key_marks_and_unmarks(window, hand):
-    session = window.session
+    hand.focus()
+    session, told = window.session, []
+    session.message.connect(lambda *words: told.append(words))
     hand.select("back")
     hand.key(KEY.Key_O)
     assert marked(session) == ["back"]
@@ -47,14 +41,10 @@ def test_the_key_marks_and_unmarks(window, hand):
     assert not window.canvas.content.nodes["back"].face.output
     session.undo()
     assert marked(session) == ["back"]
-
-
-def test_what_has_no_picture_is_refused_in_words(window, hand):
-    told = []
-    window.session.message.connect(lambda *words: told.append(words))
+    del told[:]
     hand.select("init")
     hand.key(KEY.Key_O)
-    assert marked(window.session) == []
+    assert marked(session) == ["back"]
     assert told == [("error", "init cannot be the output: it has no picture")]
 
 
@@ -81,27 +71,21 @@ def bench(qtbot, opened):
     made.close()
 
 
-def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
+def test_strip_and_legend_name_the_output_or_say_how_to_mark_it(bench):
     strip = bench.show(FiguresStrip(bench.session, bench.evaluator), 1000, 40)
+    viewer = bench.show(PlotViewer(bench.session, bench.evaluator))
+
+    def texts():
+        return [viewer.list.item(row).text() for row in range(viewer.list.count())]
+
     assert strip.text("output") == "electronics.image"
+    assert "Total" in texts()
     bench.do(SECOND)
     assert strip.text("output") == "2 pictures"
     told = strip.label("output").toolTip()
     assert "electronics.image, noisy.image" in told
     assert "press O" in told
     assert strip.text("snr") != "—"  # there is one electronics: no doubt which is meant
-    bench.do(mark_output(("noisy",)))
-    assert strip.text("output") == "noisy.image"
-
-
-def test_the_legend_says_why_there_is_no_total(bench):
-    viewer = bench.show(PlotViewer(bench.session, bench.evaluator))
-
-    def texts():
-        return [viewer.list.item(row).text() for row in range(viewer.list.count())]
-
-    assert "Total" in texts()
-    bench.do(SECOND)
     assert "Total" not in texts()
     assert texts()[0].startswith("no Total: this network ends in 2 pictures")
     assert "press O" in viewer.status.title.text()
@@ -109,4 +93,5 @@ def test_the_legend_says_why_there_is_no_total(bench):
     assert "Total" in texts()
     assert not texts()[0].startswith("no Total")
     bench.do(mark_output(("noisy",)))
+    assert strip.text("output") == "noisy.image"
     assert texts()[0] == "no Total: no Back Transform comes before the output, noisy.image"

@@ -23,8 +23,8 @@ def opened(window, idle):
     return window
 
 
-def canvas(window, number=1):
-    return window.viewers.images[number].canvas
+def canvas(window):
+    return window.viewers.images[1].canvas
 
 
 def share(window):
@@ -33,29 +33,41 @@ def share(window):
     return shown.width() * shown.height() / (window.width() * window.height())
 
 
-def drawn(window, number=1):
+def drawn(window):
     """Width and height of the picture itself on the screen, as it is drawn."""
-    view = canvas(window, number).view
+    view = canvas(window).view
     corners = view.mapViewToScene(QPointF(0, 0)), view.mapViewToScene(QPointF(1, 1))
     across, down = (abs(b - a) for a, b in zip(*(p.toTuple() for p in corners), strict=True))
-    facts = window.viewers.images[number].picture.facts
+    facts = window.viewers.images[1].picture.facts
     return across * facts.columns, down * facts.rows
 
 
-def test_the_picture_has_two_fifths_of_the_window(opened, idle):
+def test_the_picture_has_two_fifths_of_the_window_in_every_layout(opened, idle):
+    def assert_all_seen(what):
+        for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
+            assert part.isVisible(), what
+            assert part.height() >= 0.12 * opened.height(), what
+
     for size in SIZES:
         opened.resize(*size)
         idle(opened)
         assert (opened.width(), opened.height()) == size
         assert share(opened) >= SHARE, size
-        for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
-            assert part.isVisible(), size
-            assert part.height() >= 0.12 * opened.height(), size
-
-
-def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened, idle):
+        assert_all_seen(size)
     opened.resize(1600, 900)
-    idle(opened)
+    for name in ("picture_beside", "canvas_first", "picture_below"):
+        opened.actions_by_name[name].trigger()
+        idle(opened)
+        assert_all_seen(name)
+        assert (share(opened) >= SHARE) == (name != "canvas_first"), name
+        opened.actions_by_name["reset_layout"].trigger()
+        idle(opened)
+        assert share(opened) >= SHARE, name
+        below = canvas(opened).mapTo(opened, QPoint()).y()
+        assert below > opened.canvas.mapTo(opened, QPoint()).y(), name
+
+
+def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened):
     opened.canvas.frame_all()
     view, nodes = opened.canvas.view, opened.canvas.content.nodes
     assert len(nodes) == 15
@@ -72,42 +84,6 @@ def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened
         plates.append(plate)
     for one, other in itertools.combinations(plates, 2):
         assert not one.intersects(other)
-
-
-def drag_separator(window, dx):
-    """Drag the line left of the panels as a person does."""
-    start, bench = QPoint(window.panel_dock.x() - 3, window.panel_dock.y() + 200), window.workbench
-    left = Qt.MouseButton.LeftButton
-    QTest.mousePress(bench, left, Qt.KeyboardModifier.NoModifier, start)
-    for step in (4, dx // 2, dx):
-        QTest.mouseMove(bench, start + QPoint(step, 0))
-        QTest.qWait(30)
-    QTest.mouseRelease(bench, left, Qt.KeyboardModifier.NoModifier, start + QPoint(dx, 0))
-
-
-def test_what_is_dragged_keeps_its_share_when_the_window_grows(opened, idle):
-    before = opened.panel_dock.width()
-    drag_separator(opened, -120)
-    idle(opened)
-    wide = opened.panel_dock.width()
-    assert wide == pytest.approx(before + 120, abs=8)
-    opened.resize(2400, 1350)
-    idle(opened)
-    assert opened.panel_dock.width() == pytest.approx(1.5 * wide, abs=3)
-
-
-def test_each_named_layout_can_be_chosen_and_left(opened, idle):
-    for name in ("picture_beside", "canvas_first", "picture_below"):
-        opened.actions_by_name[name].trigger()
-        idle(opened)
-        for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
-            assert part.isVisible(), name
-        assert (share(opened) >= SHARE) == (name != "canvas_first"), name
-        opened.actions_by_name["reset_layout"].trigger()
-        idle(opened)
-        assert share(opened) >= SHARE, name
-        below = canvas(opened).mapTo(opened, QPoint()).y()
-        assert below > opened.canvas.mapTo(opened, QPoint()).y(), name
 
 
 def entries(window):
@@ -138,7 +114,7 @@ def test_a_layout_is_saved_chosen_in_another_window_and_deleted(opened, make_win
     assert opened.library_dock.isVisible()
     opened.close()
     again = make_window()
-    again.files.open_now("kodak_kir310")
+    show_small(again, "kodak_kir310")
     idle(again)
     entries(again)["Mine && yours"].trigger()
     idle(again)
@@ -169,7 +145,7 @@ def test_an_empty_network_has_a_large_canvas_until_it_has_a_node(make_window, id
     assert not canvas(window).isVisible()
     window.close()
     again = make_window()
-    again.files.open_now("first_steps")
+    show_small(again, "first_steps")
     idle(again)
     assert share(again) >= SHARE  # and no word of the empty canvas
 
@@ -177,17 +153,22 @@ def test_an_empty_network_has_a_large_canvas_until_it_has_a_node(make_window, id
 # --- over the whole screen ---------------------------------------------------------------------
 
 
-def page_of(window):
-    return window.full_screen.page
-
-
-def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, idle):
+def test_the_viewer_keeps_its_picture_in_sight_in_shape_and_on_the_whole_screen(
+    opened, qtbot, idle
+):
     viewer = opened.viewers.images[1]
+    # 486 rows are read off a square picture of 512: its pixels are higher than wide.
+    facts, image = viewer.picture.facts, opened.evaluator.plan.output(viewer.choices.port)
+    across, down = drawn(opened)
+    angles = facts.columns * image.interval_x_mrad, facts.rows * image.interval_y_mrad
+    assert angles[1] / angles[0] == pytest.approx(1.0, abs=0.02)
+    assert facts.rows != facts.columns
+    assert across / down == pytest.approx(angles[0] / angles[1], rel=1e-3)
     viewer.canvas.setFocus()
     before = viewer.canvas.size()
     QTest.keyClick(opened, Qt.Key.Key_F11)
     idle(opened)
-    page = page_of(opened)
+    page = opened.full_screen.page
     assert page.isFullScreen()
     assert page is viewer
     assert viewer.isVisible()
@@ -198,12 +179,7 @@ def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, id
     assert viewer.window() is opened
     assert opened.viewers.docks[1].widget() is viewer
     assert viewer.canvas.size() == before
-
-
-# --- the picture in its viewer -----------------------------------------------------------------
-
-
-def test_it_cannot_be_dragged_out_of_sight(opened, idle):
+    # It cannot be dragged out of sight.
     shown = canvas(opened)
     view = shown.viewport()
     middle = view.rect().center()
@@ -214,34 +190,14 @@ def test_it_cannot_be_dragged_out_of_sight(opened, idle):
             QTest.qWait(10)
         QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle + QPoint(400, 133))
     idle(opened)
-    facts = opened.viewers.images[1].picture.facts
     seen = shown.view.viewRect().center()
     assert -0.5 - 1e-6 <= seen.x() <= facts.columns - 0.5 + 1e-6
     assert -0.5 - 1e-6 <= seen.y() <= facts.rows - 0.5 + 1e-6
     assert not shown.fitted
-
-
-def test_pixels_have_their_shape(window, idle):
-    """486 rows are read off a square picture of 512: its pixels are higher than wide."""
-    window.files.open_now("kodak_kir310")
-    idle(window)
-    facts = window.viewers.images[1].picture.facts
-    image = window.evaluator.plan.output(window.viewers.images[1].choices.port)
-    across, down = drawn(window)
-    angle_across = facts.columns * image.interval_x_mrad
-    angle_down = facts.rows * image.interval_y_mrad
-    assert across / down == pytest.approx(angle_across / angle_down, rel=1e-3)
-
-
-def opened_menu(qtbot):
-    qtbot.waitUntil(lambda: isinstance(QApplication.activePopupWidget(), QMenu))
-    return QApplication.activePopupWidget()
-
-
-def test_a_right_click_opens_the_menu_of_the_picture(opened, qtbot, idle):
-    shown = canvas(opened)
+    # A right click opens its menu.
     QTest.mouseClick(shown.viewport(), Qt.MouseButton.RightButton, pos=shown.rect().center())
-    menu = opened_menu(qtbot)
+    qtbot.waitUntil(lambda: isinstance(QApplication.activePopupWidget(), QMenu))
+    menu = QApplication.activePopupWidget()
     texts = [action.text().replace("&", "").partition("\t")[0] for action in menu.actions()]
     assert [text for text in texts if text] == [
         *("Fit", "One Sample per Screen Pixel", "Copy Picture", "Copy Histogram as Numbers"),
@@ -251,6 +207,6 @@ def test_a_right_click_opens_the_menu_of_the_picture(opened, qtbot, idle):
     copied.trigger()
     menu.close()
     image = QApplication.clipboard().image().convertToFormat(QImage.Format.Format_Grayscale8)
-    grey = opened.viewers.images[1].picture.grey
+    grey = viewer.picture.grey
     assert (image.width(), image.height()) == (grey.shape[1], grey.shape[0])
     assert image.pixelColor(100, 37).red() == grey[37, 100]

@@ -14,25 +14,6 @@ from window_hands import show_small
 COPY, NUMBERS, SAVE = "plot.copy", "plot.copy_numbers", "plot.save"
 
 
-@pytest.fixture
-def camera(window, idle):
-    show_small(window, "mwir_camera")
-    window.resize(1600, 900)
-    idle(window)
-    window.activateWindow()
-    return window
-
-
-@pytest.fixture
-def select(camera, idle):
-    def by_name(name):
-        camera.session.select([name])
-        idle(camera)
-        return camera.viewers.plot
-
-    return by_name
-
-
 def menu_of(widget):
     """The menu of the right button or of the menu key."""
     point = widget.rect().center()
@@ -71,23 +52,8 @@ def saved(widget, path):
     return path.read_bytes()
 
 
-def test_curves_are_copied_saved_and_seen_by_their_logarithm(select, tmp_path):
-    plot = select("jitter")
-    canvas = plot.canvas
-    assert names(menu_of(canvas))[:4] == [COPY, NUMBERS, SAVE, "plot.log"]
-    choose(opened(), COPY)
-    assert not QGuiApplication.clipboard().pixmap().isNull()
-    choose(menu_of(canvas), NUMBERS)
-    rows = copied_rows()
-    assert rows[0][0] == "frequency_cyc_per_mrad"
-    assert "jitter.mtf" in rows[0]
-    choose(menu_of(canvas), "plot.log")
-    assert plot.bar.log.isChecked()
-    assert canvas.drawing.panels[0].log
-
-
-def test_limits_are_typed_and_shown_all_again(select):
-    canvas = select("jitter").canvas
+def limits_are_typed(canvas):
+    """And all is shown again."""
     whole = canvas.limits(False)
     menu = menu_of(canvas)
     line = menu.findChild(QLineEdit, "plot.limits.abscissa")
@@ -108,36 +74,51 @@ def test_limits_are_typed_and_shown_all_again(select):
     assert canvas.limits(False) == pytest.approx(whole)
 
 
-def test_a_trade_off_is_saved_as_picture_and_numbers(camera, idle, tmp_path):
-    camera.viewers.trade_off("jitter", "sigma_mrad")
-    idle(camera)
-    plots = camera.viewers.tradeoff.plots
+def test_every_plot_has_its_menu(window, idle, tmp_path):
+    show_small(window, "mwir_camera")
+    idle(window)
+    window.activateWindow()
+    window.session.select(["jitter"])
+    idle(window)
+    # Curves are copied, saved, and seen by their logarithm.
+    plot = window.viewers.plot
+    canvas = plot.canvas
+    assert names(menu_of(canvas))[:4] == [COPY, NUMBERS, SAVE, "plot.log"]
+    choose(opened(), COPY)
+    assert not QGuiApplication.clipboard().pixmap().isNull()
+    choose(menu_of(canvas), NUMBERS)
+    rows = copied_rows()
+    assert rows[0][0] == "frequency_cyc_per_mrad"
+    assert "jitter.mtf" in rows[0]
+    choose(menu_of(canvas), "plot.log")
+    assert plot.bar.log.isChecked()
+    assert canvas.drawing.panels[0].log
+    choose(menu_of(canvas), "plot.log")
+    limits_are_typed(canvas)
+    # A histogram is copied as numbers.
+    viewer = window.viewers.images[1]
+    viewer._open_menu(viewer.mapToGlobal(viewer.rect().center()))
+    choose(opened(), "copy_histogram")
+    (unit, samples), *rows = copied_rows()
+    assert (unit, samples) == (viewer.picture.facts.unit, "samples")
+    assert [int(count) for _, count in rows] == viewer.picture.spread.counts.tolist()
+    # A trade-off is saved as picture and numbers.
+    window.viewers.trade_off("jitter", "sigma_mrad")
+    idle(window)
+    plots = window.viewers.tradeoff.plots
     assert names(menu_of(plots)) == [COPY, NUMBERS, SAVE]
     opened().close()
     assert QImage.fromData(saved(plots, tmp_path / "trade.png")).width() == 2 * plots.width()
     assert saved(plots, tmp_path / "trade.csv").count(b"\n") > 10
     assert b"<svg" in saved(plots, tmp_path / "trade.svg")
-
-
-def test_a_fit_gives_its_samples(camera):
-    chart = camera.fitting.chart
-    camera.fit_dock.show()
+    # A fit gives its samples.
+    chart = window.fitting.chart
+    window.fit_dock.show()
     assert NUMBERS not in names(menu_of(chart))
     opened().close()
     chart.show_edge(DrawnEdge("edge", np.arange(3.0), np.arange(3.0), np.ones(3)))
     choose(menu_of(chart), NUMBERS)
     assert copied_rows() == [
         ["distance (samples)", "picture", "chain"],
-        ["0.0", "0.0", "1.0"],
-        ["1.0", "1.0", "1.0"],
-        ["2.0", "2.0", "1.0"],
+        *([f"{place}.0", f"{place}.0", "1.0"] for place in range(3)),
     ]
-
-
-def test_a_histogram_is_copied_as_numbers(camera, idle):
-    viewer = camera.viewers.images[1]
-    viewer._open_menu(viewer.mapToGlobal(viewer.rect().center()))
-    choose(opened(), "copy_histogram")
-    (unit, samples), *rows = copied_rows()
-    assert (unit, samples) == (viewer.picture.facts.unit, "samples")
-    assert [int(count) for _, count in rows] == viewer.picture.spread.counts.tolist()

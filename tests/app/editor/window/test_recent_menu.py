@@ -33,19 +33,25 @@ def entries(window):
     return [action.text().replace("&", "") for action in window.recent_menu.actions()]
 
 
-def test_ten_are_listed_newest_first_and_numbered(window, settings, saved):
-    names = [f"net_{number}.json" for number in range(12)]
-    paths = saved(settings, *names)
+def test_files_are_listed_opened_by_keys_missed_and_cleared(window, settings, saved):
+    names = [f"net_{number}.json" for number in range(11)]
+    paths = saved(settings, "here & there/a & b.json", *names)
     shown = entries(window)
-    assert [text.split("\t")[0].split() for text in shown[:10]] == [
-        [str(number), name] for number, name in enumerate(names[:10], start=1)
+    assert [text.split("\t")[0].split() for text in shown[1:10]] == [
+        [str(number), name] for number, name in enumerate(names[:9], start=2)
     ]
     assert shown[10:] == ["", "Clear List"]
     assert window.recent_menu.actions()[3].toolTip() == str(paths[3])
-
-
-def test_keys_alone_open_the_second(window, settings, saved):
-    paths = saved(settings, "first.json", "second.json")
+    # A file that goes while the menu is open is named.
+    text = window.recent_menu.actions()[0].text()
+    assert "a && b.json" in text
+    assert "here && there" in text
+    paths[0].unlink()
+    window.recent_menu.actions()[0].trigger()
+    assert "a & b.json" in window.status.error
+    assert window.session.document.path is None
+    # Keys alone open the second.
+    second = settings.recent[1]
     window.activateWindow()
     menu = window.menus["&File"]
     texts = [action.text() for action in menu.actions()]
@@ -54,32 +60,16 @@ def test_keys_alone_open_the_second(window, settings, saved):
     QTest.keyClick(menu, KEY.Key_R)
     assert window.recent_menu.isVisible()
     QTest.keyClick(window.recent_menu, KEY.Key_2)
-    assert window.session.document.path == paths[1]
-    assert entries(window)[0].startswith("1  second.json")
-
-
-def test_a_file_that_goes_while_the_menu_is_open_is_named(window, settings, saved):
-    (path,) = saved(settings, "here & there/a & b.json")
-    entries(window)
-    text = window.recent_menu.actions()[0].text()
-    assert "a && b.json" in text
-    assert "here && there" in text
-    path.unlink()
-    window.recent_menu.actions()[0].trigger()
-    assert "a & b.json" in window.status.error
-    assert window.session.document.path is None
-
-
-def test_clearing_empties_the_menu_and_the_first_page_for_good(window, settings, saved):
-    saved(settings, "mine.json")
+    assert window.session.document.path == Path(second)
+    assert entries(window)[0].startswith(f"1  {Path(second).name}")
+    # Clearing empties the menu and the first page for good.
     window.show_welcome()
-    assert window.findChild(QWidget, "welcome.recent.mine.json") is not None
-    entries(window)
+    recent = f"welcome.recent.{Path(second).name}"
+    assert window.findChild(QWidget, recent) is not None
     window.recent_menu.actions()[-1].trigger()
     QTest.qWait(20)
-    assert window.findChild(QWidget, "welcome.recent.mine.json") is None
-    shown = entries(window)
-    assert shown == ["No network has been opened yet", "", "Clear List"]
+    assert window.findChild(QWidget, recent) is None
+    assert entries(window) == ["No network has been opened yet", "", "Clear List"]
     assert not any(action.isEnabled() for action in window.recent_menu.actions() if action.text())
     assert Settings(settings.path).recent == ()
 

@@ -1,7 +1,6 @@
 """The end of a real editor while a run goes on: no process of it is left, and no half of a file."""
 
 import json
-import signal
 from pathlib import Path
 
 import pytest
@@ -13,18 +12,15 @@ from virtual_screen import virtual_screen
 SMALL = 256
 
 
-@pytest.fixture(scope="module")
-def screen():
-    with virtual_screen(1100, 800) as display:
-        yield display
-
-
 @pytest.fixture
-def editor(tmp_path, screen):
+def editor(tmp_path):
     """An editor that computes frames in the background."""
     network = json.loads(shipped_networks()["first_steps"].read_text())
     network["nodes"]["scene"]["params"] |= {"width": SMALL, "height": SMALL}
-    with EditorProcess(tmp_path, screen, network) as started:
+    with (
+        virtual_screen(1100, 800) as screen,
+        EditorProcess(tmp_path, screen, network) as started,
+    ):
         started.keys("ctrl+shift+t", "space")
         started.wait(lambda: started.window("^Add a run"), "the dialog")
         started.focus(started.window("^Add a run"))
@@ -53,29 +49,11 @@ def is_running(pid):
     return "State:\tZ" not in status
 
 
-def runs_of(editor):
+def test_a_killed_editor_takes_its_run_along(editor):
+    """It can do nothing itself: its run's input ends with it."""
     (run,) = children(editor.process.pid)
-    return run
-
-
-def assert_nothing_left(editor, run):
+    editor.process.kill()
+    editor.process.wait(120)
     editor.wait(lambda: not is_running(run), "the end")
     editor.wait(lambda: not hidden(editor.folder), "the end")
     assert not list(editor.folder.glob("mine-*"))
-
-
-def test_a_signal_ends_the_editor_and_its_run(editor):
-    run = runs_of(editor)
-    editor.process.send_signal(signal.SIGTERM)
-    assert editor.process.wait(120) == 0
-    assert not is_running(run)
-    assert_nothing_left(editor, run)
-    assert editor.said == ""
-
-
-def test_a_killed_editor_takes_its_run_along(editor):
-    """It can do nothing itself: its run's input ends with it."""
-    run = runs_of(editor)
-    editor.process.kill()
-    editor.process.wait(120)
-    assert_nothing_left(editor, run)

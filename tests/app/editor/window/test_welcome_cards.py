@@ -2,15 +2,14 @@
 
 import json
 
-import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QFont
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.window.main_window import MainWindow
 from app.editor.window.welcome import Card, gallery
 from app.run.shipped import shipped_networks
+from window_hands import CTRL, KEY, SHIFT
 
 SENSORS = ("inframetrics", "kodak_kir310")
 
@@ -26,48 +25,34 @@ def cards(window):
     return sorted(found, key=place)
 
 
-@pytest.mark.parametrize("size", [(704, 463), (1366, 768)])
-def test_cards_stand_in_groups_with_their_lines_and_the_sensors_of_1996_last(window, qtbot, size):
-    window.resize(*size)
-    qtbot.wait(50)
+def test_cards_stand_in_groups_with_their_lines_and_the_sensors_of_1996_last(window, qtbot):
     names = [name for group in gallery().values() for name in group]
-    assert [card.objectName().removeprefix("welcome.") for card in cards(window)] == names
     assert set(names) == set(shipped_networks())
     assert sorted(names[-4:]) == sorted(f"{one}{year}" for one in SENSORS for year in ("", "_1996"))
-    for name, card in zip(names, cards(window), strict=True):
-        document = json.loads(shipped_networks()[name].read_text())
-        assert card.accessibleName() == document["name"]
-        assert card.accessibleDescription() == document["description"]
-        assert any(not label.pixmap().isNull() for label in card.findChildren(QLabel))
-        assert card.width() >= card.minimumSizeHint().width()  # nothing is cut
-        assert card.height() >= card.layout().heightForWidth(card.width())
+    for size in ((704, 463), (1366, 768)):
+        window.resize(*size)
+        qtbot.wait(50)
+        assert [card.objectName().removeprefix("welcome.") for card in cards(window)] == names
+        for name, card in zip(names, cards(window), strict=True):
+            document = json.loads(shipped_networks()[name].read_text())
+            assert card.text() == document["name"]
+            assert card.accessibleDescription() == document["description"]
+            assert not card.icon().isNull()
+            assert card.width() >= card.minimumSizeHint().width()  # nothing is cut
+            assert card.height() >= card.heightForWidth(card.width())
 
 
-def test_cards_are_written_in_the_fonts_of_the_window(make_window):
-    before = QApplication.font()
-    large = QFont(before)
-    large.setPointSizeF(1.6 * before.pointSizeF())
-    QApplication.setFont(large)
-    try:
-        window = make_window()
-        sizes = {label.font().pointSizeF() for label in cards(window)[0].findChildren(QLabel)}
-        assert sizes == {large.pointSizeF()}
-    finally:
-        QApplication.setFont(before)
-
-
-def test_one_key_shows_them_and_leads_back(make_window, qtbot):
-    window = make_window()
+def test_mouse_and_keys_open_one_and_one_key_leads_back(window, qtbot):
     action = window.actions_by_name["welcome"]
     assert action.shortcut() == "Ctrl+Shift+N"
     assert action in window.menus["&File"].actions()
     assert not window.welcome.back.isVisible()
-    window.files.open_now("first_steps")
+    QTest.mouseClick(window.findChild(QWidget, "welcome.first_steps"), Qt.MouseButton.LeftButton)
+    assert window.session.network.name == "First steps"
     window.activateWindow()
     qtbot.waitUntil(window.canvas.view.hasFocus)
     for shown in (True, False):
-        with_both = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
-        QTest.keyClick(QApplication.focusWidget() or window, Qt.Key.Key_N, with_both)
+        QTest.keyClick(QApplication.focusWidget() or window, KEY.Key_N, CTRL | SHIFT)
         qtbot.waitUntil(lambda shown=shown: window.pages.at_first == shown)
     action.trigger()
     assert window.welcome.back.text() == "Back to First steps"
@@ -77,18 +62,11 @@ def test_one_key_shows_them_and_leads_back(make_window, qtbot):
     for shown in (True, False):  # an empty network is one to return to as well
         action.trigger()
         assert window.pages.at_first == shown
-
-
-def test_it_is_opened_by_mouse_and_by_keys(make_window, qtbot, tmp_path):
-    window = make_window()
-    card = cards(window)[0]
-    QTest.mouseClick(card, Qt.MouseButton.LeftButton)
-    assert window.session.network.name == "Cooled MWIR camera"
     window.show_welcome()
-    other = cards(window)[1]
+    other = window.findChild(QWidget, "welcome.pupils")
     other.setFocus()
     qtbot.waitUntil(other.hasFocus)
-    QTest.keyClick(other, Qt.Key.Key_Space)
+    QTest.keyClick(other, KEY.Key_Space)
     assert window.session.network.name == other.accessibleName()
 
 

@@ -23,14 +23,6 @@ def chain(window, hand, library):
     return window.session
 
 
-@pytest.fixture
-def bent(window, chain):
-    """A dot below the wire."""
-    chain.do(add_dot(chain.network, WIRE, 0, (500.0, 120.0)))
-    window.canvas.frame_all()
-    return chain
-
-
 def dots(session, link=WIRE):
     return dots_of(session.network).get(link, ())
 
@@ -50,45 +42,72 @@ def nearest(wire, x, y):
     return min((QPointF(end.x, end.y) - QPointF(x, y)).manhattanLength() for end in ends)
 
 
-def test_a_double_click_on_a_wire_puts_a_dot_there_and_selects_it(window, hand, chain):
+def test_dots_are_put_in_dragged_and_deleted_by_the_mouse(window, hand, chain):
     spot = hand.wire(WIRE)
     hand.double_click(spot)
     ((x, y),) = dots(chain)
     at = window.canvas.view.scene_point(spot)
-    assert abs(x - at.x()) <= 1
-    assert abs(y - at.y()) <= 1
+    assert max(abs(x - at.x()), abs(y - at.y())) <= 1
     assert window.canvas.marks.dot == 0
     assert steps(chain) == 1
     assert not window.canvas.popup.is_open
     hand.key(KEY.Key_Z, CTRL)
     assert not dots(chain)
-
-
-def test_a_dot_is_dragged_and_the_wire_goes_through_it(window, hand, bent):
-    before = steps(bent)
+    # One below the wire is dragged, and the wire goes through it.
+    chain.do(add_dot(chain.network, WIRE, 0, (500.0, 120.0)))
+    window.canvas.frame_all()
     hand.drag(hand.at(500, 120), hand.at(480, 190))
-    ((x, y),) = dots(bent)
+    ((x, y),) = dots(chain)
     assert abs(x - 480) <= 3
     assert abs(y - 190) <= 3
     assert nearest(drawn(window), x, y) < 1
-    assert steps(bent) == before + 1
+    assert steps(chain) == 2
     hand.key(KEY.Key_Z, CTRL)
-    assert dots(bent) == ((500.0, 120.0),)
+    assert dots(chain) == ((500.0, 120.0),)
     assert nearest(drawn(window), 500, 120) < 1
-
-
-def test_del_deletes_the_selected_dot_then_the_wire(window, hand, bent):
-    straight = chain_and_free_blur()
+    # The menu of the wire adds one, where there is none.
+    assert not entry_of(window, hand, hand.at(500, 120), "Add Dot").isEnabled()
+    entry_of(window, hand, hand.wire(WIRE), "Add Dot").trigger()
+    assert len(dots(chain)) == 2
+    hand.key(KEY.Key_Z, CTRL)
+    # Dots go along with both nodes and stay with one.
+    hand.drag(hand.head("back"), hand.head("back") + QPoint(30, 0))
+    assert dots(chain) == ((500.0, 120.0),)
+    hand.select("init", "back")
+    before, position = chain.network.layout, steps(chain)
+    hand.press(hand.head("back"))
+    hand.move(hand.head("back"), hand.head("back") + QPoint(0, 60))
+    assert drawn(window).dots[0].y() > 130
+    hand.release(hand.head("back"))
+    by = chain.network.layout["back"][1] - before["back"][1]
+    assert by > 10
+    assert dots(chain)[0] == (500.0, 120.0 + by)
+    assert steps(chain) == position + 1
+    hand.key(KEY.Key_Z, CTRL)
+    hand.key(KEY.Key_Z, CTRL)
+    assert dots(chain) == ((500.0, 120.0),)
+    # Del deletes the selected dot, then the wire.
     hand.click(hand.at(500, 120))
     assert window.canvas.marks.dot == 0
     hand.key(KEY.Key_Delete)
-    assert bent.network == straight
+    assert chain.network == chain_and_free_blur()
     assert window.canvas.marks.link == WIRE
     hand.key(KEY.Key_Delete)
-    assert WIRE not in bent.network.links
+    assert WIRE not in chain.network.links
     hand.key(KEY.Key_Z, CTRL)
     hand.key(KEY.Key_Z, CTRL)
-    assert dots(bent) == ((500.0, 120.0),)
+    assert dots(chain) == ((500.0, 120.0),)
+
+
+def entry_of(window, hand, pos, text):
+    """An entry of the menu of a wire."""
+    hand.ask_for_menu(pos)
+    menu = window.findChild(QMenu, "canvas.menu.wire")
+    assert menu.isVisible()
+    action = next(a for a in menu.actions() if a.text().replace("&", "") == text)
+    menu.hide()
+    hand.focus()
+    return action
 
 
 def test_keys_alone_bend_move_and_straighten_a_wire(window, hand, chain):
@@ -104,36 +123,3 @@ def test_keys_alone_bend_move_and_straighten_a_wire(window, hand, chain):
     assert (moved_x - x, moved_y - y) == (0, 24)
     hand.key(KEY.Key_Delete)
     assert not dots(chain, OTHER)
-
-
-def test_dots_go_along_with_both_nodes_and_stay_with_one(window, hand, bent):
-    hand.drag(hand.head("back"), hand.head("back") + QPoint(30, 0))
-    assert dots(bent) == ((500.0, 120.0),)
-    hand.select("init", "back")
-    before = bent.network.layout
-    steps_before = steps(bent)
-    hand.press(hand.head("back"))
-    hand.move(hand.head("back"), hand.head("back") + QPoint(0, 60))
-    shown = drawn(window).dots[0].y()
-    assert shown > 130
-    hand.release(hand.head("back"))
-    by = bent.network.layout["back"][1] - before["back"][1]
-    assert by > 10
-    assert dots(bent)[0] == (500.0, 120.0 + by)
-    assert steps(bent) == steps_before + 1
-    hand.key(KEY.Key_Z, CTRL)
-    assert dots(bent) == ((500.0, 120.0),)
-
-
-def test_the_menu_of_a_wire_adds_a_dot(window, hand, bent):
-    def entry(pos, text):
-        hand.ask_for_menu(pos)
-        menu = window.findChild(QMenu, "canvas.menu.wire")
-        assert menu.isVisible()
-        action = next(a for a in menu.actions() if a.text().replace("&", "") == text)
-        menu.hide()
-        return action
-
-    assert not entry(hand.at(500, 120), "Add Dot").isEnabled()
-    entry(hand.wire(WIRE), "Add Dot").trigger()
-    assert len(dots(bent)) == 2

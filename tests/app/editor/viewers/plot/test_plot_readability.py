@@ -66,3 +66,32 @@ def test_curves_that_lie_on_one_another_are_all_seen(shown, theme):
     assert min(counts) > max(counts) / 3  # of three pieces, one each
     assert viewer.canvas.pens["3"].style() == Qt.PenStyle.SolidLine
     assert viewer.canvas.pens["0"].style() == Qt.PenStyle.SolidLine
+
+
+# --- curves of a kept state beside the present ones ----------------------------------------------
+
+X = np.linspace(0.0, 1.0, 11)
+
+
+def data(**heights):
+    series = tuple(Series(name, X, np.asarray(height)) for name, height in heights.items())
+    return CurveData("MTF", "frequency (cyc/mrad)", "MTF", series)
+
+
+NOW = data(optics=1 - X, detector=1 - X / 2, jitter=1 - X / 4)
+
+
+def test_the_viewer_draws_both_and_ticks_them_together(shown):
+    viewer = shown(NOW)
+    viewer.compare_kept(data(detector=1 - X / 2, optics=1 - X**2), "Snapshot 1")
+    # Only curves that differ are drawn again, found by their titles and not by their places.
+    titles = [entry.title for entry in viewer.canvas.drawing.entries]
+    assert titles == ["optics", "detector", "jitter", "A: optics"]
+    assert viewer.list.count() == 4
+    drawn = viewer.canvas.plots[0].drawn["A 0"]
+    assert (drawn.getData()[1] == 1 - X**2).all()
+    assert drawn.isVisible()
+    viewer.list.item(0).setCheckState(Qt.CheckState.Unchecked)
+    assert not viewer.canvas.plots[0].drawn["A 0"].isVisible()
+    viewer.compare_kept(None)
+    assert viewer.list.count() == 3

@@ -8,32 +8,28 @@ NETWORK, INPUT = "measured_mtf", "electronics.image"
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256
 
 
-def test_the_region_of_the_selected_node_is_framed(bench, viewer):
+def test_it_is_framed_on_pictures_of_the_same_size_before_the_selected_node(bench, viewer):
     assert framed(viewer) is None
     assert viewer.canvas.accessibleDescription() == ""
-    bench.session.select(["measured"])
-    assert framed(viewer) == AS_SHIPPED
-    assert "64 × 192 at column 96, row 32" in viewer.canvas.accessibleDescription()
-    bench.session.select(["blur"])
-    assert framed(viewer) is None
-
-
-def test_it_is_framed_on_pictures_of_the_same_size_before_it_alone(bench, viewer):
     half = (Node("half", "combine_pixels", {"factor_x": 2, "factor_y": 2}), None)
     bench.do(add_nodes((half,), (Link("back", "image", "half", "image"),)))
     bench.session.select(["measured"])
+    assert framed(viewer) == AS_SHIPPED
+    assert "64 × 192 at column 96, row 32" in viewer.canvas.accessibleDescription()
     for port, seen in (
-        (INPUT, True),
         ("back.image", True),
         ("scene.image", True),
         ("half.image", False),  # of another size
         ("electronics.noise", True),
         ("detector.magnitude", False),  # no picture
+        (INPUT, True),
     ):
         viewer.look_at(port)
         bench.settle()
         assert (framed(viewer) is not None) == seen, port
-    viewer.look_at(INPUT)
+    bench.session.select(["blur"])
+    assert framed(viewer) is None
+    bench.session.select(["measured"])
     viewer.bar.display.mapping.chosen.emit("spectrum")
     bench.settle()
     assert framed(viewer) is None
