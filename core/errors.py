@@ -95,16 +95,28 @@ class ParameterError(InputError):
         node: str | None = None,
     ) -> None:
         unit = unit_of(parameter) if unit is None else unit
+        rule = requirement(allowed)
         if value is None:
-            text = f"{parameter} is empty: {allowed}" + (f" ({unit})" if unit else "")
+            text = f"{parameter} is empty: {rule}" + (f" ({unit})" if unit else "")
         else:
             shown = _shown(value) + (f" {unit}" if unit else "")
-            text = f"{parameter} = {shown} is not allowed: {allowed}"
+            text = f"{parameter} = {shown} is not allowed: {rule}"
         super().__init__(text, node=node)
         self.parameter = parameter
         self.value = value
         self.allowed = allowed
         self.unit = unit
+
+
+_RANGE = re.compile(
+    r"(?:an?|one|two|true|single|finite|equal|numbers?|points|above|below|from|within"
+    r"|at (?:least|most)|large enough)\b|[-(]?\d"
+)
+
+
+def requirement(allowed: str) -> str:
+    """What a value must be, as a clause; `allowed` is a range, a noun, or a clause already."""
+    return f"must be {allowed}" if _RANGE.match(allowed) else allowed
 
 
 def _shown(value: object) -> str:

@@ -52,7 +52,9 @@ def find_output(plan: Plan) -> Output:
     named = plan.network.extra.get("final")
     if named is not None:
         if not isinstance(named, str) or not _is_image(plan, named):
-            raise NetworkError(f"final = {thaw(named)!r:.80} is not allowed: NODE.PORT of an image")
+            raise NetworkError(
+                f"final = {thaw(named)!r:.80} is not allowed: must be NODE.PORT of an image"
+            )
         return Output(named)
     ends = _ends(plan)
     return Output(ends[0]) if len(ends) == 1 else Output(None, tuple(ends))

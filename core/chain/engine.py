@@ -416,7 +416,7 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
     if region is not None:
         if not isinstance(value, Image):
             kind = getattr(value, "port_type", type(value).__name__)
-            raise ParameterError("region", str(region), f"a region needs an image, not a {kind}")
+            raise ParameterError("region", str(region), f"regions need an image, not a {kind}")
         if region.within(value.shape).shape != value.shape:
             return work.part(value.recipe, region)
     if isinstance(value, Image | Curve | Table):

@@ -489,7 +489,7 @@ def _attempt(text: str, function: Function, *values: Exact) -> Exact:
     except ZeroDivisionError:
         raise ExpressionError(f"{text} divides by zero") from None
     except OverflowError:
-        raise ExpressionError(f"{text} is too large for a number") from None
+        raise ExpressionError(f"{text} is too large: the largest number is 1.8e308") from None
     except ValueError:
         raise ExpressionError(f"{text} is not a real number") from None
 
@@ -510,7 +510,7 @@ def _as_double(value: Exact, text: str) -> float:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise ExpressionError(f"{text} is too large for a number")
+        raise ExpressionError(f"{text} is too large: the largest number is 1.8e308")
     return number
 
 

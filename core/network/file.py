@@ -59,7 +59,7 @@ def _version(document: dict[str, Any]) -> int:
         raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {instead}")
     version = _field(document, "version", int, "")
     if version < 1:
-        raise NetworkError(f"version = {version} is not allowed: a whole number, 1 or more")
+        raise NetworkError(f"version = {version} is not allowed: must be a whole number, 1 or more")
     if version > VERSION:
         raise NetworkError(
             f"version {version} is from a newer Imagechain: this one reads versions up to {VERSION}"

@@ -81,7 +81,7 @@ def rising(parameter: str, values: ArrayLike, *, unit: str = "") -> Floats:
     numbers = all_from_zero(parameter, values, unit=unit)
     if numbers.ndim != 1 or len(numbers) < 2:
         allowed = "one row of at least 2 numbers"
-        raise ParameterError(parameter, f"an array of shape {numbers.shape}", allowed, unit=unit)
+        raise ParameterError(f"{parameter}.shape", numbers.shape, allowed)
     falling = np.flatnonzero(np.diff(numbers) <= 0.0)
     if len(falling):
         first = int(falling[0])

@@ -110,7 +110,9 @@ def study(
     counts = {"jobs": jobs, "points": points, "memory_bytes": memory_bytes, "threads": threads}
     for name, count in counts.items():
         if not (count is None or (isinstance(count, Integral) and count >= 0)):
-            raise UsageError(f"{name} = {count!r:.80} is not allowed: a whole number, 0 or more")
+            raise UsageError(
+                f"{name} = {count!r:.80} is not allowed: must be a whole number, 0 or more"
+            )
     files = _texts("summary", summary, str | PathLike, "a file, or a list of files")
     rows = run_study(
         chain.network if isinstance(chain, Chain) else fspath(chain),

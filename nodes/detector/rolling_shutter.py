@@ -71,8 +71,8 @@ class RollingShutter(
             pixels = samples / max(1.0, pitch_in_samples(axis, image) or 1.0)
             if moved >= pixels:
                 return Caution(
-                    f"the last lines lie beyond the frame: the frame has {pixels:.4g} pixels, but "
-                    f"the image moves by {moved:.4g} from the first line to the last",
+                    "the image leaves the frame before the last line is exposed: it moves "
+                    f"{moved:.4g} pixels along {axis}, and the frame has {pixels:.4g}",
                     f"check image_velocity_{axis} = {velocity:g} px/s and line_time_s = "
                     f"{self.line_time_s:g}",
                 )

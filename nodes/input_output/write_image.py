@@ -85,15 +85,14 @@ class WriteImage(
         target = self.target(here)
         if ENVI_FRAMES.matches(target) and image.bands is None:
             endings = ", ".join(suffixes(*WRITTEN))
-            allowed = f"a name that ends in {endings}, because the picture has no spectral bands"
+            allowed = f"the picture has no spectral bands, so the name must end in {endings}"
             raise ParameterError("path", target.name, allowed)
         if ZARR.matches(target):
             check_zarr(target)
         held = _dtypes(target)
         if self.dtype not in ("automatic", *held):
-            allowed = (
-                f"automatic, or a type that {target.suffix.lower()} can store: {', '.join(held)}"
-            )
+            types = ", ".join(held)
+            allowed = f"choose automatic, or a type that {target.suffix.lower()} can store: {types}"
             raise ParameterError("dtype", self.dtype, allowed)
 
     def target(self, here: NodeContext) -> Path:
@@ -104,7 +103,7 @@ class WriteImage(
         others = (ENVI_FRAMES, ZARR) if wanted is None else (wanted,)
         known = next((kind for kind in (*WRITTEN, *others) if kind.matches(path)), None)
         if known is not None and wanted not in (None, known):
-            allowed = f"by_suffix, or the format of {self.path.name}"
+            allowed = f"choose by_suffix, or the format of {self.path.name}"
             raise ParameterError("format", self.format, allowed)
         if known is not None:
             return path

@@ -39,12 +39,12 @@ class LightOverField(Module):
 
     @readout("%")
     def corner_percent(self, outputs: ImageOutput) -> float:
-        """Light at the corner of the picture, relative to the middle."""
+        """Relative illumination at the corner of the picture."""
         return 100.0 if self.off else 100.0 * float(_profile(*_planned(outputs))[-1])
 
     @readout("%")
     def mean_percent(self, outputs: ImageOutput) -> float:
-        """Mean light over the picture, relative to the middle."""
+        """Mean relative illumination of the picture."""
         return 100.0 if self.off else 100.0 * _means(*_planned(outputs))[0]
 
 

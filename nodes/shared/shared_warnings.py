@@ -98,7 +98,7 @@ def middle_caution(
         return None
     low = picture[0] if cut_on_um is None else cut_on_um
     high = picture[1] if cut_off_um is None else cut_off_um
-    name = "the middle of cut_on_um to cut_off_um"
+    name = "the band centre, (cut_on_um + cut_off_um)/2"
     return wavelength_caution(picture, (low + high) / 2, name=name)
 
 

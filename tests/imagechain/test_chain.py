@@ -91,9 +91,9 @@ def test_options_of_a_run(kodak):
     assert (chain.run(seed=3).image() != whole.image()).any()
     for named, message in (
         ({"region": np.s_[10:10, :]}, "region = "),
-        ({"region": 3}, "region = 3 is not allowed: two slices"),
+        ({"region": 3}, "region = 3 is not allowed: must be two slices"),
         ({"memory": "much"}, "memory 'much': give a size such as 2GB"),
-        ({"precision": "half"}, "precision = 'half' is not allowed: single or double"),
+        ({"precision": "half"}, "precision = 'half' is not allowed: must be single or double"),
         ({"outputs": ["back.picture"]}, "back.picture: back has no output 'picture'"),
     ):
         with pytest.raises(ic.ImagechainError) as caught:
@@ -322,7 +322,11 @@ def test_runs_from_several_threads_at_once():
 def test_errors_are_the_commands_one_line(tmp_path):
     chain = ic.open("first_steps")
     for place, value, message in (
-        ("blur.sigma_x_mrad", -1, "blur: sigma_x_mrad = -1 mrad is not allowed: a number of"),
+        (
+            "blur.sigma_x_mrad",
+            -1,
+            "blur: sigma_x_mrad = -1 mrad is not allowed: must be a number of",
+        ),
         ("blur.sigma_x", 1, "blur: sigma_x = 1 is not allowed: Gaussian MTF has no such param"),
         ("blurr.sigma_x_mrad", 1, "blurr is not a node of this network; did you mean blur?"),
         ("sigma", 1, "sigma is not a parameter: write NODE.PARAMETER"),

@@ -55,7 +55,7 @@ KINDS = {
     "chain": ({"chain": pd.DataFrame()}, "chain: DataFrame is not allowed; give a Chain, a"),
     "callable": ({"vary": {"blur.sigma_x_mrad": np.sin}}, "ufunc is not allowed; give a list or"),
     "over": ({"over": {"scene.path": ["a.img"]}}, "over: dict is not allowed; give a mapping of"),
-    "jobs": ({"jobs": "2"}, "jobs = '2' is not allowed: a whole number, 0 or more"),
+    "jobs": ({"jobs": "2"}, "jobs = '2' is not allowed: must be a whole number, 0 or more"),
     "none": ({"scheduler": None}, "scheduler: NoneType is not allowed; give the address of a Dask"),
 }
 

@@ -33,7 +33,7 @@ def test_every_module_has_its_parameters_with_units_and_defaults():
 
 
 def test_a_value_that_is_not_allowed_is_refused_at_once():
-    message = "sigma_x_mrad = -1 mrad is not allowed: a number of at least 0"
+    message = "sigma_x_mrad = -1 mrad is not allowed: must be a number of at least 0"
     with pytest.raises(ic.ParameterError) as caught:
         ic.modules.gaussian_mtf(sigma_x_mrad=-1)
     assert str(caught.value) == message

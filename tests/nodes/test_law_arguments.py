@@ -18,11 +18,11 @@ from library_battery import network as battery_network
 BEYOND = {
     "vibration_mtf": (
         {"amplitude_x_mrad": 1, "frequency_Hz": 1e300, "integration_time_s": 1e30},
-        "it: vibration periods in one exposure = inf is not allowed: a finite number",
+        "it: vibration periods in one exposure = inf is not allowed: must be a finite number",
     ),
     "detector_mtf": (
         {"detector_x_um": 1e30, "focal_length_mm": 1e-300},
-        "it: effective_ifov_mrad = inf mrad is not allowed: a finite number, zero or above",
+        "it: effective_ifov_mrad = inf mrad is not allowed: must be a finite number, zero or above",
     ),
     "electronics_noise": (
         {
@@ -31,7 +31,7 @@ BEYOND = {
             "post_filter": "lowpass",
             "post_corner_Hz": 1e300,
         },
-        "it: corner_cyc_per_mrad = inf cyc/mrad is not allowed: a finite number above zero",
+        "it: corner_cyc_per_mrad = inf cyc/mrad is not allowed: must be a finite number above zero",
     ),
 }
 

@@ -239,8 +239,8 @@ def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:
     numerics.positive("frequency[0]", at[0], unit="cyc/mrad")
     transfer = numerics.all_finite("mtf", mtf)
     if transfer.shape != at.shape:
-        allowed = f"an array of the same shape as frequency, {at.shape}"
-        raise ParameterError("mtf", f"an array of shape {transfer.shape}", allowed)
+        allowed = f"{at.shape}, as for frequency"
+        raise ParameterError("mtf.shape", transfer.shape, allowed)
     return at, transfer
 
 
@@ -319,8 +319,7 @@ def perceived_share(
     magnified = numerics.positive("magnification", magnification)
     power = np.ones((1, 1)) if spectrum is None else numerics.all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
-        shape = f"an array of shape {power.shape}"
-        raise ParameterError("spectrum", shape, "two axes, and power above 0")
+        raise ParameterError("spectrum.shape", power.shape, "two axes, with power above 0")
     rows, columns = power.shape
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.
     finer_x, finer_y = max(1, 256 // columns), max(1, 64 // rows)
@@ -440,8 +439,8 @@ def mdtd_K(  # noqa: N802
     for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y)):
         transfer = numerics.all_finite(name, mtf)
         if transfer.shape != at.shape:
-            allowed = f"an array of the same shape as frequency, {at.shape}"
-            raise ParameterError(name, f"an array of shape {transfer.shape}", allowed)
+            allowed = f"{at.shape}, as for frequency"
+            raise ParameterError(f"{name}.shape", transfer.shape, allowed)
         transfers.append(transfer)
     *sides, intensity = _blurred(size, at, transfers, window, limit)
     bandwidths = noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad

@@ -137,8 +137,8 @@ def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Floats, Flo
     places = rising("frequency", frequency, unit="cyc/mrad")
     curve = all_from_zero("mrtd_K", mrtd_K, unit="K", infinite=True)
     if curve.shape != places.shape:
-        allowed = f"an array of the same shape as frequency, {places.shape}"
-        raise ParameterError("mrtd_K", f"an array of shape {curve.shape}", allowed, unit="K")
+        allowed = f"{places.shape}, as for frequency"
+        raise ParameterError("mrtd_K.shape", curve.shape, allowed)
     finite = np.isfinite(curve)
     first = int(np.argmax(finite)) if finite.any() else len(curve)
     end = first + int(np.argmin(finite[first:])) if not finite[first:].all() else len(curve)
@@ -242,8 +242,8 @@ class TtpThreshold:
         self._places = places = rising("frequency", frequency, unit="cyc/mrad")
         curve = all_from_zero("ctf", ctf, infinite=True)
         if curve.shape != places.shape:
-            allowed = f"an array of the same shape as frequency, {places.shape}"
-            raise ParameterError("ctf", f"an array of shape {curve.shape}", allowed)
+            allowed = f"{places.shape}, as for frequency"
+            raise ParameterError("ctf.shape", curve.shape, allowed)
         zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
         if len(zeros):
             raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")

@@ -182,7 +182,7 @@ def _enough(used: int, examined: int) -> str:
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
-        return f"weaker than others, none of which can be used: {examined} edges were examined"
+        return f"not examined: none of the {examined} stronger edges can be used"
     return (
         f"not examined: weaker than {examined} other edges ({used} of them usable), or too close "
         "to them"

@@ -107,7 +107,7 @@ def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
         raise ParameterError(
             "b_per_sr",
             b,
-            f"a surface would scatter {total:.3g} times the incident light; lower this value",
+            f"the surface would scatter {total:.3g} times the incident light; lower this value",
         )
     return total
 

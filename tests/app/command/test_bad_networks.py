@@ -43,7 +43,7 @@ def test_tells_how_many_more(fails, imagechain, write, small):
     done = imagechain("check", "net.json")
     assert done.returncode == 2
     assert len(done.stdout.splitlines()) == 3
-    first = "blur: sigma_x_mrad = -1 mrad is not allowed: a number of at least 0"
+    first = "blur: sigma_x_mrad = -1 mrad is not allowed: must be a number of at least 0"
     assert done.stderr == f"imagechain: net: 3 errors, the first: {first}\n"
 
 

@@ -76,7 +76,7 @@ def test_units_of_the_detector_and_the_mtf_at_nyquist(fails, works, pictures, tm
         [row] = [row for row in rows if row[0] == f"mtf_nyquist_{direction}"]
         assert float(row[1]) == pytest.approx(gaussian(0.5, sigma), abs=4.0 * float(row[3]) + 0.001)
     line = fails("measure", *pictures, "--pitch-um", "0")
-    assert line == "imagechain: --pitch-um = 0.0 µm is not allowed: above 0 to 10000\n"
+    assert line == "imagechain: --pitch-um = 0.0 µm is not allowed: must be above 0 to 10000\n"
 
 
 def test_the_module_mtf_file_reads_the_table(works, pictures, small, write, tmp_path):

@@ -110,7 +110,10 @@ def test_a_run_gives_the_same_picture_and_figures(given, networks, imagechain, t
             "the macro has no such parameter on its panel; did you mean f_number?",
         ),
         ("camera/init.f_numbr=2", "Init & Trans has no parameter f_numbr; did you mean f_number?"),
-        ("camera.f_number=-2", "camera/init: f_number = -2 is not allowed: a number of at least 0"),
+        (
+            "camera.f_number=-2",
+            "camera/init: f_number = -2 is not allowed: must be a number of at least 0",
+        ),
     ],
 )
 def test_bad_settings(given, message, networks, fails):

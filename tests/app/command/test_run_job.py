@@ -104,7 +104,7 @@ def test_a_sweep_writes_runs_and_the_trade_off(job, imagechain, works, tmp_path)
     assert (code, said) == (0, "")
     ((failed, why),) = result.failures
     assert failed == "blur.sigma_x_mrad=-2"
-    assert why == "blur: sigma_x_mrad = -2.0 mrad is not allowed: a number of at least 0"
+    assert why == "blur: sigma_x_mrad = -2.0 mrad is not allowed: must be a number of at least 0"
     assert result.runs == 3
     folder = tmp_path / "out"
     runs = {f"blur.sigma_x_mrad={value}" for value in (0.1, 0.3)}

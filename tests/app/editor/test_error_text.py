@@ -9,8 +9,8 @@ ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my
 def test_the_panels_label_and_the_nodes_name():
     empty = ParameterError("detector_x_um", None, "give it here", unit="um", node="init")
     for error, on_node, text in (
-        (ERROR, False, "σ y of my blur = -1.0 mrad is not allowed: at least 0"),
-        (ERROR, True, "σ y = -1.0 mrad is not allowed: at least 0"),
+        (ERROR, False, "σ y of my blur = -1.0 mrad is not allowed: must be at least 0"),
+        (ERROR, True, "σ y = -1.0 mrad is not allowed: must be at least 0"),
         (empty, False, "Detector x of init is empty: give it here (um)"),
         (DataError("no samples", node="scene"), False, "scene: no samples"),
         (DataError("no samples", node="scene"), True, "no samples"),

@@ -119,7 +119,7 @@ def test_a_value_that_is_refused_leaves_a_gap_and_the_rest_goes_on(network):
     assert points[0].figures == {}
     assert set(points[0].reasons) == set(names)
     assert (
-        "sigma_x_mrad = -1.0 mrad is not allowed: a number of at least 0"
+        "sigma_x_mrad = -1.0 mrad is not allowed: must be a number of at least 0"
         in (points[0].reasons["electronics.ner"])
     )
     assert points[1].reasons == {}

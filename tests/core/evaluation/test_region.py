@@ -25,9 +25,9 @@ class TestRectangle:
     @pytest.mark.parametrize(
         ("numbers", "told"),
         [
-            ((-1, 0, 1, 1), "region's top = -1 is not allowed: a whole number, 0 or more"),
+            ((-1, 0, 1, 1), "region's top = -1 is not allowed: must be a whole number, 0 or more"),
             ((0, -3, 1, 1), "region's left = -3"),
-            ((0, 0, 0, 1), "region's rows = 0 is not allowed: a whole number, 1 or more"),
+            ((0, 0, 0, 1), "region's rows = 0 is not allowed: must be a whole number, 1 or more"),
             ((0, 0, 1, -5), "region's columns = -5"),
             ((0, 0.5, 1, 1), "region's left = 0.5"),
         ],
@@ -157,13 +157,13 @@ class TestEngine:
             (
                 "back.image",
                 Region(0, 0, 5, 1),
-                "back: region = '0:5,0:1' is not allowed: "
+                "back: region = '0:5,0:1' is not allowed: must be "
                 "within the picture's 4 rows and 6 columns",
             ),
             (
                 "blur.magnitude",
                 Region(0, 0, 1, 1),
-                "blur: region = '0:1,0:1' is not allowed: a region needs an image, not a magnitude",
+                "blur: region = '0:1,0:1' is not allowed: regions need an image, not a magnitude",
             ),
             ("init.context", Region(0, 0, 1, 1), "not a context"),
         ],

@@ -27,22 +27,22 @@ class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
 @pytest.mark.parametrize(
     ("name", "value", "line"),
     [
-        ("length_mm", 0, "length_mm = 0 mm is not allowed: a number above 0"),
-        ("length_mm", "x", "length_mm = 'x' mm is not allowed: a number above 0"),
+        ("length_mm", 0, "length_mm = 0 mm is not allowed: must be a number above 0"),
+        ("length_mm", "x", "length_mm = 'x' mm is not allowed: must be a number above 0"),
         (
             "length_mm",
             "3 um",
-            "length_mm = '3 um' is not allowed: a number above 0 in mm; to "
+            "length_mm = '3 um' is not allowed: must be a number above 0 in mm; to "
             "convert from another unit, begin with '=': '=3 um'",
         ),
-        ("range_m", 9, "range_m = 9 m is not allowed: a number from 2 below 9 or empty"),
-        ("count", 1.5, "count = 1.5 px is not allowed: a whole number from 1 to 8"),
-        ("count", 9, "count = 9 px is not allowed: a whole number from 1 to 8"),
-        ("places", 1, "places = 1 mrad is not allowed: a list of numbers"),
-        ("open", 1, "open = 1 - is not allowed: true or false"),
-        ("side", "top", "side = 'top' side is not allowed: one of left, right"),
-        ("words", 1, "words = 1 is not allowed: a text"),
-        ("words", "a\0", "words = 'a\\x00' is not allowed: a text"),
+        ("range_m", 9, "range_m = 9 m is not allowed: must be a number from 2 below 9 or empty"),
+        ("count", 1.5, "count = 1.5 px is not allowed: must be a whole number from 1 to 8"),
+        ("count", 9, "count = 9 px is not allowed: must be a whole number from 1 to 8"),
+        ("places", 1, "places = 1 mrad is not allowed: must be a list of numbers"),
+        ("open", 1, "open = 1 - is not allowed: must be true or false"),
+        ("side", "top", "side = 'top' side is not allowed: must be one of left, right"),
+        ("words", 1, "words = 1 is not allowed: must be a text"),
+        ("words", "a\0", "words = 'a\\x00' is not allowed: must be a text"),
     ],
 )
 def test_a_refusal_names_value_unit_and_what_is_allowed(name, value, line):

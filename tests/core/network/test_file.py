@@ -240,11 +240,15 @@ def test_text_that_is_no_network(text, message, small_library):
     ("path", "value", "message"),
     [
         (["version"], "1", "version must be a whole number, not a string"),
-        (["version"], 0, "version = 0 is not allowed: a whole number, 1 or more"),
+        (["version"], 0, "version = 0 is not allowed: must be a whole number, 1 or more"),
         (["version"], 99, "version 99 is from a newer Imagechain: this one reads versions up to 2"),
         (["description"], None, "description must be a string, not null"),
         (["seed"], 1.0, "seed must be a whole number, not a number"),
-        (["seed"], -1, "seed = -1 is not allowed: a whole number from 0 to 9223372036854775807"),
+        (
+            ["seed"],
+            -1,
+            "seed = -1 is not allowed: must be a whole number from 0 to 9223372036854775807",
+        ),
         (["nodes", "init"], "init", "nodes.init must be an object, not a string"),
         (["nodes", "init", "module"], 1, "nodes.init.module must be a string, not a whole number"),
         (["nodes", "init", "module"], "", "nodes.init.module must not be empty"),

@@ -78,10 +78,13 @@ FAULTS = [
         _set(*OF_JITTER, {"sigma_mrd": 0.1}),
         "jitter: sigma_mrd = 0.1 is not allowed: Jitter MTF has",
     ),
-    (BELOW_RANGE, "jitter: sigma_mrad = -1 mrad is not allowed: a number of at least 0"),
-    (CHOICE, "scene: kind = 'dormitry' is not allowed: one of dormitory, point"),
-    (_set("nodes", "init", "params", "near_m", 3), "init: near_m = 3.0 m is not allowed: at most"),
-    (_set("nodes", "look", "params", {}), "look: level is empty: a number"),
+    (BELOW_RANGE, "jitter: sigma_mrad = -1 mrad is not allowed: must be a number of at least 0"),
+    (CHOICE, "scene: kind = 'dormitry' is not allowed: must be one of dormitory, point"),
+    (
+        _set("nodes", "init", "params", "near_m", 3),
+        "init: near_m = 3.0 m is not allowed: must be at most",
+    ),
+    (_set("nodes", "look", "params", {}), "look: level is empty: must be a number"),
     (_set("links", 2, 0, "init.magnitud"), "init: Init & Trans has no output magnitud (the link"),
     (
         _both(

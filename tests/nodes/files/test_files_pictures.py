@@ -265,8 +265,8 @@ def test_metadata_is_found_again(tmp_path, name):
     [
         ("a.xyz", [[1.0]], {}, FileError, "unknown picture suffix '.xyz'; allowed: .exr, .tif"),
         ("a", [[1.0]], {}, FileError, "unknown picture suffix ''"),
-        ("a.png", [[1.0]], {}, ParameterError, "dtype = 'float' is not allowed: a .png file holds"),
-        ("a.exr", [[1.0]], {"dtype": "double"}, ParameterError, "a .exr file holds float, half"),
+        ("a.png", [[1.0]], {}, ParameterError, "dtype = 'float' is not allowed: .png files hold"),
+        ("a.exr", [[1.0]], {"dtype": "double"}, ParameterError, ".exr files hold float, half"),
         ("a.tif", [1.0], {}, DataError, "shape .1,. cannot"),
         ("a.tif", np.zeros((0, 3)), {}, DataError, "not empty"),
         ("a.tif", [[1j]], {}, DataError, "must be real"),

@@ -216,7 +216,7 @@ def test_bad_files_are_one_clear_line(tmp_path, text, words):
     ("params", "words"),
     [
         ({"direction": "y"}, ""),
-        ({"frequency_unit": "cyc/mrad"}, "file or cyc/mm, the unit named in lens.csv"),
+        ({"frequency_unit": "cyc/mrad"}, "choose file or cyc/mm, because lens.csv names this unit"),
     ],
 )
 def test_what_does_not_fit_the_file(tmp_path, params, words):

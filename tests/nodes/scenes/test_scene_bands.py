@@ -114,4 +114,6 @@ def test_a_target_in_reflectance_is_the_black_one_between_other_levels(tmp_path,
 def test_drawn_scenes_without_bands_have_no_reflectance(tmp_path):
     values = {"scene": ("test_scene", {"kind": "dormitory", "quantity": "reflectance"})}
     bench = NodeBench(LIBRARY, tmp_path, values, [])
-    assert "bands = 0 is not allowed: 1 or more for the dormitory" in str(bench.error("scene"))
+    assert "bands = 0 is not allowed: must be 1 or more for the dormitory" in str(
+        bench.error("scene")
+    )

@@ -141,7 +141,7 @@ def test_what_cannot_be_run_is_said_at_its_field_or_in_its_line(desk, qtbot):
     for name, text, said in (
         ("values", "", "no values: FROM:TO:COUNT"),
         ("values", "0:1", "blur.sigma_x_mrad=0:1: write FROM:TO:COUNT"),
-        ("values", "-1, 2", "-1 mrad is not allowed: a number of at least 0"),
+        ("values", "-1, 2", "-1 mrad is not allowed: must be a number of at least 0"),
         ("folder", "", "give a folder"),
     ):
         dialog.values.setText("0.1, 0.3")

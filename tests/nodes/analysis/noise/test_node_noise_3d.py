@@ -68,7 +68,7 @@ def test_fixed_pattern_of_one_sensor(tmp_path):
 def test_a_single_frame_is_refused(tmp_path):
     plan, *_ = measured(tmp_path, (), frames=1)
     assert [str(error) for error in plan.errors()] == [
-        "noise: frames = 1 is not allowed: 0, or at least 2"
+        "noise: frames = 1 is not allowed: must be 0, or at least 2"
     ]
 
 
