@@ -26,22 +26,22 @@ def read_image(
     """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives wavelengths
-    and you set both `cut_on_um` and `cut_off_um`, its bands are integrated between them. For any
-    other file, these two are the band of the samples. The radiance is in W/m²/sr, or in W/m²/sr/µm
-    for one spectral band. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
-    unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
-    are left out. K, DN and similar units are kept. Photons are converted to watts only with `bands`
-    all. An unknown radiance unit is an error.
+    and you set both `cut_on_um` and `cut_off_um`, the file's bands are integrated between these
+    wavelengths. For any other file, the two wavelengths give the band of the samples. The radiance
+    is in W/m²/sr, or in W/m²/sr/µm for one spectral band. If the file names its unit (W cm⁻² sr⁻¹
+    µm⁻¹, uW/cm^2/sr/um, …) and `scale` is 1, that unit is converted; otherwise `unit` applies. A
+    cube whose header names no unit needs `unit` or `scale`. Gains and offsets of an ENVI header are
+    applied, and its bad bands are left out. K, DN and similar units are kept. Photons are converted
+    to watts only if `bands` is all. An unknown radiance unit is an error.
 
     A colour picture gives one channel or, with `bands` luminance, all three, weighted by the eye's
-    sensitivity. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
-    a cube with wavelengths in its header gives every band between `cut_on_um` and `cut_off_um`.
-    Each is in W/m²/sr/µm; photons are converted with their energy at the band's wavelength. Optics
-    and atmosphere then act on each band separately, until a detector sums them. The cube stays on
-    disk.
+    sensitivity. A cube gives one band or plane, by default the first; set `band` for another. With
+    `bands` all, a cube with wavelengths in its header gives every band between `cut_on_um` and
+    `cut_off_um`. Each band is in W/m²/sr/µm; photons are converted with their energy at the band's
+    wavelength. Optics and atmosphere then act on each band separately until a detector sums the
+    bands. The cube stays on disk.
 
-    An empty field of view is taken from the header. FITS pictures have their first row at the
+    An empty field of view is taken from the header. The first row of a FITS picture is at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
     `missing` replaces them.
 
@@ -59,7 +59,7 @@ def read_image(
     scale : float | Expression
         factor applied to the samples: a number; default 1.0
     offset : float | Expression
-        number added after scaling, in the unit below: a number; default 0.0
+        number added after scaling, in the unit of the scaled samples: a number; default 0.0
     unit : str
         unit of the samples after scaling: a text; default 'W/m²/sr'
     fov_x_deg : float | Expression | None
@@ -71,8 +71,8 @@ def read_image(
     cut_off_um : float | Expression | None
         longest wavelength [µm]: a number of at least 0 or empty; default empty
     missing : Literal['refuse', 'mean', 'zero']
-        samples that are NaN, infinite or missing: refuse them, or replace them with the mean of the
-        others or 0: one of refuse, mean, zero; default 'refuse'
+        samples that are NaN, infinite or missing: refuse them, or replace them with 0 or the mean
+        of the other samples: one of refuse, mean, zero; default 'refuse'
 
     Notes
     -----
@@ -105,18 +105,18 @@ def test_scene(
 
     Planck's law converts temperatures and emissivities to band radiance. Edges are area-sampled, so
     they do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
-    ground. The airfield is seen from above, with straight roads, for Camera Geometry.
+    ground. The airfield is seen from above and has straight roads, for use with Camera Geometry.
 
-    `bands` divides the scene's band into that many bands of equal width. Optics and atmosphere
-    treat each at its own wavelength, until a detector sums them. Surfaces then have the spectra of
-    grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They
-    emit at their temperature and reflect the sky. With `sun_elevation_deg` they also reflect
-    sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all bands. With
-    `emissivity` grey every surface keeps its single emissivity; the sum of all bands is then the
-    picture without bands, except for sunlight. `quantity` reflectance gives what the surfaces
-    reflect instead of their radiance, for Reflected Light; shade and sky get the reflectance that
-    would look as bright in sunlight. Targets then have `target_reflectance`, and their background
-    `background_reflectance`, at all wavelengths.
+    `bands` divides the scene's band into spectral bands of equal width. Optics and atmosphere treat
+    each spectral band at its own wavelength until a detector sums the bands. Surfaces then have the
+    spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely
+    sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
+    surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all
+    bands. With `emissivity` grey, every surface keeps a single emissivity; without sunlight, the
+    bands then add up to the picture for `bands` = 0. With `quantity` reflectance, the samples are
+    surface reflectances for Reflected Light instead of radiances; shade and sky get the reflectance
+    that would look equally bright in sunlight. Targets then have `target_reflectance` and their
+    background has `background_reflectance`, at all wavelengths.
 
     Parameters
     ----------
@@ -136,7 +136,8 @@ def test_scene(
     cut_off_um : float | Expression
         longest wavelength [µm]: a number above 0; default 12.0
     bands : int | Expression
-        spectral bands of equal width; 0: a single band: a whole number from 0 to 4096; default 0
+        number of spectral bands of equal width; 0: a single band: a whole number from 0 to 4096;
+        default 0
     emissivity : Literal['spectra', 'grey']
         spectra of the surfaces, if there are bands: from their materials, or grey: one of spectra,
         grey; default 'spectra'
@@ -144,17 +145,17 @@ def test_scene(
         quantity of the samples: radiance, or reflectance for Reflected Light: one of radiance,
         reflectance; default 'radiance'
     background_reflectance : float | Expression
-        reflectance of a target's background, for quantity reflectance: a number from 0 to 1;
+        reflectance of a target's background, used if quantity is reflectance: a number from 0 to 1;
         default 0.07
     target_reflectance : float | Expression
-        reflectance of a target, for quantity reflectance: a number from 0 to 1; default 0.15
+        reflectance of a target, used if quantity is reflectance: a number from 0 to 1; default 0.15
     sun_elevation_deg : float | Expression
         elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
         0.0
     temperature_K : float | Expression
         background temperature [K]: a number above 0; default 303.15
     delta_K : float | Expression
-        target temperature minus the background's [K]: a number; default 10.0
+        target temperature minus background temperature [K]: a number; default 10.0
     angle_deg : float | Expression
         direction of the edge's normal or of the wave [deg]: a number; default 5.0
     frequency : float | Expression
@@ -174,13 +175,13 @@ def write_image(
     range_low: float | Expression | None = None,
     range_high: float | Expression | None = None,
 ) -> Part:
-    """Write the picture to a file, only in runs that save outputs.
+    """Write the picture to a file in runs that save outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
-    to the full range of the type. If both are empty, a picture in digital numbers (DN) is not
-    stretched: 12-bit samples stay 0 to 4095 in the file. `automatic` uses the precision of the
-    computation if the format allows it, and 16-bit integers for PNG and for digital numbers up to
-    65535.
+    to the full range of the type. If `range_low` and `range_high` are empty, a picture in digital
+    numbers (DN) is not stretched: 12-bit samples stay 0 to 4095 in the file. `automatic` uses the
+    precision of the computation if the format allows it, and 16-bit integers for PNG and for
+    digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
     in W/m²/sr/µm. Bands are written one at a time, so the whole cube is never in memory. Every
@@ -213,9 +214,9 @@ def write_matrix(
     """Write values as plain text, one row per line, readable by MathCad's READPRN.
 
     A .csv file separates values with commas and names the columns of curves; .txt and .prn files
-    use spaces. For bars, the first column holds their names in a .csv file, and their numbers from
-    0 in other files. A transfer function is written in FFT order, zero frequency first. Files are
-    written only in runs that save outputs.
+    use spaces. For bar charts, the first column holds the names of the bars in a .csv file, and
+    their numbers, counted from 0, in other files. A transfer function is written in FFT order, zero
+    frequency first. Files are written only in runs that save outputs.
 
     Parameters
     ----------
@@ -237,10 +238,10 @@ def examine_image(
 ) -> Part:
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band it also gives the apparent temperature, at which a black body has
-    the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
-    histogram uses the displayed values. A picture's centred spectrum is shown as the logarithm of
-    its modulus.
+    For radiance in a known band, the apparent temperature is also given: a black body at this
+    temperature has the same band radiance. Read-outs and probe use the samples themselves (spectra
+    in FFT order); the histogram uses the displayed values. A picture's centred spectrum is shown as
+    the logarithm of its modulus.
 
     Parameters
     ----------
@@ -282,9 +283,9 @@ def init_trans(
 ) -> Part:
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
-    Empty parameters are taken from a Camera before this module, otherwise from the image's header.
-    A fill factor of 1 is treated as empty. Values entered here take priority; a warning reports any
-    difference. Source: Tantalo 1996, section 4.1.
+    Empty parameters take their values from a Camera before this module, otherwise from the image's
+    header. A fill factor of 1 is treated as empty. Values entered here take priority; a warning
+    reports any difference. Source: Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -297,8 +298,8 @@ def init_trans(
     f_number : float | Expression | None
         F number: a number of at least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
-        obscuration: inner diameter of the aperture divided by the outer; empty: from Camera, or
-        none: a number from 0 below 1 or empty; default empty
+        obscuration: inner diameter of the aperture divided by its outer diameter; empty: from
+        Camera, or none: a number from 0 below 1 or empty; default empty
     range_m : float | Expression | None
         altitude or distance [m]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
@@ -355,10 +356,10 @@ def combine_pixels(
     """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
-    170 pixels. Directly after Back Transform, if the factors divide the size, the spectrum is
-    folded instead. The mean of a block represents the pixel's averaging over its area. After
-    Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source: Tantalo
-    1996, section 4.1, fig. 4.6.
+    170 pixels. Directly after Back Transform, if the factors divide the picture's size exactly, the
+    spectrum is folded instead. The mean of a block represents the pixel's averaging over its area.
+    After Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source:
+    Tantalo 1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -385,14 +386,14 @@ def sample_pixels(
 ) -> Part:
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again: after Detector MTF it leaves only 0.64 of the
-    contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not move.
-    For even ratios, and ratios that are not whole, the centres lie between samples. There the
-    picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
-    in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
-    in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
-    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
-    over the pixel and its sampling are two stages).
+    Combine Pixels would average over the pixel again and leave only 0.64 of the contrast at
+    Nyquist. The samples lie at the centres of the pixels, so the picture does not move. For even
+    and non-integer ratios, the centres lie between samples. Between samples, the picture is
+    evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as in Back
+    Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a
+    camera. Incomplete pixels at the right and bottom edges of the frame are dropped. Source: Park,
+    Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average over the pixel and its
+    sampling are two stages).
 
     Parameters
     ----------
@@ -406,8 +407,8 @@ def sample_pixels(
         offset of the samples from the pixels' centres, to the right and down [pixels]: a number
         from -1 to 1; default 0.0
     offset_y : float | Expression | None
-        offset down, if it differs; empty: equal to offset [pixels]: a number from -1 to 1 or empty;
-        default empty
+        downward offset, if different; empty: equal to offset [pixels]: a number from -1 to 1 or
+        empty; default empty
 
     Notes
     -----
@@ -424,11 +425,12 @@ def anti_alias(
 ) -> Part:
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
-    No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
-    a detector MTF. `box` is the centred mean of `factor` samples (an even number is centred through
-    its transfer function). `gaussian` halves the contrast at the new Nyquist frequency. `lanczos`
-    is a sinc with its cutoff there and a three-lobe window. The frame is mirrored at its edges. A
-    factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
+    Detector MTF. `box` is the centred mean of `factor` samples (for an even factor, the transfer
+    function centres the mean). `gaussian` halves the contrast at the new Nyquist frequency.
+    `lanczos` is a sinc with its cutoff at this frequency and a three-lobe window. The frame is
+    mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon
+    1979 (Lanczos).
 
     Parameters
     ----------
@@ -454,12 +456,12 @@ def interpolate(
     """Resample the picture to another size over the same field of view.
 
     Sample centres lie half an interval from the frame's edges. Beyond the edges, a picture from
-    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
-    wraps round. Any other picture, or one cropped after Back Transform, continues with its
+    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, and a periodic
+    frame wraps round. Any other picture, or one cropped after Back Transform, continues with its
     outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
-    0 takes the nearest sample (the later of two equally near), 1 is bilinear, 3 is cubic
-    convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
-    (bilinear); Keys 1981 (cubic, a = −1/2).
+    0 takes the nearest sample (the later of two equally near samples), order 1 is bilinear, and
+    order 3 is cubic convolution. With an unchanged size, the picture does not change. Sources:
+    Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
 
     Parameters
     ----------
@@ -494,17 +496,17 @@ def to_radiance(
     Parameters
     ----------
     emissivity : float | Expression
-        emissivity of all samples, if no image of it is connected: a number above 0 to 1; default
-        1.0
+        emissivity of all samples, if no emissivity image is connected: a number above 0 to 1;
+        default 1.0
     surroundings_K : float | Expression | None
-        temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
+        temperature of the reflected surroundings; empty: nothing is reflected [K]: a number from 0
         to 10000 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
 
     Notes
     -----
@@ -522,26 +524,26 @@ def to_temperature(
 ) -> Part:
     """Convert a picture of band radiance to temperatures in kelvin.
 
-    This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
-    Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
-    temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
-    temperatures, digital numbers, photons and spectral radiance are refused. An image of
-    emissivities can replace the single value. Sources: as To Radiance.
+    This is the inverse of To Radiance: T is the temperature at which Planck's law gives the
+    radiance (L − (1 − ε)·L(surroundings))/ε in the band. With an emissivity of 1, the result is the
+    apparent, or brightness, temperature. The picture's unit must be band radiance in watts
+    (W/m²/sr, mW/cm²/sr, …): temperatures, digital numbers, photons and spectral radiance are
+    refused. An image of emissivities can replace the single value. Sources: as for To Radiance.
 
     Parameters
     ----------
     emissivity : float | Expression
-        emissivity of all samples, if no image of it is connected: a number above 0 to 1; default
-        1.0
+        emissivity of all samples, if no emissivity image is connected: a number above 0 to 1;
+        default 1.0
     surroundings_K : float | Expression | None
-        temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
+        temperature of the reflected surroundings; empty: nothing is reflected [K]: a number from 0
         to 10000 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
 
     Notes
     -----
@@ -568,11 +570,11 @@ def reflected_light(
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
     is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
-    of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file. The
-    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with `bands`
-    above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
-    Atmospheric Path for the path from the surface to the camera.
+    of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file.
+    The sky has the same radiance in all directions. The picture's unit, set on Read Image, must be
+    1, %, reflectance or albedo. A reflectance applies to all wavelengths. With `bands` above 1, the
+    radiance has that many bands; a cube of reflectances keeps its own bands. Add Atmospheric Path
+    for the path from the surface to the camera.
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
@@ -590,11 +592,11 @@ def reflected_light(
         spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K: one of
         standard, black_body; default 'standard'
     solar_irradiance : float | Expression | None
-        solar irradiance above the air, normal to the sun, used instead of the spectrum; empty: from
-        `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
+        solar irradiance above the air at normal incidence, used instead of the spectrum; empty:
+        from `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
     path : str | PathLike[str] | None
-        CSV of wavelength (µm) and W/m²/µm, used instead of the number; or empty: a file name or
-        empty; default empty
+        CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of `sun` and
+        solar_irradiance; empty: no file: a file name or empty; default empty
     sun_elevation_deg : float | Expression
         elevation of the sun above the horizon [deg]: a number from 0 to 90; default 45.0
     optical_depth : float | Expression
@@ -605,13 +607,14 @@ def reflected_light(
         illuminance on the ground to which sun and sky are scaled; empty: no scaling [lx]: a number
         above 0 to 1e+09 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     bands : int | Expression
-        bands into which the radiance is divided: a whole number from 1 to 10000; default 1
+        number of bands into which the radiance is divided: a whole number from 1 to 10000; default
+        1
 
     Notes
     -----
@@ -644,42 +647,44 @@ def atmospheric_path(
     path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L of a black
     body at `air_K`.
 
-    `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
-    mid-latitude summer, the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are interpolated
-    over height and ground range. If every second table is left out, a band's transmission is off by
-    0.007 rms, at most 0.06. For a camera above 24.5 km, only the air below that height counts: at
-    nadir, from 0.5 to 0.8 µm, the transmission is 0.688 instead of 0.681. This model needs the
-    extra `atmosphere`.
+    `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
+    mid-latitude summer and the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are
+    interpolated over height and ground range. With every second table left out as a test, a band's
+    transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at nadir,
+    from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
+    `atmosphere` to use this model.
 
-    A picture with one band is multiplied by the band's mean transmission. The mean weights
-    wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
-    sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
-    of Read Image) has each band multiplied by its own transmission. Absorption and scattering both
-    count as attenuation here; for the blur from scattering, use Atmosphere MTF. Figures of Merit,
-    if placed after this module, uses its transmission at each range, by Beer's law at every
-    wavelength. Two of these modules in a row represent two constituents of the same air. Put the
-    module after Camera to use Camera's range and orbit; otherwise enter `range_m` here.
+    A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
+    the radiance of a black body. The black body's temperature is `source_K` if given, otherwise
+    5800 K (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness
+    temperature. In a spectral picture (`bands` of Read Image), each band is multiplied by its own
+    transmission. Absorption and scattering both count as attenuation here; for the blur from
+    scattering, use Atmosphere MTF. When placed after this module, Figures of Merit scales the
+    transmission to each range with Beer's law at every wavelength. Two Atmospheric Path modules in
+    a row represent two constituents of the same air. Put the module after Camera to use Camera's
+    range and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
     Parameters
     ----------
     model : Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran', 'modtran_tables']
-        what describes the air: a transmission, an extinction, a visibility, a file, or MODTRAN's
-        tables in pyBSM: one of transmission, extinction_per_km, visibility_km, modtran,
+        model of the air: a transmission, an extinction, a visibility, a MODTRAN file, or pyBSM's
+        MODTRAN tables: one of transmission, extinction_per_km, visibility_km, modtran,
         modtran_tables; default 'transmission'
     transmission : float | Expression
         transmission of the path: a number from 0 to 1; default 1.0
     path : str | PathLike[str] | None
-        CSV of wavelength (µm) and transmission, used instead of the number; for modtran: a tape7,
-        JSON or CSV: a file name or empty; default empty
+        CSV of wavelength (µm) and transmission, used instead of `transmission`; for modtran: a
+        tape7, JSON or CSV: a file name or empty; default empty
     extinction_per_km : float | Expression
         extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
         0.2
     visibility_km : float | Expression
         visibility (2 % contrast) [km]: a number above 0 to 1e+06; default 23.0
     angstrom_q : float | Expression
-        exponent with which the extinction falls with wavelength: a number from -5 to 5; default 0.0
+        Ångström exponent q: the extinction is proportional to wavelength^−q: a number from -5 to 5;
+        default 0.0
     haze : Literal['rural_23_km', 'rural_5_km']
         haze type and visibility of MODTRAN's tables: one of rural_23_km, rural_5_km; default
         'rural_23_km'
@@ -687,14 +692,14 @@ def atmospheric_path(
         height of the camera above the ground, for MODTRAN's tables; empty: from Camera's orbit [m]:
         a number from 0 to 1e+08 or empty; default empty
     range_m : float | Expression | None
-        length of the path; empty: from a Camera before this node, or from Init & Trans through
-        context [m]: a number from 0 to 1e+09 or empty; default empty
+        length of the path; empty: from a Camera before this node, or from Init & Trans if context
+        is connected [m]: a number from 0 to 1e+09 or empty; default empty
     air_K : float | Expression | None
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
         empty; default empty
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: at the scene's temperature, or
-        sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights a single band; empty: the scene's temperature, or
+        5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -724,16 +729,16 @@ def atmosphere_mtf(
     scattering_per_km: float | Expression = 0.0,
     scale_height_km: float | Expression = 1.0,
 ) -> Part:
-    """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
+    """Blur by atmospheric turbulence and aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of given width, or Fried's long- or short-exposure MTF, with r0
+    Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
     entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
-    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateaus 0.99, 0.975, 0.955), a
-    number, or the scattering coefficient along the path. On a path down or up, this coefficient
-    falls exponentially with height. Absorption attenuates all frequencies equally and does not
-    blur: use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is
-    near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. A spectral
-    picture is blurred at each band's own wavelength.
+    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
+    number, or the scattering coefficient along the path. On a downward or upward path, this
+    coefficient falls exponentially with height. Absorption attenuates all frequencies equally and
+    does not blur: use Atmospheric Path. The blur is stronger looking up than looking down, because
+    the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol
+    cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -749,41 +754,44 @@ def atmosphere_mtf(
     fried_r0_m : float | Expression | None
         Fried's r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
     wavelength_um : float | Expression | None
-        wavelength; empty: the middle of the band, or of each band of a cube [µm]: a number of at
-        least 0 or empty; default empty
+        wavelength of the blur; empty: the middle of the band, or of each band of a cube [µm]: a
+        number of at least 0 or empty; default empty
     r0_wavelength_um : float | Expression | None
-        wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur [µm]: a
+        wavelength for which r0 is given, often 0.5 µm; empty: the wavelength of the blur [µm]: a
         number of at least 0 or empty; default empty
     aperture_mm : float | Expression | None
-        aperture, for a short exposure; empty: from Camera [mm]: a number of at least 0 or empty;
-        default empty
+        aperture diameter, for a short exposure; empty: from Camera [mm]: a number of at least 0 or
+        empty; default empty
     alpha : float | Expression
-        short exposure: 1 in the near field, 0.5 in the far field: a number from 0 to 1; default 0.5
+        α for a short exposure, 1 in the near field and 0.5 in the far field: a number from 0 to 1;
+        default 0.5
     cn2 : float | Expression | None
-        Cn² along a horizontal path, or at the ground [m^(-2/3)]: a number of at least 0 or empty;
-        default empty
+        Cn² along a horizontal path, or at the ground for a vertical path [m^(-2/3)]: a number of at
+        least 0 or empty; default empty
     turbidity : Literal['none', 'low', 'moderate', 'high', 'custom']
-        aerosol level; custom: optical depth τ or the coefficients below: one of none, low,
-        moderate, high, custom; default 'none'
+        aerosol level; custom: from scatter_depth, or from scattering_per_km along the path: one of
+        none, low, moderate, high, custom; default 'none'
     scatter_depth : float | Expression | None
-        optical depth τ if turbidity is custom; empty: from the coefficients: a number of at least 0
-        or empty; default empty
+        optical depth τ, used when turbidity is custom; empty: from scattering_per_km: a number of
+        at least 0 or empty; default empty
     turbidity_cutoff_cyc_per_mrad : float | Expression
         cutoff frequency: particle radius over wavelength [cyc/mrad]: a number above 0; default
         0.001
     particle_radius_um : float | Expression | None
-        particle radius, from which the cutoff follows (radius over wavelength); empty: the cutoff
-        above [µm]: a number from 0 to 1e+06 or empty; default empty
+        particle radius, which sets the cutoff (radius over wavelength); empty: from
+        turbidity_cutoff_cyc_per_mrad [µm]: a number from 0 to 1e+06 or empty; default empty
     view : Literal['horizontal', 'vertical', 'up']
-        line of sight, for coefficients and Cn²; vertical: looking down from a height; up: looking
-        up to a height: one of horizontal, vertical, up; default 'horizontal'
+        line of sight, used with scattering_per_km and Cn²; vertical: looking down from a height;
+        up: looking up to a height: one of horizontal, vertical, up; default 'horizontal'
     absorption_per_km : float | Expression
-        has no effect here: absorption dims the scene and does not blur it; use Atmospheric Path
-        [1/km]: a number of at least 0; default 0.0
+        absorption coefficient, which has no effect here: absorption dims the scene without blurring
+        it; use Atmospheric Path [1/km]: a number of at least 0; default 0.0
     scattering_per_km : float | Expression
-        scattering coefficient if turbidity is custom [1/km]: a number of at least 0; default 0.0
+        scattering coefficient, used when turbidity is custom [1/km]: a number of at least 0;
+        default 0.0
     scale_height_km : float | Expression
-        scale height of the aerosol, for looking down or up [km]: a number above 0; default 1.0
+        scale height of the aerosol, used when looking down or up [km]: a number above 0; default
+        1.0
 
     Notes
     -----
@@ -815,13 +823,13 @@ def camera(
 ) -> Part:
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes unchanged and carries the data: pitch, focal length, F-number, fill factor and
-    range for Init & Trans and all modules after it; aperture and obscuration for Diffraction MTF;
-    pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
-    focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the pixels' angle on the axis. So does an image with the same field of view as the
-    lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
-    values that disagree; nothing is corrected.
+    The image passes through unchanged and carries the data: pitch, focal length, F-number, fill
+    factor and range for Init & Trans and all modules after it; aperture and obscuration for
+    Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
+    there. Any two of focal length, F-number and aperture determine the third. An image without a
+    sampling interval, or with the same field of view as the lens, 2·atan(Np/2f), gets its sampling
+    interval from the pixel angle on the axis; otherwise a wide field would be divided into equal
+    angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
@@ -832,11 +840,12 @@ def camera(
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
     depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
-    the axis and usual in infrared work, `sine` (π/(4F²)) is exact for a lens corrected for coma,
-    such as a fast photographic or infrared lens. They differ by 25 % at F/1 and by 1.6 % at F/4.
-    Sources: Holst 2008, Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle,
-    f-number, GSD); Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number);
-    Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
+    the axis and usual in infrared work; `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    such as a fast photographic or infrared lens. The values of `disc` and `sine` differ by 25 % at
+    F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical Imaging System Performance,
+    chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983, Optical System Design, chapter 6
+    (sine condition, T-number); Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5
+    (orbit).
 
     Parameters
     ----------
@@ -847,7 +856,7 @@ def camera(
     pitch_um : float | Expression | None
         horizontal pixel pitch [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        vertical pixel pitch; empty: equal to pitch_x_um [µm]: a number of at least 0 or empty;
+        vertical pixel pitch; empty: equal to pitch_um [µm]: a number of at least 0 or empty;
         default empty
     fill_x : float | Expression | None
         horizontal fill factor; empty: 1: a number from 0 to 1 or empty; default empty
@@ -866,11 +875,12 @@ def camera(
         obscuration: inner diameter of the aperture divided by the outer: a number from 0 below 1;
         default 0.0
     t_number : float | Expression | None
-        T-number: F-number of a lossless, unobscured lens that passes as much light; empty: from
-        F-number, obscuration and transmission: a number of at least 0 or empty; default empty
+        T-number: F-number of a lossless, unobscured lens that passes the same amount of light;
+        empty: from F-number, obscuration and transmission: a number of at least 0 or empty; default
+        empty
     irradiance : Literal['disc', 'sine']
-        how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine condition,
-        π/(4F²): one of disc, sine; default 'disc'
+        how the light depends on the F-number: π/(4F² + 1), or π/(4F²) for a lens that obeys the
+        sine condition: one of disc, sine; default 'disc'
     range_m : float | Expression | None
         distance to the scene [m]: a number of at least 0 or empty; default empty
     altitude_km : float | Expression | None
@@ -912,15 +922,16 @@ def diffraction_mtf(
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
     Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
-    divided by the F-number, from Init & Trans. No pupil array is needed. Over a band, each
-    wavelength's OTF is weighted by the photons or the energy of a black body, or all equally as in
-    Tantalo 1996. The black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for
-    a band that begins below 2.5 µm, and otherwise at the brightness temperature of the picture's
-    mean radiance. `response`, and a Spectral Response before this module, also weight the light,
-    like a detector behind the optics. `wavelengths` auto uses as many wavelengths as `tolerance`
-    requires, placed between the kinks of the OTF. A number sets how many wavelengths sample the
-    band; 1 uses the band's middle. With auto, a spectral picture is blurred band by band, and the
-    MTF shown is the mean weighted by the picture's own light.
+    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band, each
+    wavelength's OTF is weighted by the photons or the energy of a black body, or all wavelengths
+    are weighted equally, as in Tantalo 1996. The black body's temperature is `source_K`. If
+    `source_K` is empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm,
+    and otherwise the brightness temperature of the picture's mean radiance. `response`, and a
+    Spectral Response before this module, also weight the light, like a detector behind the optics.
+    With `wavelengths` set to auto, the module uses as many wavelengths as `tolerance` requires,
+    placed between the kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses
+    the band's middle. With auto, a spectral picture is blurred band by band, and the MTF shown is
+    the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
     negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
@@ -937,27 +948,27 @@ def diffraction_mtf(
         obscuration: inner diameter divided by the outer; empty: from Camera, or none: a number from
         0 below 1 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     weighting : Literal['photons', 'energy', 'uniform']
-        weight of the wavelengths: by photons (as in a photon detector), by energy, or equal: one of
-        photons, energy, uniform; default 'photons'
+        weighting of the wavelengths: by photons (as in a photon detector), by energy, or equal: one
+        of photons, energy, uniform; default 'photons'
     source_K : float | Expression | None
-        black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
-        or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights the band; empty: the picture's mean temperature,
+        or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and detector response, which also weights the light; or empty: a file
-        name or empty; default empty
+        CSV of wavelength (µm) and detector response, which also weights the light; empty: none: a
+        file name or empty; default empty
     wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
         auto: as many wavelengths as the tolerance requires; a number sets how many sample the band;
         1 uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32,
         48, 64; default 'auto'
     tolerance : float | Expression
-        largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of many
-        points 1e-6: a number from 0 to 1; default 0.0
+        largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or 1e-6 with
+        a response of many points: a number from 0 to 1; default 0.0
     defocus_waves : float | Expression
         defocus at the rim, W20 [waves]: a number from -20 to 20; default 0.0
     rms_wavefront_waves : float | Expression
@@ -996,20 +1007,20 @@ def exit_pupil(
 
     Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
     `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
-    over the full height. `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with
-    vanes at 360°/n from +x.
+    over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
+    with vanes at 360°/n from +x.
 
-    The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
-    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
-    It is centred on the array if that makes its radius at most one sample larger. A `radius` that
-    you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
-    A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to defocus and Zernike
-    terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
-    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a map in
-    µm is an optical path difference, the same at all wavelengths. A complex `.npy` in `path`
-    contains amplitude and phase, valid only at its own wavelength. Row 0 is at the top. W enters as
-    exp(2πiW), so a W that increases to the right moves the picture to the left. Sources: Tantalo
-    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
+    aperture's radius. For a file this disc is the smallest circle around all samples above 1 % of
+    the largest. The circle is centred on the array if its radius then grows by at most one sample.
+    A `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives
+    the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
+    defocus and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border
+    of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
+    wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
+    `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
+    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
+    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -1021,8 +1032,8 @@ def exit_pupil(
     size_y : int | Expression
         samples per column of the pupil array: a whole number from 2 to 8192; default 512
     radius : float | Expression | None
-        radius of the aperture; empty: 75, or for a file its enclosing circle [samples]: a number of
-        at least 0 or empty; default empty
+        radius of the aperture; empty: 75, or for a file the radius of its enclosing circle
+        [samples]: a number of at least 0 or empty; default empty
     obscuration_radius : float | Expression
         radius of the central obscuration [samples]: a number of at least 0; default 25.0
     slit_width : float | Expression
@@ -1032,11 +1043,11 @@ def exit_pupil(
     vane_width : float | Expression
         width of a vane [samples]: a number of at least 0; default 4.0
     path : str | PathLike[str] | None
-        amplitude transmission, real or complex `.npy`, for `file`; empty: from the map: a file name
-        or empty; default empty
+        amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map: a
+        file name or empty; default empty
     wavefront_path : str | PathLike[str] | None
-        map of the wavefront error, for `file`, relative to the network file's folder: a file name
-        or empty; default empty
+        map of the wavefront error for the shape `file`, relative to the network file's folder: a
+        file name or empty; default empty
     wavefront_unit : Literal['waves', 'rad', 'um', 'nm']
         unit of the map: one of waves, rad, um, nm; default 'waves'
     map_wavelength_um : float | Expression | None
@@ -1069,48 +1080,49 @@ def exit_pupil_mtf(
     response: str | PathLike[str] | None = None,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
+    """Apply the incoherent OTF of an exit pupil: the pupil's normalised autocorrelation.
 
-    The OTF of a geometric shape is exact, for one wavelength or a band. Pupils from files or with
-    wavefront errors are autocorrelated from their samples. Wavelengths are weighted equally, or by
-    the photons or the energy of a black body (`weighting`), and by the detector's `response`. The
-    black body is at `source_K`. If that is empty, it is at 5800 K (sunlight) for a band that begins
-    below 2.5 µm, and otherwise at the brightness temperature of the picture's mean radiance. A
-    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
-    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
-    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
-    cutoff is aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
+    The OTF of a geometric shape is exact, for one wavelength or a band. For pupils from files or
+    with wavefront errors, the sampled pupil is autocorrelated. Wavelengths are weighted equally, or
+    by the photons or the energy of a black body (`weighting`), and by the detector's `response`.
+    The black body's temperature is `source_K`. If `source_K` is empty, the temperature is 5800 K
+    (sunlight) for a band that begins below 2.5 µm, and otherwise the brightness temperature of the
+    picture's mean radiance. A spectral picture is blurred band by band, each band at its own
+    wavelength. With interpolation `none`, the module outputs the raw autocorrelation at the pupil's
+    own frequency intervals and does not blur the picture. Sizes refer to the whole pupil array.
+    Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21
+    is the array's half width over λ.
 
     Parameters
     ----------
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     size_x_cm : float | Expression
         width of the whole pupil array [cm]: a number above 0; default 25.6
     size_y_cm : float | Expression
         height of the whole pupil array [cm]: a number above 0; default 25.6
     method : Literal['exact', 'autocorrelation']
-        the closed form if there is one, or always the sampled pupil: one of exact, autocorrelation;
-        default 'exact'
+        exact: closed form if there is one; autocorrelation: always from the sampled pupil: one of
+        exact, autocorrelation; default 'exact'
     interpolation : Literal['none', 'linear', 'bilinear']
         interpolation from the sampled pupil to the image's frequencies: one of none, linear,
         bilinear; default 'bilinear'
     wavelengths : int | Expression
-        number of wavelengths that sample the band; 1 uses its mean: a whole number from 1 to 256;
-        default 1
+        number of wavelengths that sample the band; 1 uses the band's mean: a whole number from 1 to
+        256; default 1
     weighting : Literal['uniform', 'photons', 'energy']
-        weight of the wavelengths: equal (as in 1996), by photons, or by energy: one of uniform,
-        photons, energy; default 'uniform'
+        weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy: one of
+        uniform, photons, energy; default 'uniform'
     source_K : float | Expression | None
-        black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
-        or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights the band; empty: the picture's mean temperature,
+        or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and detector response, which also weights the light; or empty: a file
-        name or empty; default empty
+        CSV of wavelength (µm) and detector response, which also weights the light; empty: none: a
+        file name or empty; default empty
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -1134,20 +1146,20 @@ def vignetting(
     coefficients: Sequence[float] = (),
     focal_length_mm: float | Expression | None = None,
 ) -> Part:
-    """Darken the picture with distance from the optical axis, at the picture's middle.
+    """Darken the picture with distance from the optical axis, which is at the picture's middle.
 
     `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
-    `measured` adds a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴
-    + …. `against` sets what the heights are: field angle, image height, or the fraction of the
-    picture's half diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off.
-    Put the module before Focal Plane, so that shot noise follows from the vignetted light. Transfer
-    functions do not change. Signal and SNR use the mean over the field; NETD and `scene_K` refer to
-    the scene before the vignetting. For a thermal picture with one band, Focal Plane converts
-    radiance to photons at the brightness temperature before the mean loss: a sample with half the
-    mean light gets 0.3 % too many photons (3.7 to 4.8 µm). Spectral pictures, and
-    `photon_weighting` other than scene, do not have this error. Source: Kingslake 1983, Optical
-    System Design, chapter 6.
+    `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
+    c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
+    the picture's half diagonal. A lens maker's curve usually includes cos⁴; in that case, switch
+    `natural` off. Put the module before Focal Plane, so that shot noise follows from the vignetted
+    light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
+    `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
+    Plane converts radiance to photons at the brightness temperature that the picture had before the
+    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm). This
+    error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
+    Kingslake 1983, Optical System Design, chapter 6.
 
     Parameters
     ----------
@@ -1192,15 +1204,15 @@ def distortion(
 
     The incoming picture must be free of distortion: distances from the axis are tangents of field
     angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
-    `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds its ray
-    (to 1e-11) and interpolates the picture there with 8 × 8 samples: sinusoids of up to 0.2 cycles
-    per sample are displaced by less than 1e-3 sample. Nothing is filtered: if `largest_step` is
-    well above 1, sample the scene more finely. A lens with barrel distortion sees beyond the frame:
-    give the scene more samples at the same interval (its field is samples times interval, not the
-    lens's 2·arctan), and set `width` and `height` to the camera's samples; the warning gives the
-    numbers. Beyond the scene, its outermost samples are repeated. MTF and noise apply to the axis,
-    where nothing is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera
-    calibration.
+    `fisheye` with all coefficients at 0 is an f-θ lens. The module traces the ray of each sample
+    (to 1e-11) and interpolates the picture there from 8 × 8 samples. Sinusoids of up to 0.2 cycles
+    per sample are misplaced by less than 1e-3 sample. The picture is not filtered: if
+    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion
+    images points beyond the frame. Give the scene more samples at the same interval; the scene's
+    field is samples times interval, not the lens's 2·arctan. Set `width` and `height` to the
+    camera's samples. A warning gives the numbers needed. Beyond the scene, the outermost samples
+    are repeated. MTF and noise are valid on the axis, where nothing is stretched. Sources: Brown
+    1966; Kannala and Brandt 2006; OpenCV, camera calibration.
 
     Parameters
     ----------
@@ -1252,31 +1264,33 @@ def field_psf(
 ) -> Part:
     """Blur the picture by a PSF that changes over the field.
 
-    `positions` are distances from the picture's middle, as fractions of the half diagonal. For
-    each, give a Gaussian (rms widths: tangential, along the radius, and sagittal, across it), or a
-    file that MTF File or PSF File can read. A file describes a point straight above the middle:
-    `mtf_y` is the tangential curve, and the top of a PSF's picture points away from the axis. A
-    single Zemax listing in `path_1` supplies a field for each position. Between positions, the
-    widths of Gaussians or the OTFs of files are interpolated linearly in the square of the
-    position; beyond the last position they stay constant. The PSF rotates with the direction of the
-    point from the middle.
+    `positions` are distances from the picture's middle, as fractions of the half diagonal. For each
+    position, give a Gaussian or a file that MTF File or PSF File can read. A Gaussian has a
+    tangential rms width (along the radius) and a sagittal rms width (across the radius). A file
+    describes a point straight above the middle: `mtf_y` is the tangential curve, and the top of a
+    PSF's picture points away from the axis. A single Zemax listing in `path_1` supplies a field for
+    each position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
+    linearly in the square of the position; beyond the last position they stay constant. The PSF
+    rotates with the direction of the point from the middle.
 
-    The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
-    them. `error_percent` is an upper limit of the error of any sample, compared with a sum over its
-    own PSF, in percent of the picture's range; in real scenes the error is about ten times smaller.
-    Smaller tiles reduce the blending error. The blur uses a margin around each tile: half a tile,
-    at least 16 samples, and up to 1024 where more than 0.5 % of a PSF's light would be lost. A tile
-    is at least a quarter as wide as its margin. Beyond the frame the picture is mirrored, or
-    repeated if Back Transform made it periodic. Budgets, MTFs and figures use the PSF of the first
-    position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
+    The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
+    blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
+    that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
+    times smaller. Smaller tiles reduce the blending error. The blur uses a margin around each tile:
+    half a tile, at least 16 samples, and up to 1024 if a narrower margin would lose more than 0.5 %
+    of a PSF's light. A tile is at least a quarter as wide as its margin. Beyond the frame the
+    picture is mirrored, or repeated if Back Transform made it periodic. Budgets, MTFs and figures
+    of merit use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput.
+    19, 1063.
 
     Parameters
     ----------
     kind : Literal['gaussian', 'mtf', 'psf']
-        Gaussians, or MTF or PSF files: one of gaussian, mtf, psf; default 'gaussian'
+        source of the PSFs: Gaussians, MTF files or PSF files: one of gaussian, mtf, psf; default
+        'gaussian'
     positions : Sequence[float]
-        positions, as fractions of the half diagonal; rising: a list of numbers from 0 to 10;
-        default [0.0, 0.5, 1.0]
+        positions in rising order, as fractions of the half diagonal: a list of numbers from 0 to
+        10; default [0.0, 0.5, 1.0]
     tangential_mrad : Sequence[float]
         rms width along the radius, at each position [mrad]: a list of numbers from 0 to 1e+06;
         default ()
@@ -1320,20 +1334,21 @@ def veiling_glare(
     l_mrad: float | Expression = 10.0,
     surfaces: int | Expression = 1,
 ) -> Part:
-    """Spread a share of the light widely, as scatter and ghosts in the lens do.
+    """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
     The point spread function has two parts: a share 1 − g of the light is not spread, and the share
-    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to 1 −
-    g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail loses g
-    of its contrast. If g is not known otherwise, enter the veiling glare index of the lens; ISO
-    9358 measures it in a small black area within an evenly bright field. Light that leaves the
-    frame is mirrored or repeated, as for all filters.
+    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
+    drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
+    detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
+    index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
+    Light that leaves the frame is mirrored or repeated, as for all filters.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
-    where β and β₀ are the sines of the angles of the scattered and the direct ray. Its integral
-    over the hemisphere is the total scatter of a surface, and is lost from the direct light. Angles
-    refer to the space in front of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l
-    = B^(1/g) and s = −g: the two models agree near the direct ray and far from it.
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. The integral of
+    the BSDF over the hemisphere is the total scatter of a surface; this share is lost from the
+    direct light. Angles refer to the space in front of the lens, at the entrance pupil. For an ABg
+    fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray and far from
+    it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -1345,13 +1360,13 @@ def veiling_glare(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     form : Literal['length', 'harvey']
-        share and length of the spread, or Harvey's surface scatter: one of length, harvey; default
-        'length'
+        model of the spread: share and length, or Harvey's surface scatter: one of length, harvey;
+        default 'length'
     share_percent : float | Expression
         share of the light that is spread [%]: a number from 0 to 100; default 0.0
     length_mrad : float | Expression
-        length of the spread: half of it falls within 1.73 lengths [mrad]: a number above 0 to
-        1e+06; default 10.0
+        length of the spread: half of the spread light falls within 1.73 lengths [mrad]: a number
+        above 0 to 1e+06; default 10.0
     b_per_sr : float | Expression
         BSDF of a surface at the direct ray [1/sr]: a number from 0 to 1e+12; default 0.0
     s : float | Expression
@@ -1412,22 +1427,22 @@ def mtf_file(
     detector_y_um: float | Expression | None = None,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
+    """Apply an MTF from a file: measured, from a data sheet, or from a lens design.
 
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
     unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
     enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
-    Zemax's text listing of MTF against frequency is read too; its tangential curve acts along y.
-    `direction` sets the direction in which a column `mtf` acts, or selects one of several curves;
-    radial means equal in all directions. Between points the curve is a monotone cubic (PCHIP). A
-    table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the MTF is 0;
-    it is never extrapolated. The phase is odd in frequency and is interpolated the shorter way
-    round.
+    Zemax text listings of MTF against frequency are also read; the tangential curve acts along y.
+    `direction` sets the axis along which a column `mtf` acts, or selects one of several curves;
+    `radial` means the same MTF in all directions. Between points the curve is a monotone cubic
+    (PCHIP). A table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the
+    MTF is 0; it is never extrapolated. The phase is odd in frequency and is interpolated the
+    shorter way round.
 
     Frequencies are per mm at the focal plane (converted with the focal length), per mrad, or per
-    pixel (converted with pitch and focal length). `imagechain measure` writes such a table from a
-    camera's pictures; its MTF includes the pixel. Without a file nothing changes. Source: Fritsch
-    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    pixel (converted with pitch and focal length). `imagechain measure` writes a table in this
+    format from a camera's pictures; the measured MTF includes the pixel. Without a file nothing
+    changes. Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
     ----------
@@ -1438,11 +1453,11 @@ def mtf_file(
         unit of the frequencies; `file`: from the file's header line: one of file, cyc/mm, cyc/mrad,
         cyc/pixel; default 'file'
     direction : Literal['file', 'x', 'y', 'radial']
-        axis along which the curve acts; `file`: from its column's name; `mtf` is radial: one of
-        file, x, y, radial; default 'file'
+        axis along which the curve acts; `file`: from the name of the curve's column, where the name
+        mtf means radial: one of file, x, y, radial; default 'file'
     normalise : Literal['refuse', 'at_zero']
-        what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value: one of
-        refuse, at_zero; default 'refuse'
+        treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the MTF by
+        that value: one of refuse, at_zero; default 'refuse'
     field : int | Expression
         field position in a Zemax listing, counted from 0, skipping the diffraction limit: a whole
         number from 0 to 1000; default 0
@@ -1480,17 +1495,18 @@ def psf_file(
     background: float | Expression = 0.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur by a point spread function from a picture: measured, or from a lens design.
+    """Blur with a point spread function from a file: measured, or from a lens design.
 
-    Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
-    the right in the file is a tail to the right in the picture. The file may be in any format of
-    Read Image, `.npy`, text, or a Zemax listing, whose spacing is used if `sample_pitch` is empty.
-    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
-    (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
-    With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
-    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF
-    measured with a detector includes the pixel: leave out Detector MTF. Without a file nothing
-    changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
+    Every point of the picture is spread into the PSF in the file. Row 0 is at the top, and a tail
+    to the right in the file is a tail to the right in the picture. The file may have any format
+    that Read Image reads, or be a `.npy` file, a text file or a Zemax listing. The spacing in a
+    Zemax listing is used if `sample_pitch` is empty. Samples are divided by their sum. With
+    `centroid` kept, the point is at the middle of the file, (n − 1)/2, which lies between samples
+    for even sizes. A centroid elsewhere shifts the picture. With `centroid` removed nothing shifts.
+    The OTF is the exact sum over the samples at the picture's own frequencies, for any pitch, and 0
+    beyond the file's Nyquist frequency. A PSF measured with a detector includes the pixel: leave
+    out Detector MTF. Without a file nothing changes. Source: Goodman 2005, Introduction to Fourier
+    Optics, section 6.3.
 
     Parameters
     ----------
@@ -1506,9 +1522,10 @@ def psf_file(
         vertical sampling interval of the file; empty: equal to sample_pitch: a number of at least 0
         or empty; default empty
     pitch_unit : Literal['um', 'mrad']
-        unit of both: µm at the focal plane, or mrad: one of um, mrad; default 'um'
+        unit of both sampling intervals: µm at the focal plane, or mrad: one of um, mrad; default
+        'um'
     focal_length_mm : float | Expression | None
-        focal length, for µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
+        focal length, used with µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
         default empty
     centroid : Literal['kept', 'removed']
         whether the picture shifts if the centroid is off the file's middle: one of kept, removed;
@@ -1536,7 +1553,7 @@ def crosstrack_mtf(
 ) -> Part:
     """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
 
-    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects this smear.
+    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
 
     Parameters
     ----------
@@ -1606,9 +1623,9 @@ def relative_motion_mtf(
     """Smear from the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
-    sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
-    gives an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and
-    201 of eqs. 4.34 and 4.35 are in cycles/rad.
+    sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
+    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
+    eqs. 4.34 and 4.35 are in cycles/rad.
 
     Parameters
     ----------
@@ -1647,7 +1664,7 @@ def jitter_mtf(
     """Blur by random line-of-sight motion within one exposure (Gaussian).
 
     exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
-    typical. Erratum: the thesis calls σ² the variance in µrad and gives its root in mrad.
+    typical. Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
 
     Parameters
     ----------
@@ -1715,23 +1732,23 @@ def line_of_sight(
     frame_rate_Hz: float | Expression = 30.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Move the line of sight at random, which blurs each exposure and shifts each frame.
+    """Move the line of sight at random; the motion blurs each exposure and shifts each frame.
 
     The angle has the power spectral density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the
     density in `psd_path`; the two axes are independent. Motion about the mean position of an
     exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with
     spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single
-    picture is frame 0 and is shifted too. 3-D Noise includes the pixel changes from this motion in
+    picture is frame 0 and is also shifted. 3-D Noise includes the pixel changes from this motion in
     its measurement, but not in its prediction. Sources: Papoulis 1991, chapter 10; Kopeika 1998,
     chapter 14.
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     rms_x_mrad : float | Expression
         horizontal rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     rms_y_mrad : float | Expression
@@ -1740,8 +1757,8 @@ def line_of_sight(
         frequency at which the power density has fallen to half its low-frequency value [Hz]: a
         number from 1e-06 to 1e+09; default 5.0
     psd_path : str | PathLike[str] | None
-        CSV of Hz and mrad²/Hz (horizontal, vertical); empty: rms and corner are used: a file name
-        or empty; default empty
+        CSV file of frequency (Hz) and density (mrad²/Hz, horizontal and vertical); empty: from rms
+        and corner: a file name or empty; default empty
     integration_time_s : float | Expression
         exposure time [s]: a number from 0 to 1e+06; default 0.01
     frame_rate_Hz : float | Expression
@@ -1771,8 +1788,8 @@ def detector_mtf(
 ) -> Part:
     """Blur by averaging over the sensitive area of a detector element.
 
-    sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are taken from Init &
-    Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
+    The MTF is sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), including its negative lobes. Empty
+    parameters are taken from Init & Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
 
     Parameters
     ----------
@@ -1810,16 +1827,17 @@ def charge_diffusion_mtf(
     cut_on_um: float | Expression | None = None,
     cut_off_um: float | Expression | None = None,
 ) -> Part:
-    """Blur by charge diffusion: carriers generated outside the depletion region diffuse to it.
+    """Blur by charge diffusion: carriers generated outside the depletion region diffuse into it.
 
-    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²). α
-    is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
-    the detector. Back side means a thinned detector with a passivated surface. Carriers are
-    generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
-    If absorption_per_um is empty, silicon at 295 K is assumed over the band of the cold filter or
-    the picture. All wavelengths have the same number of photons, and each is weighted by the
-    carriers that it generates. With front illumination, red and near-infrared light blurs most,
-    because it is absorbed deep in the silicon. With back illumination, blue light blurs most.
+    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²).
+    Here, α is the absorption coefficient, d is depletion_um, L₀ is diffusion_length_um, and f is
+    the frequency on the detector. For back illumination, the detector is assumed to be thinned,
+    with a passivated surface. Carriers are then generated mostly near the back and cross the
+    undepleted silicon (thickness_um minus depletion_um). If absorption_per_um is empty, the MTF is
+    averaged over the band of the cold filter or the picture, for silicon at 295 K. The average
+    assumes the same number of photons at all wavelengths and weights each wavelength by the
+    carriers generated. With front illumination, red and near-infrared light is blurred most,
+    because it is absorbed deep in the silicon. With back illumination, blue light is blurred most.
     Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
     2015 (silicon).
 
@@ -1841,11 +1859,11 @@ def charge_diffusion_mtf(
         thickness of a back-illuminated detector [µm]: a number from 0 to 10000 or empty; default
         empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
 
     Notes
     -----
@@ -1864,10 +1882,10 @@ def crosstalk(
     """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
 
     The kernel gives the shares of a pixel's signal that stay in the pixel and that leak into each
-    neighbour. It has 3 × 3 or 5 × 5 numbers that add up to 1; semicolons separate the rows. It
-    covers optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also
-    shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore,
-    Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
+    neighbour. Enter 3 × 3 or 5 × 5 numbers that add up to 1, with semicolons between the rows. The
+    kernel covers optical crosstalk, electrical crosstalk and interpixel capacitance. An asymmetric
+    kernel also shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter
+    10; Moore, Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
 
     Parameters
     ----------
@@ -1895,10 +1913,10 @@ def charge_eff_mtf(
     model: Literal['exact', 'published', 'leading'] = 'exact',
     nyquist: Literal['image', 'detector'] = 'image',
 ) -> Part:
-    """Blur along the read-out direction (x) by incomplete charge transfer.
+    """Blur along the read-out direction (x) from incomplete charge transfer.
 
-    With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading exp(−N(1−ε)(1 − cos w)).
-    Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
+    With w = 2π·xi·Δ, the MTF is |ε/(1 − (1−ε)e^{−iw})|^N (`exact`) or exp(−N(1−ε)(1 − cos w))
+    (`published` and `leading`). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
 
     Parameters
     ----------
@@ -1932,11 +1950,12 @@ def charge_eff_phase(
     model: Literal['exact', 'published', 'leading'] = 'exact',
     nyquist: Literal['image', 'detector'] = 'image',
 ) -> Part:
-    """Shift the phase along the read-out direction (x) by incomplete charge transfer.
+    """Phase shift along the read-out direction (x) from incomplete charge transfer.
 
-    With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published −k(w
-    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the series of the published
-    form starts with w³; for N transfers, it must start with −k·w.
+    With w = 2π·xi·Δ and k = N(1−ε), the phase is the argument of [ε/(1 − (1−ε)e^{−iw})]^N
+    (`exact`), −k(w − sin w) (`published`) or −k·sin w (`leading`). Source: Tantalo 1996, eq. 4.58.
+    Erratum: expanded in w, the published phase starts with a w³ term; for N transfers, it must
+    start with −k·w.
 
     Parameters
     ----------
@@ -1977,13 +1996,14 @@ def tdi_mtf(
     """Blur by time delay and integration: stepwise charge motion and a velocity mismatch.
 
     Relative to the middle of the exposure, the MTF is sinc((1 +
-    m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image velocity divided by the charge velocity,
-    minus 1. s is the pitch divided by `phases`, and N = stages·phases. `line_rate_Hz` gives m from
-    the scene's velocity and range (Init & Trans, or Camera's orbit). At a yaw ψ the image moves by
-    (1 + m)·cos ψ along the stages and by (1 + m)·sin ψ across them. Use this module instead of
-    Alongtrack MTF: the step s already includes the smear within a stage. With `phases` = 0, the
-    charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong, Yao and
-    Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). Here, m is the image velocity divided by the charge
+    velocity, minus 1; s is the pitch divided by `phases`, and N = stages·phases. With
+    `line_rate_Hz`, m follows from the scene's velocity and range (Init & Trans, or Camera's orbit).
+    At a yaw ψ, the image velocity over the charge velocity is (1 + m)·cos ψ along and (1 + m)·sin ψ
+    across the stages. Use this module instead of Alongtrack MTF: the step s already includes the
+    smear within a stage. With `phases` = 0, the charge moves without steps. Empty parameters are
+    taken from Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and
+    Lomheim 2007, chapter 10.
 
     Parameters
     ----------
@@ -1991,7 +2011,7 @@ def tdi_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     stages : int | Expression
-        stages whose charge is added: a whole number from 1 to 10000; default 64
+        number of stages whose charge is summed: a whole number from 1 to 10000; default 64
     phases : int | Expression
         clock phases per stage: the charge moves once per phase; 0: smooth motion: a whole number
         from 0 to 100; default 4
@@ -2030,22 +2050,23 @@ def spectral_response(
 ) -> Part:
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after this
-    module counts the remaining photons; its NETD refers to the scene before the response. The
-    response weights only light from the scene, not radiation from optics and housing. A picture
-    with one band is multiplied by the mean over the band, weighted by the radiance of a black body.
-    The temperature of the black body is `source_K`. If `source_K` is empty, the temperature is 5800
-    K (sunlight) for a band that begins below 2.5 µm, and otherwise the picture's mean brightness
-    temperature. `file`: a CSV of µm and response, interpolated linearly and 0 beyond its points.
-    `gaussian`: `width_um` is the full width at half maximum. Enter a response per watt unchanged;
-    enter a response per photon as `response` in Focal Plane.
+    Each band of a spectral picture is multiplied by the mean response in that band. A Focal Plane
+    after this module counts the remaining photons; its NETD refers to the scene before the response
+    is applied. The response weights only light from the scene, not radiation from optics and
+    housing. A picture with one band is multiplied by the mean response over the band, weighted by
+    the radiance of a black body. The temperature of the black body is `source_K`. If `source_K` is
+    empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise
+    the picture's mean brightness temperature. `file`: a CSV file of wavelength (µm) and response,
+    interpolated linearly and 0 outside its points. `gaussian`: `width_um` is the full width at half
+    maximum. Enter a response per watt unchanged; enter a response per photon as `response` in Focal
+    Plane.
 
     Parameters
     ----------
     shape : Literal['file', 'rectangle', 'gaussian']
         shape of the response, or a file: one of file, rectangle, gaussian; default 'rectangle'
     path : str | PathLike[str] | None
-        CSV of µm and response, 0 to 1: a file name or empty; default empty
+        CSV file of wavelength (µm) and response (0 to 1): a file name or empty; default empty
     centre_um : float | Expression | None
         centre wavelength; empty: the middle of the picture's band [µm]: a number from 0 to 1000 or
         empty; default empty
@@ -2055,8 +2076,8 @@ def spectral_response(
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: at the scene's temperature, or
-        sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights a single band; empty: the scene's temperature, or
+        5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -2076,14 +2097,15 @@ def microlens(
 ) -> Part:
     """Darken the picture where the chief ray angle differs from the microlenses' design angle.
 
-    The detector's data sheet gives the chief ray angle (CRA) at the corner that its microlenses are
-    designed for. The lens's data sheet gives the CRA of the lens. If both are equal, nothing
-    changes. A difference lowers the response: to half at `half_response_deg`, or along a measured
-    curve. The optical axis is at the middle of the picture; the corner is the picture's corner.
-    Only the chief ray counts: the cone of a fast lens is not averaged. Put this module before Focal
-    Plane, which then computes the shot noise of the darkened picture. Signal and SNR use the mean
-    over the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt.
-    Soc. Am. A 19, 1610.
+    The detector's data sheet gives the chief ray angle (CRA) for which the microlenses at the
+    corner are designed. The lens's data sheet gives the CRA of the lens. If the two angles are
+    equal, the picture does not change. A difference lowers the response: to half at
+    `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
+    picture, and the corner angles apply at the picture's corners. Only the chief ray counts: the
+    response is not averaged over the cone of a fast lens. Put this module before Focal Plane, which
+    then computes the shot noise of the darkened picture. Signal and SNR use the mean response over
+    the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt. Soc. Am.
+    A 19, 1610.
 
     Parameters
     ----------
@@ -2093,14 +2115,14 @@ def microlens(
         chief ray angle that the microlenses at the corner are designed for [deg]: a number from -75
         to 75; default 0.0
     response : Literal['half_angle', 'file']
-        response over angle: from half_response_deg, or measured: one of half_angle, file; default
+        response versus angle: from half_response_deg, or measured: one of half_angle, file; default
         'half_angle'
     half_response_deg : float | Expression
         angle difference at which the response falls to half [deg]: a number from 0.1 to 90; default
         20.0
     path : str | PathLike[str] | None
-        CSV of angle difference in degrees and response, 1 at 0°: a file name or empty; default
-        empty
+        CSV file of angle difference (°) and response, which is 1 at 0°: a file name or empty;
+        default empty
 
     Notes
     -----
@@ -2162,39 +2184,41 @@ def focal_plane(
     """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
-    which are the same in every frame; nonlinearity towards the full well; read noise; the full
-    well; gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 +
-    p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
+    which are the same in every frame; nonlinearity, which grows towards the full well; read noise;
+    clipping at the full well; gain; offset; rounding to whole numbers. PRNU multiplies all
+    electrons by 1 + p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the
+    light signal only.
 
-    Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength.
-    Camera also takes a T-number, which includes the transmission, and the sine condition.
+    Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength. On
+    Camera, you can give a T-number, which includes the transmission, and choose the sine condition.
     `dark_doubling_K` scales the dark current from `dark_reference_K` to `detector_K`.
 
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
-    temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
-    (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
-    converted to photons with the response at its wavelength. A band that begins below 2.5 µm is not
-    thermal: there `scene` means `source`. NETD, SNR and well fill refer to the picture's mean; if
-    the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a uniform
-    scene of `reference_radiance`, as specified for Landsat and Sentinel-2. This spectral radiance
-    at the aperture, in W/m²/sr/µm, is the same at all wavelengths of the band. `frames_averaged`
-    reduces shot and read noise by the square root of the number of frames; the average is rounded
-    once. Noise, responsivity and SNR include the nonlinearity; signal and well fill count the
-    electrons collected. `saturated` is 1 where the well is full or the converter has clipped.
+    temperature (`scene`) or at `source_K` (`source`), or with the band's middle wavelength
+    (`middle`); the table lists the signal for each choice. For a spectral picture, each band is
+    converted to photons with the response at its wavelength. For a band that begins below 2.5 µm,
+    which is not thermal, `scene` means `source`. NETD, SNR and well fill refer to the picture's
+    mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
+    uniform scene of `reference_radiance`, as specified for Landsat and Sentinel-2.
+    `reference_radiance` is the spectral radiance at the aperture, in W/m²/sr/µm, and is constant
+    over the band. `frames_averaged` reduces shot and read noise by the square root of the number of
+    frames; the average is rounded once. Noise, responsivity and SNR include the nonlinearity;
+    signal and well fill count the electrons collected. `saturated` is 1 where the well is full or
+    the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
     are in electrons before the gain. Read noise, wells and gain_e_per_dn refer to electrons after
-    the gain; with an EM register, full_well_e refers to electrons before it. Values in amperes
-    include a gain within the pixel, as on a QWIP's data sheet; values in e-/s, DSNU and Rule 07 do
-    not. gain_dB is 20·log10 of the camera's own gain, which divides gain_e_per_dn, so that the
-    converter clips at fewer electrons.
+    the gain; with an EM register, full_well_e refers to electrons before the register. Values in
+    amperes include a gain within the pixel, as in a QWIP's data sheet; values in e-/s, DSNU and
+    Rule 07 do not. The setting gain_dB is 20·log10 of the camera's own gain. This gain divides
+    gain_e_per_dn, so the converter clips at fewer electrons.
 
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
-    is the share of saturated pixels. In units of radiance, a bin is the mean of its pixels. Binning
-    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows and
-    columns are dropped.
+    is the share of saturated pixels. If `units` is radiance, a bin is the mean of its pixels.
+    Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows
+    and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -2203,10 +2227,10 @@ def focal_plane(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
         integration time of one stage [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
@@ -2222,11 +2246,11 @@ def focal_plane(
         current responsivity; if given, it replaces quantum_efficiency [A/W]: a number from 0 to
         1e+06 or empty; default empty
     responsivity_um : float | Expression | None
-        wavelength of responsivity_A_per_W; the quantum efficiency found there is used over the
-        whole band [µm]: a number from 0 to 1000 or empty; default empty
+        wavelength of responsivity_A_per_W; the quantum efficiency at this wavelength is used over
+        the whole band [µm]: a number from 0 to 1000 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of µm and quantum efficiency; if given, it replaces quantum_efficiency: a file name or
-        empty; default empty
+        CSV file of wavelength (µm) and quantum efficiency; if given, it replaces
+        quantum_efficiency: a file name or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
         or empty; default empty
@@ -2244,7 +2268,8 @@ def focal_plane(
         temperature of the optics; empty: no emission [K]: a number from 0 to 10000 or empty;
         default empty
     cold_shield_efficiency : float | Expression
-        fraction of the housing that the cold shield hides: a number from 0 to 1; default 1.0
+        fraction of the housing's radiation that the cold shield blocks: a number from 0 to 1;
+        default 1.0
     housing_K : float | Expression | None
         temperature of the housing outside the cold shield; empty: no emission [K]: a number from 0
         to 10000 or empty; default empty
@@ -2254,8 +2279,8 @@ def focal_plane(
         dark current per unit of pixel area, instead of dark_current_e_per_s [A/cm²]: a number from
         0 to 1e+06; default 0.0
     dark_reference_K : float | Expression | None
-        temperature at which the dark current is given; empty: the detector's own [K]: a number from
-        0 to 1000 or empty; default empty
+        temperature at which the dark current is given; empty: the detector's temperature [K]: a
+        number from 0 to 1000 or empty; default empty
     dark_doubling_K : float | Expression | None
         temperature rise that doubles the dark current; empty: no change with temperature [K]: a
         number from 0 to 1000 or empty; default empty
@@ -2274,7 +2299,7 @@ def focal_plane(
         electrons that the read-out can hold, after binning and charge gain; empty: unlimited [e-]:
         a number of at least 0 or empty; default empty
     charge_gain : Literal['none', 'photoconductive', 'em_register', 'avalanche']
-        gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an avalanche
+        gain before the read-out: in a photoconductor (QWIP), an EMCCD register or an avalanche
         diode: one of none, photoconductive, em_register, avalanche; default 'none'
     charge_gain_factor : float | Expression
         mean number of output electrons per input electron: a number above 0 to 100000; default 1.0
@@ -2296,7 +2321,8 @@ def focal_plane(
     dsnu_e : float | Expression
         DSNU: spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default 0.0
     bad_pixel_percent : float | Expression
-        share of dead and hot pixels, some in clusters [%]: a number from 0 to 100; default 0.0
+        share of dead and hot pixels, some of them clustered [%]: a number from 0 to 100; default
+        0.0
     binning : Literal['charge', 'digital']
         sum the pixels' charge before read noise, or their digital numbers afterwards: one of
         charge, digital; default 'charge'
@@ -2319,8 +2345,8 @@ def focal_plane(
         spectral radiance for snr_at_reference; empty: none [W/m²/sr/µm]: a number of at least 0 or
         empty; default empty
     units : Literal['dn', 'electrons', 'radiance']
-        unit of the output; the picture is digitized in every case: one of dn, electrons, radiance;
-        default 'dn'
+        unit of the output; the picture is always digitized: one of dn, electrons, radiance; default
+        'dn'
 
     Notes
     -----
@@ -2360,24 +2386,24 @@ def microbolometer(
     response_percent: float | Expression = 0.0,
     offset_mK: float | Expression = 0.0,
 ) -> Part:
-    """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
+    """Add an uncooled detector's thermal lag, and its noise from the data sheet.
 
     The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). F₀, τ₀, the
     background and t₀ come from the data sheet; √(t₀/t) applies if both integration times are given.
-    For the NETD of a bare detector, τ₀ = 1. A camera's NETD already includes the lens, so enter the
-    F-number and transmission of the lens as the reference too. Ω is as in Focal Plane. A
-    bolometer's noise does not depend on the scene, so the NETD at another background scales as
-    1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change remains, so a
-    changing scene leaves traces in later frames. With a scan velocity on Init & Trans, the lag is a
-    low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f noise equals the white
-    noise. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
-    removes them.
+    For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the lens, so enter
+    the lens's F-number and transmission as reference values too. The solid angle Ω is defined in
+    Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at another background
+    scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change
+    remains, so a changing scene leaves traces in later frames. With a scan velocity on Init &
+    Trans, the lag is a low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f
+    noise equals the white noise. Non-uniform gain and offset are the same in every frame;
+    Non-Uniformity Correction removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
-    is filter_frames. It lowers white noise by a factor of √n and 1/f noise by less, and delays
-    changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the filter.
-    Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K and
-    range_high_K, and clipped there.
+    is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
+    delays changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the
+    filter. Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K
+    and range_high_K, and clipped there.
 
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
     2010, chapter 5 (filter).
@@ -2385,10 +2411,10 @@ def microbolometer(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     netd_mK : float | Expression
         NETD from the data sheet [mK]: a number from 0 to 1e+06; default 50.0
     reference_f_number : float | Expression
@@ -2400,29 +2426,29 @@ def microbolometer(
         background temperature at which the NETD was measured [K]: a number from 1 to 10000; default
         300.0
     reference_integration_time_s : float | Expression | None
-        integration time at which the NETD was measured; empty: the camera's [s]: a number from 0 to
-        1000 or empty; default empty
+        integration time at which the NETD was measured; empty: equal to the camera's time [s]: a
+        number from 0 to 1000 or empty; default empty
     f_number : float | Expression | None
         F-number of the camera; empty: from Init & Trans: a number from 0.1 to 1000 or empty;
         default empty
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     integration_time_s : float | Expression | None
-        integration time of the camera; empty: the data sheet's [s]: a number from 0 to 1000 or
-        empty; default empty
+        integration time of the camera; empty: equal to the data sheet's time [s]: a number from 0
+        to 1000 or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     time_constant_s : float | Expression
         thermal time constant [s]: a number from 0 to 1000; default 0.01
     frame_rate_Hz : float | Expression
         frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
     filter_frames : float | Expression
-        temporal filter: lowers white noise like averaging this many frames; 1: no filter: a number
-        from 1 to 16; default 1.0
+        temporal filter: lowers white noise as much as averaging this many frames; 1: no filter: a
+        number from 1 to 16; default 1.0
     bits : int | Expression
         bits of the output; 0: no rounding [bit]: a whole number from 0 to 24; default 0
     range_low_K : float | Expression | None
@@ -2465,29 +2491,30 @@ def nuc(
     """Correct pixel non-uniformity with uniform references at one or two temperatures.
 
     Put this module after the camera's modules. A black body that fills the field of view replaces
-    the input of the first module that adds noise. Its picture is averaged over `reference_frames`
-    frames, each with its own noise; the same average corrects every frame. `one_point`: the pattern
-    at `low_K` is subtracted; the residual grows with the difference from `low_K`, because the gains
-    differ. `two_point`: gain and offset come from a straight line through both references; the
-    residual comes from the noise of the averaged references and from nonlinearity. `drift_K` adds
-    the offset drift since the correction: its rms over the pixels, as scene temperature. A pixel
-    with less than a tenth of the mean response gets a gain of 1. The frames of a reference share
-    their 1/f noise, but budgets treat it as independent from frame to frame. Sources: Perry and
-    Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    the input of the first module that adds noise. The picture of the black body is averaged over
+    `reference_frames` frames, each with its own noise; the same average corrects every frame.
+    `one_point`: the pattern at `low_K` is subtracted; the residual grows with the difference from
+    `low_K`, because the gains differ. `two_point`: gain and offset come from a straight line
+    through both references; the residual comes from the noise of the averaged references and from
+    nonlinearity. `drift_K` adds the offset drift since the correction: the rms over the pixels,
+    expressed as a scene temperature. A pixel with less than a tenth of the mean response gets a
+    gain of 1. The frames of a reference share their 1/f noise, but budgets treat this noise as
+    independent from frame to frame. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995;
+    Holst 2008.
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     method : Literal['none', 'one_point', 'two_point']
         number of reference sources: none, one or two: one of none, one_point, two_point; default
         'two_point'
     low_K : float | Expression
-        temperature of the reference, or of the cooler one [K]: a number from 1 to 10000; default
-        290.0
+        temperature of the single reference, or of the cooler of two [K]: a number from 1 to 10000;
+        default 290.0
     high_K : float | Expression
         temperature of the warmer reference [K]: a number from 1 to 10000; default 310.0
     reference_frames : int | Expression
@@ -2510,17 +2537,17 @@ def dual_gain(
     blend_percent: float | Expression = 0.0,
     low_factor: float | Expression = 1.0,
 ) -> Part:
-    """Join two read-outs of one scene: high gain in its dark parts, low gain in its bright parts.
+    """Combine two read-outs of one scene: high gain for dark areas, low gain for bright areas.
 
-    Use it for pixels that are read at two gains, or for HDR from a long and a short exposure. Give
-    each read-out its own Focal Plane, with `units` = electrons. Pixels of `image` come from `high`
-    up to `switch_level`, and from `low` above it. For two gains of one exposure, enter the same
-    seed on both Focal Planes, so that they share shot noise and fixed pattern. For two exposures,
-    set `low_factor` to the ratio of the exposure times. Connect both tables to get the combined
-    dynamic range, and a warning if `low_factor` does not fit. A Focal Plane whose high gain is
-    clipped warns of it, as it should. Noise budgets and figures use the noise of `high`, which is
-    the noise of the picture up to `switch_level`. Source: EMVA 1288 release 4.0 (dynamic range:
-    saturation over dark noise), applied to the two read-outs.
+    Use this module for pixels that are read at two gains, or for HDR from a long and a short
+    exposure. Give each read-out its own Focal Plane, with `units` = electrons. Pixels of `image`
+    come from `high` up to `switch_level`, and from `low` above this level. For two gains of one
+    exposure, enter the same seed on both Focal Planes, so that they share shot noise and fixed
+    pattern. For two exposures, set `low_factor` to the ratio of the exposure times. Connect both
+    tables to get the combined dynamic range, and a warning if `low_factor` does not match the
+    tables. Focal Plane warns if the high gain clips; this is expected. Noise budgets and figures of
+    merit use the noise of `high`, which is the noise of the picture up to `switch_level`. Source:
+    EMVA 1288 release 4.0 (dynamic range: saturation over dark noise), applied to the two read-outs.
 
     Parameters
     ----------
@@ -2528,8 +2555,8 @@ def dual_gain(
         sample value of high above which low is used, in the picture's unit; empty: never: a number
         from 1e-12 to 1e+12 or empty; default empty
     blend_percent : float | Expression
-        width of the gradual change below switch_level, as a share of switch_level [%]: a number
-        from 0 to 100; default 0.0
+        width of the transition below switch_level, as a share of switch_level [%]: a number from 0
+        to 100; default 0.0
     low_factor : float | Expression
         factor that scales low to the level of high: ratio of the exposure times, or of the gains in
         DN: a number from 1e-06 to 1e+06; default 1.0
@@ -2551,7 +2578,7 @@ def read_window(
     row_time_us: float | Expression | None = None,
     overhead_us: float | Expression = 0.0,
 ) -> Part:
-    """Read a window of the detector, its region of interest (ROI), and drop all other pixels.
+    """Read a window of the detector, the region of interest (ROI), and drop all other pixels.
 
     An empty offset centres the window. Put this module after Focal Plane or Microbolometer: the
     pixels keep their noise and their fixed pattern, whatever the window. Transfer functions, NETD
@@ -2562,9 +2589,10 @@ def read_window(
     Parameters
     ----------
     columns : int | Expression | None
-        width of the window; empty: all [px]: a whole number from 1 to 65536 or empty; default empty
+        width of the window; empty: all columns [px]: a whole number from 1 to 65536 or empty;
+        default empty
     rows : int | Expression | None
-        height of the window; empty: all [px]: a whole number from 1 to 65536 or empty; default
+        height of the window; empty: all rows [px]: a whole number from 1 to 65536 or empty; default
         empty
     left : int | Expression | None
         columns to the left of the window; empty: centred [px]: a whole number from 0 to 65535 or
@@ -2596,11 +2624,12 @@ def rolling_shutter(
 
     The top line is exposed first. Velocities refer to the image on the detector, in pixels per
     second. Put this module before Sample Pixels or Combine Pixels: all samples of a line of pixels
-    are exposed together. Put modules that add noise after this one. A windowed sinc interpolates
-    between samples. Detail above 70 % of the samples' Nyquist frequency loses contrast, and sharp
-    edges show ringing. The frame continues beyond its edges as in Interpolate. Use Relative Motion
-    MTF for the blur within one exposure. Predicted MTFs and budgets are for an image at rest.
-    Source: Liang, Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
+    are exposed together. Put modules that add noise after Rolling Shutter. A windowed sinc
+    interpolates between samples. Detail above 70 % of the samples' Nyquist frequency loses
+    contrast, and sharp edges show ringing. Beyond its edges, the frame is extended as in
+    Interpolate. Use Relative Motion MTF for the blur within one exposure. Predicted MTFs and
+    budgets assume an image at rest. Source: Liang, Chang and Chen 2008, IEEE Transactions on Image
+    Processing 17, 1323.
 
     Parameters
     ----------
@@ -2628,21 +2657,21 @@ def frame_transfer_smear(
     """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
 
     A charge packet spends one line transfer time in every row that it passes. After the exposure,
-    it passes the rows between its pixel and the storage area; before the exposure, it passed the
-    other rows. If the detector is cleared just before the exposure, set `passed` to the side of the
-    storage area. Put this module after Sample Pixels or Combine Pixels and before Focal Plane,
-    which then adds the shot noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled
-    Devices, chapter 1.
+    the packet passes the rows between its pixel and the storage area; before the exposure, it
+    passed the other rows. If the detector is cleared just before the exposure, set `passed` to the
+    side of the storage area. Put this module after Sample Pixels or Combine Pixels and before Focal
+    Plane, which then adds the shot noise of the smear. Source: Janesick 2001, Scientific
+    Charge-Coupled Devices, chapter 1.
 
     Parameters
     ----------
     line_transfer_time_s : float | Expression
         time to transfer one line [s]: a number from 0 to 1; default 0.0
     integration_time_s : float | Expression
-        exposure time, the same as on Focal Plane [s]: a number from 1e-09 to 1e+06; default 0.01
+        exposure time, as on Focal Plane [s]: a number from 1e-09 to 1e+06; default 0.01
     passed : Literal['both', 'above', 'below']
-        illuminated rows that a packet passes: on both sides of its pixel, above it or below it: one
-        of both, above, below; default 'both'
+        illuminated rows that a packet passes: on both sides of its pixel, only above or only below:
+        one of both, above, below; default 'both'
 
     Notes
     -----
@@ -2657,7 +2686,7 @@ def blooming(
     full_well: float | Expression | None = None,
     anti_blooming_percent: float | Expression = 0.0,
 ) -> Part:
-    """Spill charge above the full well to the neighbours along the column.
+    """Spill charge above the full well along the column.
 
     A full pixel passes its excess to the pixels above and below, half to each, until no pixel holds
     more than its full well. Charge that reaches the top or bottom edge leaves the detector. The
@@ -2694,11 +2723,11 @@ def charge_trails(
     """Add the trails of incomplete charge transfer, which grow with distance from the amplifier.
 
     In each transfer, a share of the charge stays behind and joins the next packet. Columns are
-    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers away
-    loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of the picture
-    is lost. Use either this module or Charge Transfer MTF, which blurs all pixels alike. Put this
-    module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the middle pixel. Source:
-    Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
+    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers from the
+    amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of
+    the picture is lost. Use either this module or Charge Transfer MTF, which blurs all pixels
+    equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the
+    middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
 
     Parameters
     ----------
@@ -2733,12 +2762,12 @@ def persistence(
     slow_time_constant_s: float | Expression = 100.0,
     delay_s: float | Expression = 0.0,
 ) -> Part:
-    """Add image lag: what remains of an earlier exposure, decaying with two time constants.
+    """Add image lag: a remnant of an earlier exposure that decays with two time constants.
 
-    Connect the picture of the earlier exposure to `earlier`; it must have the same size and unit.
-    Both shares refer to the end of the earlier exposure. Budgets treat the lag as a fixed pattern.
-    Source: Smith, Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared
-    detectors).
+    Connect the picture of the earlier exposure to `earlier`; both pictures must have the same size
+    and unit. The shares fast_percent and slow_percent refer to the end of the earlier exposure.
+    Budgets treat the lag as a fixed pattern. Source: Smith, Zavodny, Rahmer and Bonati 2008,
+    Proceedings of SPIE 7021, 70210J (infrared detectors).
 
     Parameters
     ----------
@@ -2775,16 +2804,17 @@ def poisson_noise(
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
     mean. `photon` converts radiance to a number of photons and replaces that number with a Poisson
     deviate. The 1996 method has no photon scale, so its relative noise changes with the radiance
-    unit. The 1996 noise is also added before the optics that collect the light. For the shot noise
-    of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    unit. The 1996 method also adds the noise before the optics have collected the light. For the
+    shot noise of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden
+    1991.
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     width_px : float | Expression
         standard deviation of the Gaussian that weights the local mean [px]: a number of at least 0;
         default 5.0
@@ -2846,16 +2876,16 @@ def electronics_noise(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     region : Literal['VIS', 'MWIR', 'LWIR']
         wavelength region: one of VIS, MWIR, LWIR; default 'VIS'
     material : Literal['HgCdTe', 'InSb', 'PtSi', 'Si', 'Si:Ga', 'Si:As', 'manual']
@@ -2899,7 +2929,7 @@ def electronics_noise(
         corner frequency, or boost frequency, of the post filter [Hz]: a number of at least 0 or
         empty; default empty
     post_poles : int | Expression
-        poles of the post filter: a whole number from 1 to 100; default 1
+        number of poles of the post filter: a whole number from 1 to 100; default 1
     post_gain : float | Expression
         gain of the boost: a number from 1 to 1e+06; default 2.0
     bits : Literal[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64]
@@ -2910,8 +2940,8 @@ def electronics_noise(
     range_high : float | Expression | None
         highest level; empty: the picture's maximum [W/m²/sr]: a number or empty; default empty
     background_K : float | Expression | None
-        background temperature; empty: brightness temperature of the mean [K]: a number of at least
-        0 or empty; default empty
+        background temperature; empty: brightness temperature of the picture's mean [K]: a number of
+        at least 0 or empty; default empty
 
     Notes
     -----
@@ -2936,9 +2966,9 @@ def periodic_noise(
 ) -> Part:
     """Add sinusoidal noise, such as pick-up from a power supply, optionally modulated in amplitude.
 
-    The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
-    are 0 at the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
-    changes nothing. Source: Tantalo 1996, chapter 3.
+    The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). The
+    coordinates x and y are 0 at the first sample. Frequencies beyond Nyquist are aliased. An
+    amplitude of 0 changes nothing. Source: Tantalo 1996, chapter 3.
 
     Parameters
     ----------
@@ -3012,20 +3042,20 @@ def noise_3d_source(
 
     Each component is Gaussian with its own standard deviation, in the unit of the picture. In a
     sequence, v, h and vh are the same in every frame, and the other components are new in each
-    frame. `corner_Hz` adds 1/f noise to each sample; at that frequency its temporal spectrum equals
-    the spectrum of sigma_tvh. The 1/f noise extends from 1/`longest_period_s` to half the frame
-    rate, and any frame can be computed on its own. The variance of the 1/f noise is all temporal.
-    3-D Noise uses only some frames, so it measures slower changes as fixed pattern (vh). Without
-    any component, the picture does not change. Sources: D'Agostino and Webb 1991; for 1/f,
-    Shinozuka and Deodatis 1991 (spectral representation).
+    frame. `corner_Hz` adds 1/f noise to each sample; at this frequency, 1/f noise and sigma_tvh
+    have the same spectral density. The 1/f noise extends from 1/`longest_period_s` to half the
+    frame rate, and any frame can be computed independently. All variance of the 1/f noise is
+    temporal. 3-D Noise analyses a limited number of frames, so it counts slower changes as fixed
+    pattern (vh). Without any component, the picture does not change. Sources: D'Agostino and Webb
+    1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
 
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        derive the seed from the network's seed and this node's name, or enter it below: one of
+        derive the seed from the network's seed and this node's name, or enter it in seed: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, for seed_mode typed: a whole number from 0 to 9.22337e+18; default 0
+        seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     sigma_tvh : float | Expression
         random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_tv : float | Expression
@@ -3079,7 +3109,7 @@ def mtf_slices(
     angle_deg : float | Expression
         angle of the slice: 0 horizontal, 90 vertical [deg]: a number from -360 to 360; default 45.0
     samples : int | Expression
-        points on each curve: a whole number from 2 to 65536; default 257
+        number of points on each curve: a whole number from 2 to 65536; default 257
     stages : bool
         show every stage, not only the total: true or false; default True
 
@@ -3109,19 +3139,19 @@ def measured_mtf(
     """Measure the MTF from an edge or a line in a picture.
 
     `slanted_edge` finds the angle of the edge and sorts the samples into quarter-sample bins by
-    their distance from the edge. The derivative of the bin means is windowed and Fourier
-    transformed, and corrected for the responses of the bins and of the derivative. Frequencies are
+    their distance from the edge. The derivative of the bin means is windowed, Fourier transformed,
+    and corrected for the responses of the bins and of the derivative. Frequencies are measured
     along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
-    transforms the derivative. The MTF is its modulus divided by the largest value; the response of
-    the derivative, 0.64 at Nyquist, is not corrected. Standard errors are estimated by leaving out
-    rows (jackknife).
+    transforms the derivative. The MTF is the modulus of this transform, divided by its largest
+    value; the response of the derivative, 0.64 at Nyquist, is not corrected for. Standard errors
+    are estimated by leaving out rows (jackknife).
 
-    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
-    all stages from the source on. For a test scene, it also includes the blur of the scene's
-    samples, which are means over their area. The blur of a scene from a file is unknown and not
-    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
-    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
-    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. This MTF
+    includes all stages from the source on and, for a test scene, the blur of the scene's samples,
+    which are means over their area. The blur of a scene from a file is unknown and not included; a
+    picture straight from a file has no expected MTF. Aliasing in `row_average` is not included.
+    `imagechain measure` finds the edges in pictures of real cameras. Source: ISO 12233:2023;
+    Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
 
     Parameters
     ----------
@@ -3129,7 +3159,7 @@ def measured_mtf(
         ISO 12233 for a slanted edge, or the thesis's method for a vertical edge: one of
         slanted_edge, row_average; default 'slanted_edge'
     target : Literal['edge', 'line']
-        feature in the region: an edge, or a line, whose width counts as blur: one of edge, line;
+        feature in the region: an edge, or a line (its width counts as blur): one of edge, line;
         default 'edge'
     direction : Literal['automatic', 'horizontal', 'vertical']
         direction of the measurement: horizontal (for a vertical edge), vertical, or automatic: the
@@ -3139,15 +3169,16 @@ def measured_mtf(
     region_y : int | Expression
         first row of the region [px]: a whole number of at least 0; default 0
     region_width : int | Expression | None
-        columns; empty: to the picture's end [px]: a whole number of at least 0 or empty; default
-        empty
+        number of columns; empty: to the picture's end [px]: a whole number of at least 0 or empty;
+        default empty
     region_height : int | Expression | None
-        rows; empty: to the picture's end [px]: a whole number of at least 0 or empty; default empty
+        number of rows; empty: to the picture's end [px]: a whole number of at least 0 or empty;
+        default empty
     window : Literal['tukey', 'hamming', 'none']
         window on the line spread; tukey: flat over its middle half: one of tukey, hamming, none;
         default 'tukey'
     samples : int | Expression
-        points of the curve: a whole number from 2 to 4096; default 129
+        number of points on the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
         first sample of the edge, in the direction of the measurement; empty: found automatically
         [px]: a whole number of at least 0 or empty; default empty
@@ -3204,43 +3235,43 @@ def figures_of_merit(
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
     limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, its MRTD ends at the Nyquist frequency. Temporal noise is averaged
-    according to its spectrum in the picture. The frequency of the 2-D MRTD is the geometric mean of
-    the horizontal and vertical frequencies with the same MRTD. MDTD (square target): SNR_th·σ
-    divided by the mean of the target's blurred image.
+    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. Temporal noise is
+    averaged according to its spectrum in the picture. The frequency of the 2-D MRTD is the
+    geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
+    target): SNR_th·σ divided by the mean of the target's blurred image.
 
-    `scanning` sets the directions in which the sensor samples. `staring` samples in both.
-    `serial_scan` samples only from line to line, because one detector scans along x.
+    `scanning` sets the directions in which the sensor samples. `staring` samples in both
+    directions. `serial_scan` samples only from line to line, because one detector scans along x.
     `parallel_scan` samples only from detector to detector: along x on platform `push`, otherwise
-    along y. The noise also depends on the scanning; it is taken from the picture. One detector in
+    along y. The noise also depends on the scanning and is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
-    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`
-    they cause σ_h, which masks vertical bars, and on `array` σ_vh. The 1/f noise of detector
-    channels (σ_tv) is not simulated.
+    by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`,
+    these errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f noise of
+    detector channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature.
-    Such a picture is refused unless `background_K` gives the temperature of the scene's own
-    emission. Use Image Quality instead. All figures in K apply at the camera, after the atmosphere,
-    with the background's apparent temperature there. The apparent ΔT at a range is
-    ΔT·exp(−extinction·range). After an Atmospheric Path, it follows from the path's τ(R) at each
-    wavelength, weighted by dL/dT.
+    A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
+    temperature. Such a picture is refused unless `background_K` gives the temperature of the
+    scene's own emission; use Image Quality instead. All figures in K are apparent values at the
+    camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
+    range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
+    path's τ(R) at each wavelength, weighted by dL/dT.
 
     Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
-    resolved is the one where the target's apparent ΔT equals the 2-D MRTD.
+    resolved is the one at which the target's apparent ΔT equals the 2-D MRTD.
 
     TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
-    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` it
-    is the published CTF_eye/MTF·√(1 + α²·σ²/S²); published V50 values belong to it. Here α = 169.6
-    √Hz, S is the scene contrast, and σ is the noise in K·√s that passes the eyeball and the eye's
-    visual channel at that frequency. `flir92` includes fixed patterns. The MRTD includes neither
-    the display nor the eye's contrast threshold. The defaults are a target of 2.3 m with ΔT = 2 K,
-    and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; this value
-    could not be checked.
+    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
+    threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
+    threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
+    the eyeball and the eye's visual channel at that frequency. `flir92` includes fixed patterns.
+    The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
+    target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
+    tracked vehicles; this value could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
     IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
-    1990 (eye). The numbers of their equations could not be checked.
+    1990 (eye). Their equation numbers could not be checked.
 
     Parameters
     ----------
@@ -3252,11 +3283,11 @@ def figures_of_merit(
         parallel, array: staring): one of automatic, parallel_scan, serial_scan, staring; default
         'automatic'
     cut_on_um : float | Expression | None
-        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     cut_off_um : float | Expression | None
-        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
-        empty
+        longest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
+        default empty
     background_K : float | Expression | None
         background temperature; empty: brightness temperature of the picture's mean [K]: a number of
         at least 0 or empty; default empty
@@ -3283,23 +3314,23 @@ def figures_of_merit(
         extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
         from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles for 50 % detection; 1 for the MRTD in one direction: a number above 0 to 1000;
+        cycles for 50 % detection; use 1 with the MRTD in one direction: a number above 0 to 1000;
         default 0.75
     n50_recognition : float | Expression
-        cycles for 50 % recognition; 4 for the MRTD in one direction: a number above 0 to 1000;
+        cycles for 50 % recognition; use 4 with the MRTD in one direction: a number above 0 to 1000;
         default 3.0
     n50_identification : float | Expression
-        cycles for 50 % identification; 6.4 for the MRTD in one direction: a number above 0 to 1000;
-        default 6.0
+        cycles for 50 % identification; use 6.4 with the MRTD in one direction: a number above 0 to
+        1000; default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
-        TTP: contrast threshold from the eye and the MRTD, or the published one from MTF and noise:
-        one of mrtd, system_contrast_threshold; default 'mrtd'
+        TTP: contrast threshold from the eye and the MRTD, or the published threshold from MTF and
+        noise: one of mrtd, system_contrast_threshold; default 'mrtd'
     v50 : float | Expression
-        TTP value for 50 % success; published values belong to system_contrast_threshold: a number
+        TTP value for 50 % success; use published values with system_contrast_threshold: a number
         above 0 to 10000; default 18.8
     scene_contrast_K : float | Expression
-        TTP: temperature difference that the display shows as its mean luminance [K]: a number above
-        0 to 10000; default 5.0
+        TTP: temperature difference that corresponds to the mean luminance of the display [K]: a
+        number above 0 to 10000; default 5.0
     display_cd_m2 : float | Expression
         TTP: mean luminance of the display [cd/m²]: a number above 0 to 1e+06; default 34.0
     display_deg : float | Expression
@@ -3308,7 +3339,7 @@ def figures_of_merit(
         TTP: magnification, angle on the display / angle in the scene; empty: the picture fills the
         display: a number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
-        longest range of the curve; empty: where detection becomes unlikely [km]: a number from 0 to
+        longest range on the curve; empty: where detection becomes unlikely [km]: a number from 0 to
         1e+06 or empty; default empty
 
     Notes
@@ -3334,8 +3365,8 @@ def noise_budget(
     patterns that stay the same from frame to frame, averaged over all sensors of this kind.
     Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
     of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
-    it recovers that part of the loss. A stage with an MTF of zero is assigned all of the blur.
-    Phases do not count as blur.
+    it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do
+    not count as blur.
 
     Parameters
     ----------
@@ -3346,8 +3377,8 @@ def noise_budget(
         all noise, noise that changes from frame to frame, or fixed patterns: one of all, temporal,
         fixed; default 'all'
     show : Literal['share', 'amount']
-        bars show the share in percent, or the amount: standard deviation, and −ln of the MTF: one
-        of share, amount; default 'share'
+        length of the bars: share in percent, or amount (standard deviation of the noise, −ln of the
+        MTF for the blur): one of share, amount; default 'share'
 
     Notes
     -----
@@ -3370,21 +3401,22 @@ def noise_3d(
     is subtracted, and unbiased estimates split the variance into the seven components. The
     prediction is an average over all sensors of this kind, but only one pattern is measured. With
     few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
-    correlated between neighbours also appears in σ tv and σ th. Rounding counts as noise. With
-    `path`, a file of frames, for example from a camera, is measured instead, one frame at a time.
-    Everything that stays from frame to frame, including the scene, then counts as fixed pattern.
-    Use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
-    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
-    Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    correlated between neighbouring samples also appears in σ tv and σ th. Rounding counts as noise.
+    With `path`, the frames of a file, for example from a camera, are measured instead of simulated
+    frames; they are read one at a time. Everything that stays the same from frame to frame,
+    including the scene, then counts as fixed pattern. Use frames of a uniform scene. If a picture
+    is also linked, its predicted noise is shown beside the measurement. Sources: D'Agostino and
+    Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
+    Components (unbiased estimates).
 
     Parameters
     ----------
     frames : int | Expression
-        frames to simulate; 0: prediction only; all frames of a file are measured: a whole number
-        from 0 to 100000; default 16
+        number of frames to simulate; 0: prediction only; with path, all frames of the file are
+        measured: a whole number from 0 to 100000; default 16
     path : str | PathLike[str] | None
-        file of frames to measure instead of simulated ones: .npy (frames, rows, columns), TIFF with
-        a page per frame, or ENVI with a band per frame; empty: simulate: a file name or empty;
+        file of frames to measure instead of simulated frames: .npy (frames, rows, columns), TIFF
+        with a page per frame, or ENVI with a band per frame; empty: simulate: a file name or empty;
         default empty
 
     Notes
@@ -3403,12 +3435,13 @@ def compare_images(
 ) -> Part:
     """Measure the difference between a picture and a reference of the same size.
 
-    It gives the root mean square, largest and mean differences, and the peak signal-to-noise ratio
-    (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The MTF ratio is the
-    modulus of the picture's spectrum divided by the modulus of the reference's spectrum, along both
-    frequency axes. Averaged in rings, it is the square root of the ratio of the power spectra.
-    Frequencies where the reference contains only rounding errors are left out. For a frame filtered
-    with mirrored edges, set `edges` to `reflect`; the ratio is then the MTF itself.
+    The read-outs are the root mean square, largest and mean differences, and the peak
+    signal-to-noise ratio (PSNR). The PSNR's peak is the reference's maximum minus its minimum. The
+    MTF ratio is the modulus of the picture's spectrum divided by the modulus of the reference's
+    spectrum, along both frequency axes. Averaged in rings, the ratio is the square root of the
+    ratio of the power spectra. Frequencies at which the reference contains only rounding errors are
+    left out. For a frame filtered with mirrored edges, set `edges` to `reflect`; the ratio is then
+    the MTF itself.
 
     Parameters
     ----------
@@ -3435,28 +3468,29 @@ def spatial_blur(
 ) -> Part:
     """Blur a picture by convolution with the impulse response, in place of Back Transform.
 
-    It has the same inputs as Back Transform. The impulse response is the inverse transform of all
-    collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
-    otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
-    except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
-    largest deviation from its mean. The bound is the sum of the moduli of the truncated kernel
-    values. The picture's mean does not change. If a transfer function has not fallen to zero at
-    Nyquist, its kernel rings and cannot be both short and precise.
+    The inputs are the same as for Back Transform. The impulse response is the inverse transform of
+    all collected MTFs and PTFs. A separable response is applied in one pass along x and one along
+    y; any other is applied as a two-dimensional kernel. Complete kernels give the same result as
+    Back Transform, except for rounding. A truncated kernel has an error of at most `error_bound`
+    times the scene's largest deviation from its mean. The bound is the sum of the moduli of the
+    kernel values that are cut off. The picture's mean does not change. If a transfer function has
+    not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
 
-    Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
-    Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
+    Two passes are faster than Fourier filtering only with short kernels on small frames: up to ±16
+    samples on 128 × 128, and up to ±4 on 512 × 512. Two-dimensional kernels are always slower
+    (`imagechain bench`, table spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996,
+    section 2.1.4.
 
     Parameters
     ----------
     truncation : Literal['half_width', 'error', 'none']
-        where kernels are truncated: after `half_width_px`, where `error` allows, or at the frame's
-        size: one of half_width, error, none; default 'half_width'
+        where kernels are truncated: at half_width_px, where the error reaches `error`, or at the
+        frame's size: one of half_width, error, none; default 'half_width'
     half_width_px : int | Expression
-        samples kept on each side [px]: a whole number from 0 to 65536; default 16
+        kernel samples kept on each side [px]: a whole number from 0 to 65536; default 16
     error : float | Expression
-        largest error, as a fraction of the scene's largest deviation from its mean: a number from 0
-        to 1; default 0.001
+        largest error allowed, as a fraction of the scene's largest deviation from its mean: a
+        number from 0 to 1; default 0.001
 
     Notes
     -----
@@ -3482,23 +3516,25 @@ def line_by_line(
 
     A line scanner samples at equal angles along the scan and at equal distances on the ground along
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
-    interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
-    (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan use one interval for the whole frame, factors along the flight one per column. Pupils and
-    other non-separable factors use both. All factors use angles at the sensor, as in their own
-    modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
-    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
-    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
-    arrays sample evenly, so both outputs agree for them. The ground is assumed to be flat, and
-    motion blur to cover the same angle as at nadir.
+    interval·cos(view angle). Back Transform uses one interval for the whole frame, as the 1996
+    model does (output `whole`). Line by Line filters each column at its own interval (output
+    `image`). Factors along the scan use one interval for the whole frame; factors along the flight
+    use one interval per column. Pupils and other non-separable factors use both intervals. All
+    factors use angles at the sensor, as in the modules that supply them; frame edges and PTFs are
+    treated as in Back Transform. Separable factors are exact. Non-separable factors are
+    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
+    summed exactly for each interval (`direct`). Pushbroom scanners and arrays sample evenly, so
+    both outputs agree for them. The ground is assumed to be flat, and motion blur is assumed to
+    cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
     For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
-    largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
-    % in 60°, 5 % in 90° and 10 % in 120°. The rms error is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %.
-    In the thesis's field of 30°, six-bit quantization hides the error. Filtering line by line takes
-    1.3 to 4 times as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or
-    more. Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+    largest error is 0.03 % of the picture's range for a field of 10°, 0.5 % for 30°, 1.1 % for 45°,
+    2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for these fields are 0.002, 0.02,
+    0.05, 0.1, 0.25 and 0.5 %. In the thesis's field of 30°, six-bit quantization hides the error.
+    Filtering line by line takes 1.3 to 4 times as long (`imagechain bench`, table scanning);
+    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
+    thesis leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3512,7 +3548,7 @@ def line_by_line(
         number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
         line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate (one line
-        per turn), or the value below: one of frame, flight, typed; default 'frame'
+        per turn), or line_spacing_m: one of frame, flight, typed; default 'frame'
     line_spacing_m : float | Expression | None
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
@@ -3520,10 +3556,10 @@ def line_by_line(
         altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     method : Literal['nodes', 'direct']
         non-separable factors: interpolated between a few sampling intervals, or summed exactly for
-        each: one of nodes, direct; default 'nodes'
+        each interval: one of nodes, direct; default 'nodes'
     nodes : int | Expression | None
-        intervals to interpolate between; empty: as many as the tolerance needs: a whole number from
-        0 to 32 or empty; default empty
+        number of intervals to interpolate between; empty: as many as the tolerance requires: a
+        whole number from 0 to 32 or empty; default empty
     tolerance : float | Expression
         largest interpolation error allowed in the transfer function: a number from 0 to 1; default
         1e-05
@@ -3561,20 +3597,20 @@ def camera_geometry(
     outside: Literal['refuse', 'fill'] = 'refuse',
     fill_value: float | Expression = 0.0,
 ) -> Part:
-    """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
+    """Sample a scene on flat ground as a line scanner, pushbroom or framing camera does.
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples at equal angles, so its ground samples grow as sec² across the track and as sec along it
-    (panoramic distortion). A pushbroom and a framing camera sample at equal steps in the focal
-    plane. The flight direction is down the picture, and scan lines are equally spaced on the
-    ground. Each sample is the mean of the scene over its whole footprint, so nothing aliases and a
-    uniform scene stays uniform. Blur comes afterwards: choose samples finer than the detector, and
-    combine pixels after the detector's MTF.
+    samples at equal angles, so its ground samples grow with the view angle θ, as sec²θ across the
+    track and as sec θ along it (panoramic distortion). A pushbroom scanner and a framing camera
+    sample at equal steps in the focal plane. The flight direction is down the picture, and scan
+    lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
+    footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
+    choose samples finer than the detector, and combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
-    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
-    are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
-    sections 2 and 5.3, for the Salacain camera.
+    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
+    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
+    1996, sections 2 and 5.3, for the Salacain camera.
 
     Parameters
     ----------
@@ -3584,11 +3620,11 @@ def camera_geometry(
     altitude_m : float | Expression
         height above the ground [m]: a number above 0; default 1000.0
     ground_interval_m : float | Expression | None
-        sampling interval of the scene on the ground; empty: its angular interval × altitude [m]: a
+        sampling interval of the scene on the ground; empty: angular interval × altitude [m]: a
         number of at least 0 or empty; default empty
     ground_interval_y_m : float | Expression | None
-        the same interval down the picture; empty: equal to ground_interval_m [m]: a number of at
-        least 0 or empty; default empty
+        sampling interval of the scene down the picture; empty: equal to ground_interval_m [m]: a
+        number of at least 0 or empty; default empty
     columns : int | Expression | None
         samples per line; empty: as in the scene: a whole number from 1 to 65536 or empty; default
         empty
@@ -3623,12 +3659,13 @@ def camera_geometry(
     offset_y_m : float | Expression
         distance of the camera below the scene's centre [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
-        interpolation between scene samples: constant areas, straight lines, or parabolas: one of
-        area, bilinear, cubic; default 'area'
+        interpolation between scene samples: constant, linear, or parabolic: one of area, bilinear,
+        cubic; default 'area'
     strips : int | Expression
         number of strips per oblique footprint: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
-        what the camera sees beyond the scene: one of refuse, fill; default 'refuse'
+        footprints beyond the scene: an error (refuse), or fill_value (fill): one of refuse, fill;
+        default 'refuse'
     fill_value : float | Expression
         value beyond the scene, in the scene's unit: a number; default 0.0
 
@@ -3660,28 +3697,27 @@ def image_quality(
     In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
     sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
     GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
-    geometric mean of these two, GSD/(sin e)^¼. The relative edge response (RER) is the rise of the
-    edge response from half a sample before the edge to half a sample after it. The overshoot H is
-    the height of the edge response 1 to 3 samples beyond the edge. Both follow from the chain's
-    transfer functions; the SNR follows from its signal and temporal noise. No noise is drawn or
-    measured. GSD, RER and H are geometric means over both directions; in GIQE 5 the worse RER
-    counts twice. Connect the picture as the sensor samples it, before a frame grabber interpolates
-    it.
+    geometric mean of these two distances, GSD/(sin e)^¼. The relative edge response (RER) is the
+    rise of the edge response from half a sample before the edge to half a sample after it. The
+    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. RER and H follow
+    from the chain's transfer functions; the SNR follows from the chain's signal and temporal noise.
+    No noise is drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE
+    5 the worse RER counts twice. Connect the picture as the sensor samples it, before a frame
+    grabber interpolates it.
 
     With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
-    it to radiance, the difference follows from the illumination and the atmosphere set there.
-    Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is
-    then 8/15 of the mean signal divided by the noise, and a warning is shown. `mean` uses the mean
-    signal itself.
+    it to radiance, the difference follows from the illumination and the atmosphere set in that
+    module. Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The
+    SNR is then 8/15 of the mean signal divided by the noise, and a warning is shown. With `mean`,
+    the SNR is the mean signal divided by the noise.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
-    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
-    first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
-    fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
-    130. A warning lists values outside these limits. The limits of the other versions could not be
-    checked.
+    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. GIQE 3
+    and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
+    visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
+    warning lists values outside these limits. The limits of GIQE 3 and 5 could not be checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).
@@ -3698,8 +3734,8 @@ def image_quality(
         elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or from Camera's
         orbit if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
-        look angle off nadir along the track over flat ground, if elevation_deg is empty [deg]: a
-        number from 0 to 89; default 0.0
+        look angle off nadir, along the track over flat ground; used if elevation_deg is empty
+        [deg]: a number from 0 to 89; default 0.0
     snr : float | Expression | None
         SNR, if you know it; empty: signal divided by temporal noise: a number of at least 0 or
         empty; default empty
