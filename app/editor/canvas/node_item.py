@@ -306,7 +306,7 @@ def _head(width: float, height: float) -> QPainterPath:
 
 def _beside(zoom: float) -> float:
     """The room left and right of a title: as wide on the screen at every zoom."""
-    return max(_BESIDE, 8.0 / zoom)
+    return max(_BESIDE, 4.0 / zoom)
 
 
 class Fitted(NamedTuple):

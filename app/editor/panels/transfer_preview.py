@@ -163,10 +163,10 @@ def _sampled(
 
 def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
     module: Any = planned.module
-    cutoff_of = getattr(module, f"cutoff_{axis}", None)
+    cutoff_of = getattr(module, "cutoff_x", None)  # which gives both axes
     if cutoff_of is None:
         return None
-    cutoff = cutoff_of(planned.inputs["context"], planned.inputs["pupil"])
+    cutoff = cutoff_of(axis, planned.inputs["context"], planned.inputs["pupil"])
     return float(work.value(cutoff) if isinstance(cutoff, Recipe) else cutoff)
 
 

@@ -254,7 +254,7 @@ def test_a_set_is_kept_and_taken_again(tmp_path):
     assert dict(made.network.nodes["blur"].params) == SHARP  # what it leaves out has its default
     made.undo()
     assert made.text() == before
-    assert made.history.redo_text == "Set blur to sharp"
+    assert made.redo_text == "Set blur to sharp"
     take(made, sets_of(MODULE, folder)["plain"])
     assert dict(made.network.nodes["blur"].params) == {}
     remove_set("sharp", MODULE, folder)
@@ -272,4 +272,4 @@ def test_a_set_that_does_not_fit_changes_nothing(values, message):
     made = document(SHARP)
     with pytest.raises(ImagechainError, match=message):
         take(made, values)
-    assert not made.history.undo_text
+    assert not made.undo_text

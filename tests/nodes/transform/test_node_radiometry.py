@@ -124,7 +124,7 @@ def test_no_unit_is_taken_for_another(chain, unit, key, words):
         (-KELVIN, "to_temperature", "W/m²/sr", {}, None, "6 of 6 samples have no brightness"),
         (KELVIN / 100, "to_temperature", "W/m²/sr", {"emissivity": 0.1, "surroundings_K": 300.0},
          None, "no brightness temperature"),
-        (KELVIN, "to_radiance", "K", {}, KELVIN, "emissivity: 6 of 6 samples are not"),
+        (KELVIN, "to_radiance", "K", {}, KELVIN, "emissivity: 6 of 6 samples are outside"),
         (KELVIN, "to_temperature", "W/m²/sr", {}, np.zeros((2, 3)), "emissivity of 0"),
     ],
 )  # fmt: skip
