@@ -75,7 +75,10 @@ def edges(settings: Settings) -> list[Table]:
         row = _of_picture(kodak, network, expected, scene, settings)
         rows.append({"choice": choice, **row, "border": float(other.max()), "inside": inside})
     heads = {"choice": "edges", **T0_HEADS, "error": "error / max"}
-    heads |= {"border": "difference from reflect", "inside": "difference 8 samples from the edge"}
+    heads |= {
+        "border": "largest difference from reflect",
+        "inside": "the same, more than 8 samples from the edge",
+    }
     text = (
         "Reflect is the default: nothing wraps around from the opposite side of the picture, and "
         "the frame needs no padding. The columns on the right show what a periodic frame would "
@@ -345,8 +348,8 @@ def skipping(settings: Settings) -> list[Table]:
     heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
         "The default is one eighth of the samples' rounding error, so the effect of leaving "
-        "stages out cannot be distinguished from rounding. With a larger tolerance, the error "
-        "also stays below the tolerance, and the run is faster. T0 is measured in single "
+        "stages out cannot be distinguished from rounding. Even with a larger tolerance, "
+        "the error stays below the tolerance, and the run is faster. T0 is measured in single "
         "precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"

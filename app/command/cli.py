@@ -156,7 +156,7 @@ def _carry_out(words: list[str], stop: Stop) -> None:
     if words[:1] == ["help"]:  # as `--help`, of a command where one is named
         words = [*(word for word in words[1:2] if word != "help"), "--help"]
     elif words[:1] == ["--"]:
-        raise UsageError("there is no option -- (imagechain --help)")
+        raise UsageError("'--' is not allowed before a command (imagechain --help)")
     try:
         with COMMAND_LINE.make_context("imagechain", words or ["edit"], obj=stop) as context:
             COMMAND_LINE.invoke(context)

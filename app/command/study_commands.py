@@ -198,7 +198,7 @@ def study(
     settings = [values.assignment(OPTION, text, FORM) for text in vary]
     labels = [setting.port for setting in settings]
     if twice := next((label for label in labels if labels.count(label) > 1), None):
-        raise UsageError(f"{OPTION} {twice} is given twice: vary another parameter")
+        raise UsageError(f"{OPTION} {twice} is given twice: give each parameter once")
     wanted = make_study(
         network, name=network.name or place.name, folder=place.folder, library=library,
         vary={setting.port: setting.text for setting in settings}, over=over, sample=sample,

@@ -211,8 +211,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         size = wavefront.samples.rows, wavefront.samples.columns
         if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
             raise DataError(
-                "a complex pupil already contains its wavefront: give this pupil in path alone, "
-                "or give amplitude and wavefront as two files of real numbers"
+                "a complex pupil already contains its wavefront: set path to this file and leave "
+                "wavefront_path empty, or give amplitude and wavefront as two files of real numbers"
             )
         if wavefront.samples.bands > 1:
             raise DataError(

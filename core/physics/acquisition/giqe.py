@@ -171,7 +171,7 @@ def giqe_oblique(
     pitch_um, focal_length_mm, slant_range_m : float
         Pixel pitch, focal length and distance along the line of sight, above 0.
     elevation_deg : float
-        Of the line of sight above the horizon, seen from the target, above 0 and at most 90.
+        Elevation of the camera above the horizon as seen from the target, above 0 and up to 90.
     rer_x, rer_y : float
         Relative edge response in both directions, above 0.
     snr : float
