@@ -3235,8 +3235,8 @@ def figures_of_merit(
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
     limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. Temporal noise is
-    averaged according to its spectrum in the picture. The frequency of the 2-D MRTD is the
+    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. The average over a
+    bar takes the spectrum of the temporal noise into account. The frequency of the 2-D MRTD is the
     geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
     target): SNR_th·σ divided by the mean of the target's blurred image.
 

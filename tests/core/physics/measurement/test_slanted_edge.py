@@ -93,7 +93,8 @@ REFUSED = {
     "few columns": (edge_picture(5, 0.7, (64, 12)), "too small"),
     "few rows": (edge_picture(5, 0.7, (8, 64)), "too small"),
     "at the side": (edge_picture(5, 0.7, phase=26), "leaves the region"),
-    "blur wider than the region": (edge_picture(5, 12), "too small"),
+    # Half of the bins on a side, of 64 columns: the outer quarters are its levels.
+    "blur wider than the region": (edge_picture(5, 12), r"more than 1[3-5]\.?\d* samples from"),
     "clipped with noise": (
         np.minimum(edge_picture(5, 1) + np.random.default_rng(2).normal(0, 0.02, (64, 64)), 1.0),
         "clipped",
