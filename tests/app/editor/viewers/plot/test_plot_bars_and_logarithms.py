@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPointF
 
+from app.editor.viewers.plot.plot_canvas import PlotCanvas
+from app.editor.viewers.plot.plotted_lines import curve_drawing
 from core.chain.wires import CurveData, Series
 
 NAMES = ("Optics", "Detector", "Jitter")
@@ -40,6 +42,28 @@ def test_bars_are_as_long_as_their_values(shown):
     upper, lower = (bar.boundingRect() for bar in plot.bars)
     assert upper.top() < lower.top()
     assert viewer.canvas.accessibleDescription().endswith("; Jitter: ∞, 2")
+
+
+def test_curves_in_place_of_which_bars_are_drawn_are_gone_from_the_scene(qtbot):
+    canvas = PlotCanvas()
+    qtbot.addWidget(canvas)
+    canvas.show()
+    scene = canvas.scene()
+
+    def draw(data, width):
+        drawing = curve_drawing(data, log=False)
+        canvas.resize(width, 300)
+        canvas.show_drawing(drawing, {entry.name for entry in drawing.entries})
+        qtbot.wait(20)
+
+    for _ in range(3):
+        draw(MRTD, 360)
+        draw(MRTD, 200)
+        plots = canvas.plots  # held: what the scene still had of them would be freed memory
+        draw(bars([10.0, 40.0, 30.0]), 200)
+        found = scene.items(scene.sceneRect())
+        assert canvas.bars in found
+        assert not set(plots) & set(found)
 
 
 def test_bars_of_one_line_each_have_a_row_and_are_exported_with_their_names(shown, tmp_path):
