@@ -317,7 +317,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             name.setPos(corner)
 
     def image(self) -> QImage:
-        """The picture as it is drawn, a dot for each sample; of two, both sides of the wipe."""
+        """The picture as it is drawn, a dot for each sample; of two, both sides and a divider."""
         shown = self.first.drawn()
         if self.second.isVisible():
             shown = shown.convertToFormat(QImage.Format.Format_RGB32)
@@ -325,6 +325,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             painter = QPainter(shown)
             painter.setClipRect(start, 0, end - start, shown.height())
             painter.drawImage(shown.rect(), self.second.drawn())
+            if (start, end) != (0, shown.width()):  # or the file looks like one picture
+                painter.fillRect(start or end - 1, 0, 1, shown.height(), theme_of(self).accent)
             painter.end()
         return shown
 

@@ -9,6 +9,7 @@ import pytest
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from app.editor.theme import theme_of
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import KeptPicture
 from core.editing.operations import set_parameter
@@ -40,6 +41,8 @@ def wiped(person, a, now, folder):
     image = QApplication.clipboard().image()
     assert image.pixelColor(0, rows // 2).red() == a[rows // 2, 0]
     assert image.pixelColor(columns - 1, rows // 2).red() == now[rows // 2, -1]
+    middle = [image.pixelColor(columns // 2 + k, rows // 2) for k in (-1, 0)]
+    assert theme_of(canvas).accent in middle  # the file says that it has two sides
     viewer.save_as(folder / "now.npy")
     assert (np.load(folder / "now.npy") == viewer.picture.samples).all()
     # The divider is dragged, and both sides are read.
