@@ -175,7 +175,10 @@ def write_image(
     range_low: float | Expression | None = None,
     range_high: float | Expression | None = None,
 ) -> Part:
-    """Write the picture to a file in runs that save outputs.
+    """Write the picture to a file when a run saves its outputs.
+
+    `imagechain run` saves outputs. In the editor, use Run > Add to the Queue; generating the
+    picture writes no file.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
     to the full range of the type. If `range_low` and `range_high` are empty, a picture in digital
@@ -216,7 +219,7 @@ def write_matrix(
     A .csv file separates values with commas and names the columns of curves; .txt and .prn files
     use spaces. For bar charts, the first column holds the names of the bars in a .csv file, and
     their numbers, counted from 0, in other files. A transfer function is written in FFT order, zero
-    frequency first. Files are written only in runs that save outputs.
+    frequency first. Files are written when a run saves its outputs, as for Write Image.
 
     Parameters
     ----------

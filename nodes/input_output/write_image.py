@@ -39,7 +39,10 @@ _FLOATS: dict[str, np.dtype[Any]] = {"float": np.dtype(np.float32), "double": np
 class WriteImage(
     Module, key="write_image", title="Write Image", group="Input and output", sink=True
 ):
-    """Write the picture to a file in runs that save outputs.
+    """Write the picture to a file when a run saves its outputs.
+
+    `imagechain run` saves outputs. In the editor, use Run > Add to the Queue; generating the
+    picture writes no file.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
     to the full range of the type. If `range_low` and `range_high` are empty, a picture in digital

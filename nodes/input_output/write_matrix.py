@@ -31,7 +31,7 @@ class WriteMatrix(
     A .csv file separates values with commas and names the columns of curves; .txt and .prn files
     use spaces. For bar charts, the first column holds the names of the bars in a .csv file, and
     their numbers, counted from 0, in other files. A transfer function is written in FFT order, zero
-    frequency first. Files are written only in runs that save outputs.
+    frequency first. Files are written when a run saves its outputs, as for Write Image.
     """
 
     without_formula = "Write Matrix writes numbers unchanged."
