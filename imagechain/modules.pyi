@@ -113,10 +113,10 @@ def test_scene(
     sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
     surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all
     bands. With `emissivity` grey, every surface keeps a single emissivity; without sunlight, the
-    bands then add up to the picture for `bands` = 0. With `quantity` reflectance, the samples are
-    surface reflectances for Reflected Light instead of radiances; shade and sky get the reflectance
-    that would look equally bright in sunlight. Targets then have `target_reflectance` and their
-    background has `background_reflectance`, at all wavelengths.
+    bands then add up to the picture for `bands` = 0. If `quantity` is reflectance, the samples are
+    surface reflectances, as input for Reflected Light. Shade and sky get the reflectance of a
+    sunlit surface that looks as bright. Targets then have `target_reflectance` and their background
+    has `background_reflectance`, at all wavelengths.
 
     Parameters
     ----------
@@ -3253,8 +3253,8 @@ def figures_of_merit(
     detector channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
-    temperature. Such a picture is refused unless `background_K` gives the temperature of the
-    scene's own emission; use Image Quality instead. All figures in K are apparent values at the
+    temperature. Use Image Quality for such a picture. If the scene is hot enough to emit in the
+    band, enter its temperature in `background_K`. All figures in K are apparent values at the
     camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
     range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
     path's τ(R) at each wavelength, weighted by dL/dT.
@@ -3737,7 +3737,7 @@ def image_quality(
         elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or from Camera's
         orbit if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
-        look angle off nadir, along the track over flat ground; used if elevation_deg is empty
+        off-nadir look angle along the track, over flat ground; used if elevation_deg is empty
         [deg]: a number from 0 to 89; default 0.0
     snr : float | Expression | None
         SNR, if you know it; empty: signal divided by temporal noise: a number of at least 0 or

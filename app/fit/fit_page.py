@@ -69,7 +69,7 @@ def _pictures(result: FitResult) -> list[Block]:
             "a: samples against distance from the edge, scaled from 0 (dark level) to 1 (bright "
             "level), and the edge spread of the fitted chain. b: mean residuals in "
             "quarter-sample bins; pure noise scatters about 0 within its errors.",
-            "edges overlaid and residuals",
+            "overlaid edges and residuals",
         ),
         *_table(result),
     ]

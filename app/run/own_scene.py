@@ -483,7 +483,7 @@ def _info(path: Path) -> PictureInfo:
     info = read_info(path)
     if min(info.rows, info.columns) < 2:
         raise FileError(
-            f"{path}: {info.columns} × {info.rows} samples are too few for a picture of a scene"
+            f"{path}: {info.columns} × {info.rows} samples; a scene needs at least 2 × 2"
         )
     return info
 

@@ -201,7 +201,10 @@ def save_set(name: str, node: Node, folder: Path) -> None:
             f"{shown(parameter)} follows {shown(text)}, so there is no value to save", node=node.id
         )
     if not name.strip() or not name.isprintable():
-        raise NetworkError(f"{name!r:.80} cannot be the name of a set: a name must not be blank")
+        raise NetworkError(
+            f"{name!r:.80} cannot be the name of saved parameters: a name must not be blank or "
+            "contain control characters"
+        )
     sets = sets_of(node.module, folder)
     if name not in sets and len(sets) >= MOST:
         raise NetworkError(f"this module already has {MOST} sets; no more are allowed")

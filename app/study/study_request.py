@@ -375,7 +375,7 @@ class Study:
                 for save, name in zip(self.setting.saves, row, strict=True):
                     if name in taken:
                         raise UsageError(f"{save.shown}: {shown(name)} is already a file "
-                                         "of this study")  # fmt: skip
+                                         "of this study; choose another name")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -61,8 +61,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     detector channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
-    temperature. Such a picture is refused unless `background_K` gives the temperature of the
-    scene's own emission; use Image Quality instead. All figures in K are apparent values at the
+    temperature. Use Image Quality for such a picture. If the scene is hot enough to emit in the
+    band, enter its temperature in `background_K`. All figures in K are apparent values at the
     camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
     range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
     path's τ(R) at each wavelength, weighted by dL/dT.

@@ -113,7 +113,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
     off_nadir_deg: float = param(
         0.0,
-        "look angle off nadir, along the track over flat ground; used if elevation_deg is empty",
+        "off-nadir look angle along the track, over flat ground; used if elevation_deg is empty",
         (0, 89),
         slider=(0, 60),
     )

@@ -104,7 +104,7 @@ class PoissonNoise(
 
     @warning
     def scale(self, image: Image) -> Caution | None:
-        """The noise of the 1996 model depends on the unit of radiance, not on the light."""
+        """The amount of noise in the 1996 model changes with the unit of radiance."""
         if self.mode != "published" or self.percent == 0:
             return None
         unit = image.unit.strip()

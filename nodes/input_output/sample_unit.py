@@ -125,7 +125,7 @@ def _of_typed(
         raise ParameterError(
             "unit",
             typed,
-            "the unit must be per µm or nm, because the samples are integrated over wavelength",
+            "must be per µm or nm: the file's bands are integrated over wavelength",
         )
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None

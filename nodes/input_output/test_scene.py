@@ -43,10 +43,10 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
     surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all
     bands. With `emissivity` grey, every surface keeps a single emissivity; without sunlight, the
-    bands then add up to the picture for `bands` = 0. With `quantity` reflectance, the samples are
-    surface reflectances for Reflected Light instead of radiances; shade and sky get the reflectance
-    that would look equally bright in sunlight. Targets then have `target_reflectance` and their
-    background has `background_reflectance`, at all wavelengths.
+    bands then add up to the picture for `bands` = 0. If `quantity` is reflectance, the samples are
+    surface reflectances, as input for Reflected Light. Shade and sky get the reflectance of a
+    sunlit surface that looks as bright. Targets then have `target_reflectance` and their background
+    has `background_reflectance`, at all wavelengths.
     """
 
     formulas = (

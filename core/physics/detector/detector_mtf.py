@@ -439,7 +439,8 @@ def crosstalk_kernel(text: str) -> Kernel:
         ) from None
     if size not in SIZES or any(len(row) != size for row in numbers):
         counts = ", ".join(str(len(row)) for row in numbers)
-        found = f"{size} row{'s' if size > 1 else ''} of {counts}"
+        words = "number" if counts == "1" else "numbers"
+        found = f"{size} row{'s' if size > 1 else ''} with {counts} {words}"
         allowed = f"give 3 × 3 or 5 × 5 numbers, rows separated by semicolons, not {found}"
         raise ParameterError("kernel", text, allowed)
     flat = [value for row in numbers for value in row]

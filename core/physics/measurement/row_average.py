@@ -89,8 +89,8 @@ def row_average(
     right = right if clip_right is None else clip_right
     if not 0 <= left < right < columns:
         raise DataError(
-            f"no samples are left between the clipped ends: first sample {left}, last "
-            f"sample {right} of a region {columns} samples wide"
+            f"the edge cannot extend from sample {left} to {right}: the first must be below the "
+            f"last, and both must be within 0 to {columns - 1}"
         )
     clipped = with_level_ends(profile=profile, left=left, right=right)
     mtf = profile_mtf(profile=clipped, target=target)

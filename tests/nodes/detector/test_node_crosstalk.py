@@ -69,8 +69,8 @@ def test_the_otf_of_a_symmetric_kernel_is_its_cosines():
     ("text", "words"),
     [
         ("0 0 0; 0 0.9 0; 0 0 0", "add up to 1, not 0.9"),
-        ("1", "kernel = '1' is not allowed: .*not 1 row of 1$"),
-        ("0 0; 0 1 0; 0 0 0", "not 3 rows of 2, 3, 3$"),
+        ("1", "kernel = '1' is not allowed: .*not 1 row with 1 number$"),
+        ("0 0; 0 1 0; 0 0 0", "not 3 rows with 2, 3, 3 numbers$"),
         ("0 0 0; 0 one 0; 0 0 0", "one"),
         ("0 -0.1 0; 0 1.1 0; 0 0 0", "0 or above"),
         ("", "kernel"),

@@ -49,8 +49,12 @@ def test_standard_error_covers_the_scatter():
         (np.random.default_rng(1).normal(size=(30, 40)), {}, "no edge found"),
         (np.ones((30, 40)), {"target": "line"}, "no line found"),
         (edge_picture(0, 1, (9, 6)), {}, "too small"),
-        (edge_picture(0, 1, (9, 40)), {"clip_left": 30, "clip_right": 20}, "no samples are left"),
-        (edge_picture(0, 1, (9, 40)), {"clip_right": 40}, "no samples are left"),
+        (
+            edge_picture(0, 1, (9, 40)),
+            {"clip_left": 30, "clip_right": 20},
+            "the edge cannot extend",
+        ),
+        (edge_picture(0, 1, (9, 40)), {"clip_right": 40}, "the edge cannot extend"),
     ],
 )
 def test_what_cannot_be_measured_is_refused(picture, settings, reason):
