@@ -14,7 +14,7 @@ import scipy
 import scipy.fft
 from numpy.typing import NDArray
 
-from app.run import shipped as own_process
+from app.run import shipped
 from app.run.process import versions
 from core.errors import UsageError
 from core.machine import physical_bytes
@@ -113,7 +113,7 @@ def isolate() -> None:
 
 def environment() -> dict[str, str]:
     usual = {name: value for name, value in os.environ.items() if name not in STEADY}
-    return own_process.environment(usual)
+    return shipped.environment(usual)
 
 
 def machine_facts() -> dict[str, Any]:

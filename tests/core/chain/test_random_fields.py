@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import special
 
-from core.chain import random_fields as streams
+from core.chain import random_fields
 from core.chain.random_fields import (
     BLOCK,
     LARGEST_SIGMA_PX,
@@ -192,7 +192,7 @@ def test_generator_of_a_block_is_what_the_field_is_made_of():
     field = normal_field(stream(), (2 * BLOCK,))
     second = stream().generator(1).standard_normal(BLOCK)
     assert np.array_equal(field[BLOCK:], second)
-    assert streams.BLOCK == 131072
+    assert random_fields.BLOCK == 131072
 
 
 @pytest.mark.parametrize("size", [1, 6, 7, 1000, 1001])

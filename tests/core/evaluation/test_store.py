@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from child_process import PATIENCE_S
-from core import machine as memory
+from core import machine
 from core.errors import DataError
 from core.evaluation.recipes import content_key
 from core.evaluation.store import Store, size_in_bytes
@@ -66,12 +66,12 @@ class TestStore:
             ("a busy one", 64 << 30, [], 8 << 30, [], 4 << 30),
             ("a container", 64 << 30, [2 << 30], 60 << 30, [2 << 30], 1 << 29),
             ("a full container", 64 << 30, [2 << 30], 60 << 30, [1 << 20], 1 << 27),
-            ("nothing known", None, [], None, [], memory.WITHOUT_KNOWLEDGE),
+            ("nothing known", None, [], None, [], machine.WITHOUT_KNOWLEDGE),
         ):
-            monkeypatch.setattr(memory, "physical_bytes", lambda whole=whole: whole)
-            monkeypatch.setattr(memory, "_limits", lambda limits=limits: limits)
-            monkeypatch.setattr(memory, "_available", lambda free=free: free)
-            monkeypatch.setattr(memory, "_left_in_groups", lambda left=left: left)
+            monkeypatch.setattr(machine, "physical_bytes", lambda whole=whole: whole)
+            monkeypatch.setattr(machine, "_limits", lambda limits=limits: limits)
+            monkeypatch.setattr(machine, "_available", lambda free=free: free)
+            monkeypatch.setattr(machine, "_left_in_groups", lambda left=left: left)
             assert Store().capacity_bytes == expected, name
 
     def test_counts_arrays_within_values(self):

@@ -11,7 +11,7 @@ from core.evaluation.work import Policy
 from core.machine import Workers
 from core.network.network import Network, Node
 from nodes.library import standard_library
-from nodes.scenes import scene_canvas as layers
+from nodes.scenes import scene_canvas
 from nodes.scenes.coverage import band
 from nodes.scenes.draw import (
     MOST_SAMPLES,
@@ -52,7 +52,7 @@ def at_once(kind, width, height, **sources):
 def rounding(shares):
     """Most that single precision does to a sum of products of positive numbers."""
     terms = 1
-    if isinstance(shares, layers.Layers):
+    if isinstance(shares, scene_canvas.Layers):
         terms = max(tiles.surfaces.shape[1] for tiles in shares.tiles)
     # Share, radiance and product are rounded, each addition, and what all is counted from.
     return (terms + 4) * EPS / 2
@@ -107,7 +107,7 @@ def test_background_alone_is_even():
 def test_shares_do_not_depend_on_blocks_nor_threads(monkeypatch):
     radiances = scene_radiances(kind="dormitory", **BAND, temperature_K=303.0, delta_K=10.0)
     whole = show_radiances(shares_of("dormitory", 200, 150, np.float32), radiances)
-    monkeypatch.setattr(layers, "SHEET_SAMPLES", 1)
+    monkeypatch.setattr(scene_canvas, "SHEET_SAMPLES", 1)
     workers = Workers()
     threaded = show_radiances(
         shares_of("dormitory", 200, 150, np.float32),

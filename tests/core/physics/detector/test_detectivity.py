@@ -11,10 +11,10 @@ from core.physics.detector.detectivity import (
     d_star,
     quantum_efficiency,
 )
-from core.physics.radiometry import spectra as materials
+from core.physics.radiometry import spectra
 from core.physics.radiometry.spectra import Material, find_material
 
-ALL = [m for choices in materials.MATERIALS_BY_REGION.values() for m in choices]
+ALL = [m for choices in spectra.MATERIALS_BY_REGION.values() for m in choices]
 IDEAL = Material("ideal", 12.0, 77.0, 2, "test", quantum_efficiency=1.0)
 
 
@@ -65,12 +65,12 @@ def test_schottky_barrier_follows_fowler():
     photon_eV = sc.h * sc.c / (wavelength * 1e-6) / sc.e
     barrier_eV = sc.h * sc.c / 5.6e-6 / sc.e
     expected = 0.25 * (photon_eV - barrier_eV) ** 2 / photon_eV
-    got = quantum_efficiency(wavelength, material=materials.PTSI)
+    got = quantum_efficiency(wavelength, material=spectra.PTSI)
     np.testing.assert_allclose(got, expected, rtol=1e-9)
     assert 0.003 < got[2] < 0.015
     fowler = lambda um: mpmath.mpf(0.25) * (1.2398419843320026 / um) * (1 - um / 5.6) ** 2  # noqa: E731
     events = 2 * (float(photons(5.6, 300.0, fowler)) * 0.25 + 1e-9 * 1e4 / sc.e)
-    d = d_star(4.0, material=materials.PTSI)
+    d = d_star(4.0, material=spectra.PTSI)
     assert d == pytest.approx(100 * got[2] * 4e-6 / (sc.h * sc.c) / np.sqrt(events), rel=1e-8)
 
 
@@ -87,10 +87,10 @@ def test_every_material_ends_at_its_cut_off_and_names_its_source(material):
 @pytest.mark.parametrize(
     ("material", "wavelength", "low", "high"),
     [
-        (materials.INSB, 5.0, 0.7e11, 3e11),
-        (materials.HGCDTE_LWIR, 12.0, 3e10, 8e10),
-        (materials.SILICON, 0.9, 3e12, 5e13),
-        (materials.PTSI, 4.0, 5e9, 5e10),
+        (spectra.INSB, 5.0, 0.7e11, 3e11),
+        (spectra.HGCDTE_LWIR, 12.0, 3e10, 8e10),
+        (spectra.SILICON, 0.9, 3e12, 5e13),
+        (spectra.PTSI, 4.0, 5e9, 5e10),
     ],
 )
 def test_catalogue_values_at_60_degrees_are_met_in_size(material, wavelength, low, high):
@@ -99,7 +99,7 @@ def test_catalogue_values_at_60_degrees_are_met_in_size(material, wavelength, lo
 
 def test_band_gap_of_the_alloys_gives_their_cut_offs():
     # Hansen, Schmit and Casselman 1982
-    for material, x in ((materials.HGCDTE_MWIR, 0.30), (materials.HGCDTE_LWIR, 0.21)):
+    for material, x in ((spectra.HGCDTE_MWIR, 0.30), (spectra.HGCDTE_LWIR, 0.21)):
         gap = -0.302 + 1.93 * x - 0.81 * x**2 + 0.832 * x**3 + 5.35e-4 * 77.0 * (1 - 2 * x)
         assert sc.h * sc.c / sc.e / gap * 1e6 == pytest.approx(material.cut_off_um, abs=0.05)
 
@@ -139,11 +139,11 @@ def test_a_band_one_rounding_wide_has_the_curve_there():
 
 
 def test_part_of_a_band_beyond_the_cut_off_counts_as_zero():
-    peak = float(d_star(5.0, material=materials.INSB, background_K=300.0))
+    peak = float(d_star(5.0, material=spectra.INSB, background_K=300.0))
     truth = weighted_mean(lambda um: peak * um / 5.0, 4.0, 8.0, 5.5, 300.0)
-    got = band_d_star(material=materials.INSB, cut_on_um=4, cut_off_um=8, background_K=300.0)
+    got = band_d_star(material=spectra.INSB, cut_on_um=4, cut_off_um=8, background_K=300.0)
     assert got == pytest.approx(float(truth), rel=1e-11)
-    beyond = band_d_star(material=materials.INSB, cut_on_um=8, cut_off_um=12, background_K=300.0)
+    beyond = band_d_star(material=spectra.INSB, cut_on_um=8, cut_off_um=12, background_K=300.0)
     assert beyond == 0.0
 
 
@@ -156,7 +156,7 @@ def test_a_material_of_another_region_is_found_by_the_band():
     def found(material, cut_off_um):
         return find_material(region="VIS", material=material, cut_off_um=cut_off_um)
 
-    assert found("HgCdTe", 12.0) is materials.HGCDTE_LWIR
-    assert found("HgCdTe", 5.0) is materials.HGCDTE_MWIR
-    assert found("HgCdTe", 14.0) is materials.HGCDTE_LWIR
+    assert found("HgCdTe", 12.0) is spectra.HGCDTE_LWIR
+    assert found("HgCdTe", 5.0) is spectra.HGCDTE_MWIR
+    assert found("HgCdTe", 14.0) is spectra.HGCDTE_LWIR
     assert found("InSb", 5.0).name == "InSb"

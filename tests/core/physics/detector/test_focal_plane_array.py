@@ -11,8 +11,7 @@ from scipy import ndimage, stats
 from scipy.integrate import quad
 
 from core.errors import DataError, ParameterError
-from core.physics.detector import focal_plane_array as collection
-from core.physics.detector import focal_plane_array as electron_noise
+from core.physics.detector import focal_plane_array as array
 from core.physics.detector.focal_plane_array import (
     DEAD,
     HOT,
@@ -88,7 +87,7 @@ def test_a_focal_plane_of_the_reference(case):
         given["cut_on_um"], given["cut_off_um"], given["quantum_efficiency"]
     )
     tdi = int(given.get("tdi_stages", 1))
-    exposed = collection.exposure_m2_s(
+    exposed = array.exposure_m2_s(
         pitch_x_um=given["pitch_um"],
         pitch_y_um=given["pitch_um"],
         fill_x=given["fill"],
@@ -96,7 +95,7 @@ def test_a_focal_plane_of_the_reference(case):
         integration_time_s=given["integration_time_s"],
         tdi_stages=tdi,
     )
-    cone = collection.solid_angle(
+    cone = array.solid_angle(
         f_number=given.get("f_number", given.get("t_number")),
         obscuration_ratio=given.get("obscuration_ratio", 0.0),
         irradiance=irradiance,
@@ -108,26 +107,24 @@ def test_a_focal_plane_of_the_reference(case):
         optics = exposed * cone * (1 - through) * efficiency.photon_radiance(given["optics_K"])
     housing = 0.0
     if "housing_K" in given:
-        seen = collection.housing_sr(
+        seen = array.housing_sr(
             solid_angle_sr=cone, cold_shield_efficiency=given["cold_shield_efficiency"]
         )
         housing = exposed * seen * efficiency.photon_radiance(given["housing_K"])
-    dark = collection.dark_electrons(
+    dark = array.dark_electrons(
         dark_current_e_per_s=given.get("dark_current_e_per_s", 0.0),
         integration_time_s=given["integration_time_s"],
         tdi_stages=tdi,
     )
     slope = efficiency.photon_radiance_slope(given["scene_K"]) * exposed * cone * through
-    gain = electron_noise.gain_to_fill_e_per_dn(
-        full_well_e=given["full_well_e"], bits=int(given["bits"])
-    )
+    gain = array.gain_to_fill_e_per_dn(full_well_e=given["full_well_e"], bits=int(given["bits"]))
     total = signal + optics + housing + dark
-    shot = electron_noise.shot_noise_e(electrons=total)
-    rounding = electron_noise.quantization_noise_e(gain_e_per_dn=gain)
-    temporal = electron_noise.temporal_noise_e(
+    shot = array.shot_noise_e(electrons=total)
+    rounding = array.quantization_noise_e(gain_e_per_dn=gain)
+    temporal = array.temporal_noise_e(
         shot_e=shot, read_e=given["read_noise_e"], quantization_e=rounding
     )
-    netd = electron_noise.netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=slope)
+    netd = array.netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=slope)
     assert {
         "signal_e": signal,
         "optics_e": optics,
@@ -261,17 +258,17 @@ def test_more_light_never_gives_less():
 
 
 def test_figures_by_hand():
-    assert electron_noise.shot_noise_e(electrons=900.0, frames_averaged=9) == 10.0
-    assert electron_noise.dynamic_range_dB(full_well_e=1e5, dark_noise_e=10.0) == pytest.approx(80)
-    assert electron_noise.fixed_pattern_e(electrons=1e4, prnu_percent=0.3, dsnu_e=40.0) == (
+    assert array.shot_noise_e(electrons=900.0, frames_averaged=9) == 10.0
+    assert array.dynamic_range_dB(full_well_e=1e5, dark_noise_e=10.0) == pytest.approx(80)
+    assert array.fixed_pattern_e(electrons=1e4, prnu_percent=0.3, dsnu_e=40.0) == (
         pytest.approx(50.0)
     )
-    assert electron_noise.nei_photons_per_cm2(
+    assert array.nei_photons_per_cm2(
         temporal_e=30.0, quantum_efficiency=0.5, area_cm2=2e-6
     ) == pytest.approx(3e7)
     # the half space is shared by cone and housing
-    cone = collection.solid_angle(f_number=2.0, obscuration_ratio=0.4)
-    assert cone + collection.housing_sr(
+    cone = array.solid_angle(f_number=2.0, obscuration_ratio=0.4)
+    assert cone + array.housing_sr(
         solid_angle_sr=cone, cold_shield_efficiency=0.0
     ) == pytest.approx(np.pi, rel=1e-15)
 
@@ -280,15 +277,15 @@ def test_figures_by_hand():
 @pytest.mark.parametrize("inner", [0.0, 0.35, 0.9])
 def test_the_solid_angle_is_the_flux_of_a_cone_of_even_radiance(f_number, inner):
     """E = ∫ L·cos θ dΩ over the pupil, by angle (sine condition) and by its area (flat disc)."""
-    sine = collection.solid_angle(f_number=f_number, obscuration_ratio=inner, irradiance="sine")
+    sine = array.solid_angle(f_number=f_number, obscuration_ratio=inner, irradiance="sine")
     most, least = mpmath.asin(1 / (2 * mpf(f_number))), mpmath.asin(inner / (2 * mpf(f_number)))
     by_angle = 2 * mpmath.pi * mpmath.quad(lambda t: mpmath.cos(t) * mpmath.sin(t), [least, most])
     assert sine == pytest.approx(float(by_angle), rel=1e-13)
-    disc = collection.solid_angle(f_number=f_number)
+    disc = array.solid_angle(f_number=f_number)
     rim = 1 / (2 * mpf(f_number))
     by_area = 2 * mpmath.pi * mpmath.quad(lambda r: r / (1 + r * r) ** 2, [0, rim])
     assert disc == pytest.approx(float(by_area), rel=1e-13)
-    obscured = collection.solid_angle(f_number=f_number, obscuration_ratio=inner)
+    obscured = array.solid_angle(f_number=f_number, obscuration_ratio=inner)
     assert obscured == pytest.approx(disc * (1 - inner**2), rel=1e-14)
 
 
