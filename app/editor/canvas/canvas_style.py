@@ -102,7 +102,7 @@ def _missing(known: tuple[Port, ...], names: Iterable[str]) -> tuple[Port, ...]:
 TextRole = Literal["title", "id", "port"]
 
 _PLAIN = 12  # units that the window's font is worth
-_SIZES: dict[TextRole, int] = {"title": 13, "id": 11, "port": 11}
+_SIZES: dict[TextRole, int] = {"title": 13, "id": 12, "port": 12}
 
 
 # Chosen so that the theme's text is read on them, contrast 4.5 or more; the tests measure it.

@@ -48,7 +48,7 @@ _SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150
 _GRID = 24.0
 _GRID_LEAST_PX = 14.0
 _MARGIN = 16  # pixels around what is framed
-_TITLE_PX, _TITLES_ABOVE = 19.0, 0.72  # of a backdrop; below this zoom it stands above its frame
+_TITLE_PX, _TITLES_ABOVE = 21.0, 0.72  # of a backdrop; below this zoom it stands above its frame
 _STEP = 1.0015  # of zoom, for each eighth of a degree of the wheel
 _EIGHTHS_A_PIXEL = 2.0  # where a touchpad gives no pixels
 _LEAST_PINCH = 0.2  # one event makes nothing smaller than that
@@ -151,11 +151,14 @@ class GraphView(NodeViewer):
         if not rect.isEmpty():
             wide, high = self._room()
             fitting = min(wide / rect.width(), high / rect.height())
+            if fitting < _TITLES_ABOVE * natural:
+                high = max(high - _TITLE_PX + _MARGIN, 20.0)
+                fitting = min(fitting, high / rect.height())
             self.zoom = min(max(fitting, _SMALLEST_FRAMED * natural), natural)
         self._centre = rect.center()
         if rect.height() > 0 and self.zoom < _TITLES_ABOVE * natural:
             above = (self.viewport().height() - rect.height() * self.zoom) / 2
-            self._centre.setY(self._centre.y() - max(0.0, _TITLE_PX * natural - above) / self.zoom)
+            self._centre.setY(self._centre.y() - max(0.0, _TITLE_PX - above) / self.zoom)
         self._show()
 
     def make_visible(self, rect: QRectF) -> None:

@@ -20,6 +20,7 @@ from app.editor.canvas.canvas_style import (
     NodeFace,
     NodeGeometry,
     Side,
+    TextRole,
     geometry_of,
     label_room,
 )
@@ -31,11 +32,13 @@ from core.modules.declaration import Port
 
 GAP_BESIDE = 72.0  # at most, that a title takes of the ground between its node and another
 _TITLE_FROM = 0.92  # of the natural zoom; below, titles are drawn as large as there
-OVERVIEW = 0.62  # of the natural zoom: below, port names cannot be read
+OVERVIEW = 0.62  # of the natural zoom: below, a node shows its name alone
+_PORTS_NAMED_FROM = 0.97  # of the natural zoom: below, the names of ports cannot be read
+_SUBTITLE_FROM = 0.74  # of the natural zoom: below, a readable module's title has no room
 _ROUND = 5.0
 _LEFT = 9.0
 _READABLE_PX = 12.0  # of the window's font at its usual 12
-_LEAST_PX = 6.0
+_LEAST_PX = 12.0  # on the screen, 9 points
 _PORTS_FROM = 0.2
 _PLATE = 14.0  # height of the output's mark, half of it below the node
 OUTPUT_MARK = "output"
@@ -115,7 +118,7 @@ class NodeItem(AbstractNodeItem):
         if relative < OVERVIEW:
             _paint_overview(painter, self, zoom, frame)
         else:
-            _paint_full(painter, self, max(1.0, _TITLE_FROM / relative))
+            _paint_full(painter, self, relative)
         _paint_border(painter, self, zoom, frame)
         if self.face.output:
             _paint_output_mark(painter, self, with_text=relative >= OVERVIEW)
@@ -184,7 +187,7 @@ def head_colour(item: NodeItem) -> QColor:
     return item.style.tint(item.face.colour) or item.style.head(item.face.group)
 
 
-def _paint_full(painter: QPainter, item: NodeItem, larger: float) -> None:
+def _paint_full(painter: QPainter, item: NodeItem, relative: float) -> None:
     style, face, geometry = item.style, item.face, item.geometry
     frame = geometry.frame
     painter.setPen(Qt.PenStyle.NoPen)
@@ -195,17 +198,14 @@ def _paint_full(painter: QPainter, item: NodeItem, larger: float) -> None:
     _veil_disabled(painter, item)
     room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
     painter.setPen(style.text)
-    painter.save()
-    painter.scale(larger, larger)
-    painter.setFont(style.font("title"))
-    title = style.elided("title", face.id, room / larger)
-    painter.drawText(QPointF(_LEFT, 17) / larger, title)
-    painter.restore()
-    if face.subtitle:
+    _write(painter, style, ("title", face.id), QPointF(_LEFT, 17), room, _TITLE_FROM / relative)
+    if face.subtitle and relative >= _SUBTITLE_FROM:
         painter.setOpacity(painter.opacity() * 0.8)
-        painter.setFont(style.font("id"))
-        painter.drawText(QPointF(_LEFT, 32), style.elided("id", face.subtitle, room))
+        room = frame.width() - 2 * _LEFT
+        _write(painter, style, ("id", face.subtitle), QPointF(_LEFT, 33), room, 1.0 / relative)
         painter.setOpacity(painter.opacity() / 0.8)
+    if relative < _PORTS_NAMED_FROM:
+        return
     painter.setFont(style.font("port"))
     for side, other in ((INPUT, OUTPUT), (OUTPUT, INPUT)):
         for row, port in enumerate(face.ports(side)):
@@ -215,6 +215,23 @@ def _paint_full(painter: QPainter, item: NodeItem, larger: float) -> None:
             x = _LEFT if side == INPUT else at.x() - _LEFT - style.width("port", text)
             painter.setPen(style.text if port.required else style.faint)
             painter.drawText(QPointF(x, at.y() + 4), text)
+
+
+def _write(
+    painter: QPainter,
+    style: CanvasStyle,
+    words: tuple[TextRole, str],
+    at: QPointF,
+    room: float,
+    larger: float,
+) -> None:
+    """Write a line, larger where the zoom would make it too small to read."""
+    larger = max(1.0, larger)
+    painter.save()
+    painter.scale(larger, larger)
+    painter.setFont(style.font(words[0]))
+    painter.drawText(at / larger, style.elided(*words, room / larger))
+    painter.restore()
 
 
 def _paint_overview(painter: QPainter, item: NodeItem, zoom: float, plate: QRectF) -> None:
@@ -317,14 +334,21 @@ class Fitted(NamedTuple):
 
 def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
     """A title in lines, in the largest font that fits and can be read; None if none does."""
-    text = re.sub(r"([_-])", "\\1\N{ZERO WIDTH SPACE}", face.id)
-    size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
-    while size * zoom >= _LEAST_PX * style.natural_zoom:
-        needed = style.metrics(size).boundingRect(QRectF(QPointF(), room), _CENTRED, text).size()
-        if needed.width() <= room.width() and needed.height() <= room.height():
-            return Fitted(text, style.sized(size), needed)
-        size -= max(1, size // 16)
-    return None
+    divided = re.sub("([^_-]{4,}?)([^_-]{4,7})(?=[_-]|$)", "\\1-\n\\2", face.id)
+    for words in (face.id, divided):
+        text = re.sub("([_-])", "\\1\N{ZERO WIDTH SPACE}", words)
+        size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
+        while size * zoom >= _LEAST_PX:
+            needed = style.metrics(size).boundingRect(QRectF(QPointF(), room), _CENTRED, text)
+            if needed.width() <= room.width() and needed.height() <= room.height():
+                return Fitted(text, style.sized(size), needed.size())
+            size -= max(1, size // 16)
+    size = math.ceil(_LEAST_PX / zoom)
+    metrics = style.metrics(size)
+    text = metrics.elidedText(face.id, Qt.TextElideMode.ElideRight, room.width())
+    if len(text) <= 5 < len(face.id) or metrics.height() > room.height():
+        return None
+    return Fitted(text, style.sized(size), QSizeF(room.width(), metrics.height()))
 
 
 _CENTRED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextDontClip | Qt.TextFlag.TextWordWrap)
@@ -398,7 +422,7 @@ _BOUNDS = QRectF(-20, -40, 60, 60)
 HEAD = 26.0
 HANDLE = 16.0
 SMALLEST = QSizeF(96, 64)
-_READABLE_TITLE_PX = 11.0
+_READABLE_TITLE_PX = 12.0
 _HIGHEST = 190.0  # of a title, in units
 _NOTE_TINT = "yellow"
 _TEXT, _INSET = 12, 8.0  # units: a note's letters at least, and the space round them
@@ -476,11 +500,11 @@ class BackdropItem(AbstractNodeItem):
             self._text(painter, frame.adjusted(_INSET, _INSET, -_INSET, -_INSET), zoom)
             return
         head = self._head(zoom)
-        painter.setFont(style.sized(round(head.height() * 0.58), bold=True))
         painter.setPen(style.text)
-        room = head.adjusted(10, 0, -10, 0)
+        room = head.adjusted(10, 0, -10, 0) if head.top() >= 0 else head
+        painter.setFont(style.sized(math.ceil(head.height() * 0.58), bold=True))
         text = painter.fontMetrics().elidedText(
-            self.title, Qt.TextElideMode.ElideRight, int(room.width())
+            self.title, Qt.TextElideMode.ElideRight, math.ceil(room.width())
         )
         painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
 
@@ -495,7 +519,7 @@ class BackdropItem(AbstractNodeItem):
 
     def _head(self, zoom: float) -> QRectF:
         """On the ground; or, where letters of that size are too small, larger and above it."""
-        height = min(1.7 * _READABLE_TITLE_PX * self.style.natural_zoom / zoom, _HIGHEST)
+        height = min(1.7 * _READABLE_TITLE_PX / zoom, _HIGHEST)
         if height <= HEAD:
             return QRectF(0, 0, self._width, HEAD)
         return QRectF(0, -height, self._width, height)

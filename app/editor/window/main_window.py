@@ -49,7 +49,7 @@ from core.modules.declaration import Library
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 _LAID_OUT_MS = 50  # until docks that come back have their places
-_LEAST_CANVAS = 6  # lines of text, in which a chain can still be followed
+_LEAST_CANVAS = 8  # lines of text, in which a chain can still be followed
 
 
 class MainWindow(QMainWindow):
