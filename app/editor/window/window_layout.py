@@ -85,6 +85,8 @@ class WindowLayout(QObject):
         away, self._away = self._away, self._away + shown if empty else []
         for dock in shown if empty else away:
             dock.setVisible(not empty)
+        if shown:
+            docks.library.raise_()  # where it stands behind the panels
         if away and not empty:
             for dock in (docks.curves, docks.panels, docks.viewers[0]):
                 dock.raise_()
@@ -154,8 +156,9 @@ class WindowLayout(QObject):
 
 LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
 DEFAULT: LayoutName = "picture_below"
-_HEADINGS = 34  # letters, in which the library's headings are read without an ellipsis
+_HEADINGS = 40  # letters, in which the library's headings are read without an ellipsis
 _LEAST_PANELS = 40  # letters that a control panel is wide at least
+_LEAST_BESIDE = 240  # letters of a window in which the library has a place of its own
 PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4 is promised
 _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 
@@ -229,6 +232,8 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     headings = _HEADINGS * unit
     bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
     if layout == "picture_beside":
+        far = width >= 1.4 * _LEAST_BESIDE * unit  # the canvas stands between two others
+        _seat_library(window, docks, _Area.RightDockWidgetArea, wide=far)
         tall = max(1, height - bars)
         window.resizeDocks([viewer, docks.library], [round(picture / tall), headings], _Across)
         below = round(0.52 * height)
@@ -241,17 +246,33 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     ]
     side = max(round(min(max(60 * unit, 0.21 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
-        window.resizeDocks([docks.library, docks.panels], [headings, 52 * unit], _Across)
+        window.resizeDocks([docks.library, docks.panels], [headings, 60 * unit], _Across)
         window.resizeDocks(
             [viewer, docks.curves], [min(24 * line, round(0.42 * height))] * 2, _Along
         )
         window.resizeDocks([viewer, docks.curves], [62 * unit, 75 * unit], _Across)
         return
+    _seat_library(window, docks, _Area.LeftDockWidgetArea, wide=width >= _LEAST_BESIDE * unit)
     tall = round(picture / (width - side)) + bars
     window.resizeDocks([docks.library, docks.panels], [headings, side], _Across)
     window.resizeDocks([viewer], [max(tall, round(0.62 * height))], _Along)
     shares = [round(0.6 * height), round(0.4 * height)]
     window.resizeDocks([docks.panels, docks.curves], shares, _Along)
+
+
+def _seat_library(
+    window: QMainWindow, docks: Docks, area: Qt.DockWidgetArea, *, wide: bool
+) -> None:
+    """Put the library behind the panels where it would leave the chain too little of the width."""
+    library, panels = docks.library, docks.panels
+    if not window.isVisible() or panels.isFloating() or library.isFloating():
+        return
+    is_behind = library in window.tabifiedDockWidgets(panels)
+    if not wide and not is_behind:
+        window.tabifyDockWidget(panels, library)
+        panels.raise_()
+    elif wide and is_behind:
+        window.addDockWidget(area, library)
 
 
 def _corners(window: QMainWindow, *, left: Qt.DockWidgetArea, right: Qt.DockWidgetArea) -> None:
