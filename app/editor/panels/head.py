@@ -11,6 +11,7 @@ from app.editor.declared_text import flowing, says_more, tip
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.preview_view import PreviewView
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
 from app.editor.widgets import (
     ElidedLabel,
@@ -25,7 +26,7 @@ from app.editor.widgets import (
 )
 from core.network.network import Node
 
-_SHARE = 0.35  # of the panels' height, for an illustration at most
+_SHARE = 0.45  # of the panels' height, for an illustration at most
 _LEAST_LINES = 6  # that it is high at least
 
 
@@ -76,7 +77,7 @@ class PanelHead(QWidget):
     """
 
     _badge: Badge | None = None
-    _illustration: QWidget | None = None
+    _illustration: PreviewView | None = None
     _most = 0  # dots that the illustration may be high
 
     def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
@@ -141,7 +142,7 @@ class PanelHead(QWidget):
         self._fit()
         self._colour()
 
-    def illustrate(self, view: QWidget, *, shown: bool) -> None:
+    def illustrate(self, view: PreviewView, *, shown: bool) -> None:
         self._illustration = view
         self._stack.addWidget(view, 1)
         self.place.installEventFilter(self)
@@ -164,7 +165,7 @@ class PanelHead(QWidget):
         height = line = self.fontMetrics().height()
         view = self._illustration
         if view is not None and not view.isHidden():
-            height = min(view.sizeHint().height(), max(self._most, _LEAST_LINES * line))
+            height = view.height_within(max(self._most, _LEAST_LINES * line))
         self.place.setFixedHeight(height)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:

@@ -1,5 +1,6 @@
 """The preview of a node's module on top of its panel, which follows what is edited."""
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -43,6 +44,9 @@ _PENS = {
     "dotted": Qt.PenStyle.DotLine,
 }
 _LEAST_CHART = 4.0  # lines of text that a chart is high at least, its titles included
+_ABOVE = 3  # dots of margin above and below
+_SLACK = 0.1  # lines that rounding may take
+_GAP = 0.2  # lines of text between two parts
 _LEFT_SHARE = 0.54  # of the width, what stands left of lines of text
 _SHADES = 64
 _MOST_SAMPLES = 320  # of a picture, across or along
@@ -131,9 +135,20 @@ class PreviewView(Viewer):
         self.update()
 
     def sizeHint(self) -> QSize:
-        more = self.preview.more_lines if self.preview is not None else 0.0
-        line = self.fontMetrics().height()
-        return QSize(line * 20, round(line * (self._module.preview_lines + more)))
+        line, lines = self.fontMetrics().height(), self._module.preview_lines
+        if self.preview is not None:
+            lines = max(lines + self.preview.more_lines, _least_lines(self.preview))
+        return QSize(line * 20, math.ceil(line * lines) + 2 * _ABOVE)
+
+    def height_within(self, most: int) -> int:
+        """Its height where it may be no higher: that of the first parts that can be read there."""
+        hint, line = self.sizeHint().height(), self.fontMetrics().height()
+        if hint <= most or self.preview is None:
+            return min(hint, most)
+        seen = _in_room(self.preview, (most - 2 * _ABOVE) / line)
+        if any(isinstance(part, Plot) for part in seen.parts) or seen.facts:
+            return most
+        return min(math.ceil(line * _least_lines(seen)) + 2 * _ABOVE, most)
 
     def minimumSizeHint(self) -> QSize:
         return QSize(self.fontMetrics().height() * 14, 0)
@@ -144,29 +159,28 @@ class PreviewView(Viewer):
             area = QRectF(self.rect())
             painter.fillRect(area, QColor(self.theme.base))
             if self.preview is not None:
-                paint_preview(painter, area.adjusted(4, 3, -4, -3), self.preview, self.theme)
+                paint_preview(
+                    painter, area.adjusted(4, _ABOVE, -4, -_ABOVE), self.preview, self.theme
+                )
             else:
                 painter.setPen(QColor(self.theme.faint_text))
                 painter.drawText(area, _CENTRED, self._words)
 
 
 def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Theme) -> None:
-    """Parts below one another, smaller where it is low; charts share what is left."""
+    """Parts below one another, the last left out where it is low; charts share what is left."""
     metrics = QFontMetricsF(painter.font())
     line = metrics.height()
     if area.height() < line:  # what is wrong has its place
         return
+    preview = _in_room(preview, area.height() / line)
     if preview.facts:
         _paint_beside(painter, area, preview, theme)
         return
     plots = [part for part in preview.parts if isinstance(part, Plot)]
-    # A chart with a title below is higher by it: so the frames are of one height.
-    heights = [
-        line * (bool(part.x.title) if isinstance(part, Plot) else getattr(part, "lines", 3.2))
-        for part in preview.parts
-    ]
-    fixed = sum(heights) + 0.2 * line * (len(heights) - 1)
-    scale = area.height() / max(area.height(), fixed + _LEAST_CHART * line * len(plots))
+    heights = [line * lines for lines in _lines(preview)]
+    fixed = sum(heights) + _GAP * line * (len(heights) - 1)
+    scale = area.height() / max(area.height(), line * _least_lines(preview))
     painter.translate(area.topLeft())
     painter.scale(scale, scale)
     area = QRectF(QPointF(), area.size() / scale)
@@ -188,7 +202,34 @@ def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Them
         else:
             painter.setPen(QColor(theme.faint_text if plots else theme.text))
             painter.drawText(room if plots else area, _CENTRED, str(part))
-        top = room.bottom() + 0.2 * line
+        top = room.bottom() + _GAP * line
+
+
+def _lines(preview: Preview) -> list[float]:
+    """How high the parts are in lines of text; of a chart, its title below alone."""
+    # A chart with a title below is higher by it: so the frames are of one height.
+    return [
+        float(bool(part.x.title)) if isinstance(part, Plot) else getattr(part, "lines", 3.2)
+        for part in preview.parts
+    ]
+
+
+def _in_room(preview: Preview, lines: float) -> Preview:
+    """What of it can be read in so many lines: its first part in any case."""
+    parts = preview.parts
+    while len(parts) > 1 and not preview.facts and _least_lines(preview) > lines + _SLACK:
+        parts = parts[:-1]
+        preview = replace(preview, parts=parts)
+    return preview
+
+
+def _least_lines(preview: Preview) -> float:
+    """The height in which nothing is drawn smaller than the panel's font."""
+    if preview.facts:
+        return float(len(preview.facts))
+    charts = sum(isinstance(part, Plot) for part in preview.parts)
+    heights = _lines(preview)
+    return sum(heights) + _GAP * (len(heights) - 1) + _LEAST_CHART * charts
 
 
 def _colour(theme: Theme, colour: Colour) -> str:
