@@ -99,14 +99,14 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
     gsd_m: float | None = param(
         None,
-        "ground sample distance normal to the line of sight, if you know it; empty: from the "
-        "picture's interval and the range",
+        "ground sample distance normal to the line of sight, if you know it; empty: from "
+        "interval and range",
         low=0,
         slider=(0.1, 10),
     )
     elevation_deg: float | None = param(
         None,
-        "elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or "
+        "elevation of the line of sight at the target; empty: 90° − off nadir, or "
         "from Camera's orbit if off_nadir_deg is 0",
         (0, 90),
         slider=(5, 90),
@@ -117,9 +117,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         (0, 89),
         slider=(0, 60),
     )
-    snr: float | None = param(
-        None, "SNR, if you know it; empty: signal divided by temporal noise", low=0
-    )
+    snr: float | None = param(None, "SNR, if you know it; empty: signal / temporal noise", low=0)
     snr_of: Literal["contrast", "mean"] = param(
         "contrast", "signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean"
     )

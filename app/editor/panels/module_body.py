@@ -216,7 +216,7 @@ class UnknownBody(QWidget):
             self._form.addRow(plain_label("", self, name), label)
 
 
-_LABEL_SHARE = 0.4  # of the width, at most, for the names
+_LABEL_SHARE = 0.45  # of the width, at most, for the names
 _AT_FIRST = 340  # dots that a panel is wide, until it is laid out
 
 
@@ -305,8 +305,9 @@ class SectionsView(QWidget):
         unit = max((metrics.horizontalAdvance(unit) for unit in units), default=0)
         widest = max((field.label_width for field in self.fields), default=0)
         label = min(widest, int(_LABEL_SHARE * width))
+        room = width - label - unit - 3 * metrics.height()
         for field in self.fields:
-            field.line_up(label, unit)
+            field.line_up(label, unit, room)
 
     def _show_sections(self) -> None:
         values = {field.parameter.name: field.value for field in self.fields}

@@ -126,7 +126,8 @@ class Field(QWidget):
         """Without a signal; every kind of field its own way."""
         raise NotImplementedError
 
-    def line_up(self, label: int, unit: int) -> None:
+    def line_up(self, label: int, unit: int, _room: int) -> None:
+        """Take the width of the names, of the units, and the room between them."""
         self.label.column = label
         self.label.updateGeometry()
         if self.lines_up:

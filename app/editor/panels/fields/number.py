@@ -47,6 +47,7 @@ class NumberField(TypedField):
     def build(self) -> None:
         self.scale = scale_of(self.parameter)
         edit = self.build_edit(steps=True)
+        self._least_edit = edit.minimumWidth()
         if self.parameter.empty:
             edit.setPlaceholderText(placeholder_of(self.parameter))
         edit.textEdited.connect(self._offer_names)
@@ -72,6 +73,14 @@ class NumberField(TypedField):
         self._part = 0.0
         self._gesture: object | None = None
         self._show_link()
+
+    def line_up(self, label: int, unit: int, room: int) -> None:
+        """Show all of what an empty field means, where that leaves room for the slider."""
+        super().line_up(label, unit, room)
+        metrics = self.fontMetrics()
+        meant = metrics.horizontalAdvance(self.edit.placeholderText()) + metrics.height()
+        most = room - self.slider.minimumWidth()
+        self.edit.setMinimumWidth(max(self._least_edit, min(meant, most)))
 
     def show_value(self, value: Any) -> None:
         """Show a number, all of it; or the expression it follows, and its value beside."""
