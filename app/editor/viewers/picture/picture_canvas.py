@@ -51,7 +51,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         super().__init__(parent)
         self.setAccessibleName("Picture")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.ci.layout.setContentsMargins(2, 4, 4, 2)
+        above = self.fontMetrics().height() // 2  # half of the number at the picture's top
+        self.ci.layout.setContentsMargins(2, above, 4, 2)
         self.ci.layout.setSpacing(4)
         self.axes = {side: EndingAxis(side) for side in ("left", "bottom")}
         self.plot = self.addPlot(row=0, col=0, enableMenu=False, axisItems=self.axes)

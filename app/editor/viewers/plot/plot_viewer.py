@@ -413,7 +413,7 @@ class PlotBar(QWidget):
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.ports = PortChoice(session, PLOT_TYPES, "Transfer functions of the chain", self)
+        self.ports = PortChoice(session, PLOT_TYPES, "Whole chain", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
         self.ports.setPlaceholderText("No curves")
