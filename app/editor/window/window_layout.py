@@ -138,6 +138,7 @@ class WindowLayout(QObject):
         window, shares = self._window, self.shares
         if not shares:
             size(window, self.name)
+            self._soon.stop()  # it was not the user who moved the library
             return
         docks = [
             dock

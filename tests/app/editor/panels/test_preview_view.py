@@ -8,9 +8,11 @@ import shiboken6
 from PySide6.QtWidgets import QWidget
 
 from app.editor.panels.preview_view import NOTHING, PreviewView, preview_query
+from app.run.shipped import shipped_networks
 from battery_settings import EXAMPLES
 from core.editing.operations import remove_nodes, set_parameter
 from core.modules.preview import brief
+from core.network.file import load_network
 from core.network.network import Network, Node
 from lens_files import write_lens_files
 from panel_hands import let_go
@@ -156,3 +158,14 @@ def test_numbers_are_brief():
         (float("inf"), "inf"),
     ):
         assert brief(value) == text
+
+
+def test_where_it_is_low_it_leaves_parts_out_rather_than_drawing_them_small(bench):
+    widget = bench.show(
+        load_network(shipped_networks()["mwir_camera"], library=LIBRARY), "focal_plane"
+    )
+    line, whole = widget.fontMetrics().height(), widget.sizeHint().height()
+    assert widget.height_within(10 * whole) == whole
+    low = widget.height_within(8 * line)
+    assert 2 * line < low < 8 * line  # the well above, without the bars of noise
+    assert widget.height_within(low) == low

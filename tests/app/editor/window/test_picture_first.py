@@ -10,6 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QInputDialog, QMenu, QMessageBox, QPushButton
 
 from app.editor.canvas.node_item import OVERVIEW
+from app.editor.window.viewer_docks import in_sight
 from window_hands import show_small
 
 SIZES = [(1366, 768), (1920, 1080), (3840, 2160)]
@@ -66,6 +67,25 @@ def test_the_picture_has_two_fifths_of_the_window_in_every_layout(opened, idle):
         assert share(opened) >= SHARE, name
         below = canvas(opened).mapTo(opened, QPoint()).y()
         assert below > opened.canvas.mapTo(opened, QPoint()).y(), name
+
+
+def test_the_library_stands_behind_the_panels_where_the_window_is_narrow(opened, idle):
+    def is_behind():
+        return opened.library_dock in opened.workbench.tabifiedDockWidgets(opened.panel_dock)
+
+    for size, behind in (((1600, 900), False), ((1366, 768), True), ((1600, 900), False)):
+        opened.resize(*size)
+        idle(opened)
+        assert is_behind() == behind, size
+        assert in_sight(opened.panel_dock), size
+        nodes = opened.canvas.content.nodes.values()
+        assert all(node.title_at(opened.canvas.view.zoom) is not None for node in nodes), size
+    opened.resize(1366, 768)
+    idle(opened)
+    opened.actions_by_name["new"].trigger()
+    idle(opened)
+    assert is_behind()
+    assert in_sight(opened.library_dock)  # beside an empty canvas
 
 
 def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened):
