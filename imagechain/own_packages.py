@@ -19,9 +19,9 @@ NAMES = ("core", "nodes", "app", "networks")
 def load_own_packages(root: Path) -> None:
     """Load the four packages from `root`, the folder that contains `imagechain`.
 
-    Warns if a folder or file with one of these names would have come first, and is now hidden. The
-    command does not warn, because it imports none of the user's code; child processes do not warn
-    either.
+    Warns if a folder or file with the name of one of the four packages would have been found first
+    and is now hidden. The command does not warn, because it imports none of the user's code; child
+    processes do not warn either.
     """
     others = [name for name in NAMES if not _is_own(sys.modules.get(name), root)]
     taken = [name for name in others if name in sys.modules]

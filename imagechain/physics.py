@@ -48,14 +48,14 @@ def field_of_view(*, pixels: int, pitch_um: float, focal_length_mm: float) -> fl
     Parameters
     ----------
     pixels : int
-        Above 0.
+        Number of pixels in the row or column, above 0.
     pitch_um, focal_length_mm : float
-        Above 0.
+        Pixel pitch and focal length, above 0.
 
     Returns
     -------
     float
-        2·atan(N·p/(2f)), degrees.
+        Field of view, 2·atan(N·p/(2f)), degrees.
 
     Source: Holst 2008, Electro-Optical Imaging System Performance, chapter 2.
     """
@@ -70,12 +70,12 @@ def planck_radiance(*, wavelength_um: ArrayLike, temperature_K: ArrayLike) -> An
     Parameters
     ----------
     wavelength_um, temperature_K : array_like
-        Above 0; the arrays broadcast.
+        Wavelength and temperature, above 0; the arrays broadcast.
 
     Returns
     -------
     ndarray
-        W/m²/sr/µm.
+        Spectral radiance, W/m²/sr/µm.
 
     Source: Planck 1901, with the exact constants of the 2019 SI.
     """
@@ -96,14 +96,14 @@ def diffraction_otf(
     cycles_per_mm : array_like
         Radial spatial frequency in the image, 0 or above.
     wavelength_um, f_number : float
-        Above 0.
+        Wavelength and F-number, above 0.
     obscuration_ratio : float
         Inner diameter divided by outer diameter, 0 to below 1.
 
     Returns
     -------
     ndarray
-        1 at zero frequency, and 0 at and above the cutoff 1000/(λF) cycles/mm.
+        OTF, 1 at zero frequency, and 0 at and above the cutoff 1000/(λF) cycles/mm.
 
     Source: O'Neill 1956, J. Opt. Soc. Am. 46, 285; erratum 46, 1096.
     """
@@ -126,7 +126,7 @@ def rule_07(*, cutoff_um: float, detector_K: float) -> float:
     Returns
     -------
     float
-        A/cm².
+        Dark current density, A/cm².
 
     Source: Tennant, Lee, Zandian, Piquette and Carmody 2008, J. Electronic Materials 37, 1406.
     """

@@ -30,7 +30,7 @@ Array = NDArray[Any]
 
 
 class Camera:
-    """A chain as a function: ``camera(frame)`` gives exactly the result of a run on that scene.
+    """A chain as a function: ``camera(frame)`` runs the chain with the frame as its scene.
 
     Create one with `Chain.camera`. Only the requested outputs are computed. Results that all frames
     share are computed once; all other results are discarded after each frame. A camera can be sent
@@ -72,7 +72,10 @@ class Camera:
         self._plan = self._engine.plan(self._network, folder=plan.folder, held=self._held)
         _refuse_faults(self._plan)
         if way_of_running(self._plan, policy, None).in_blocks:
-            raise UsageError(f"size = {size}: the pictures are too large for memory; use run")
+            raise UsageError(
+                f"size = {size}: the pictures are too large for memory; use Chain.run, which "
+                "computes them in blocks"
+            )
         self._asked: set[str] = set()
         self._count, self._lock = itertools.count(), threading.Lock()
 
@@ -81,7 +84,7 @@ class Camera:
 
     @plain_errors
     def __call__(self, frame: Any, *, seed: int | None = None, number: int = 0) -> Any:
-        """Return the picture of a frame, read-only; several outputs come as a dictionary.
+        """Return the picture of a frame, read-only; several outputs are returned as a dictionary.
 
         Parameters
         ----------
@@ -91,8 +94,8 @@ class Camera:
         seed : int, optional
             Seed of all noise, fixed patterns included; by default the chain's own.
         number : int
-            Number of the frame in a sequence, from 0. Each has its own temporal noise and the same
-            fixed patterns, as in ``run(frames=…)``.
+            Number of the frame in a sequence, from 0. Each frame has its own temporal noise, and
+            all frames have the same fixed patterns, as in ``run(frames=…)``.
         """
         if not (isinstance(number, Integral) and int(number) >= 0):
             raise ParameterError("number", number, "a whole number, 0 or more")
@@ -133,7 +136,7 @@ class Camera:
         array = grey(np.asarray(frame))
         if array.shape != self._size:
             shape, size = (" × ".join(map(str, one)) for one in (array.shape, self._size))
-            raise DataError(f"the frame has {shape} samples: the camera was made for {size}")
+            raise DataError(f"the frame has {shape} samples: the camera takes frames of {size}")
         held = HeldSamples.of(array, "the frame")
         vars(held)["key"] = f"frame {next(self._count)}"  # not shared: its content needs no hash
         return held
@@ -174,7 +177,7 @@ def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
     if outputs is None:
         final = find_output(plan)
         if final.port is None:
-            raise NetworkError(f"{final.missing}: give outputs, such as 'NODE.PORT'")
+            raise NetworkError(f"{final.missing}: name the pictures, as outputs='NODE.PORT'")
         return (final.port,)
     ports = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     if not ports:

@@ -152,7 +152,8 @@ class Chain:
             ``"NODE.PARAMETER"``, or a mapping of such names to values.
         value
             The value in the parameter's own unit; an `Expression`, or a string that begins with
-            ``=``, makes the parameter follow others. File names are relative to the current folder.
+            ``=``, makes the parameter follow other parameters. File names are relative to the
+            current folder.
         """
         if isinstance(parameter, str):
             if value is ABSENT:
@@ -161,7 +162,7 @@ class Chain:
         if not isinstance(parameter, Mapping) or not all(isinstance(k, str) for k in parameter):
             raise UsageError(
                 f"set({shown(repr(parameter))}): give NODE.PARAMETER as a string, "
-                "or a mapping of these to values"
+                "or a mapping of such names to values"
             )
         self._state = self._state.with_values(parameter)
         return self
@@ -182,7 +183,7 @@ class Chain:
     def with_(
         self, parameters: Mapping[str, Any] | None = None, *, seed: int | None = None
     ) -> Chain:
-        """Return a copy with other values, as for `set`; this chain does not change."""
+        """Return a copy with the given values, as for `set`; this chain does not change."""
         other = self.copy()
         other.set(parameters or {})
         if seed is not None:
@@ -219,7 +220,7 @@ class Chain:
         Parameters
         ----------
         part : Part
-            From `ic.modules`, `ic.preset` or `ic.scene`.
+            A module, as made by `ic.modules`, `ic.preset` or `ic.scene`.
         name : str, optional
             Name of the node; by default the module's key, or ``scene`` for an array.
         after : str or ChainNode, optional
@@ -238,7 +239,7 @@ class Chain:
 
     @plain_errors
     def link(self, start: str, end: str) -> Chain:
-        """Wire an output to an input, both as ``NODE.PORT``; replaces the input's earlier wire."""
+        """Wire an output to an input, both as ``NODE.PORT``; replaces any wire to that input."""
         link = Link.between(start, end)
         wrong = refusal(self.network, self._engine.library, link)
         if wrong is not None:
@@ -308,7 +309,7 @@ class Chain:
             Shortest and longest wavelength, µm.
         unit : str
             A unit of radiance, ``K``, ``C``, ``reflectance``, or ``relative``, which scales to the
-            range of the old scene. By default the file's unit, else ``relative``.
+            range of the old scene. By default, the unit in the file, else ``relative``.
         """
         is_file = isinstance(picture, str | PathLike)
         given = Path(fspath(picture)) if is_file else np.asarray(picture)
@@ -320,7 +321,7 @@ class Chain:
     @property
     @plain_errors
     def final(self) -> str | None:
-        """Port of the final picture, ``NODE.PORT``; None if it cannot be determined."""
+        """Port of the final picture, ``NODE.PORT``; None if the port cannot be determined."""
         return find_output(self._state.plan(self._engine)).port
 
     @plain_errors
@@ -359,7 +360,7 @@ class Chain:
             Seed of the noise, instead of the chain's own.
         frames : int, optional
             Number of frames of each picture, each with its own temporal noise and the same fixed
-            patterns. Pictures are then (frames, rows, columns).
+            patterns. The shape of a picture is then (frames, rows, columns).
         outputs : sequence of str, optional
             Ports to compute, ``NODE.PORT``; all others are computed when you access them.
         region : (slice, slice), optional
@@ -370,8 +371,8 @@ class Chain:
             memory that the process may use. Larger pictures are computed in blocks, with
             bit-identical results, and kept on disk as memory-mapped arrays.
         scratch : path, optional
-            Folder for these arrays; by default the current folder. The files are deleted with the
-            last array.
+            Folder for memory-mapped arrays; by default the current folder. The files are deleted
+            when the last array is released.
         threads : int
             Number of threads; 0 uses all cores. The number of threads does not affect the results.
         """
@@ -382,7 +383,7 @@ class Chain:
         chain = self
 
         def smaller(error: ImagechainError) -> Plan:
-            """Plan without the analyses that cannot use your scene, or raise the error."""
+            """Plan without the analyses that cannot use your scene; raises any other error."""
             nonlocal chain
             library = self._engine.library
             while True:
@@ -416,8 +417,8 @@ class Chain:
     ) -> Camera:
         """Plan the chain once for many frames: ``camera(frame)`` returns one picture.
 
-        The pictures are bit-identical to those of `run` with that scene; there are no curves or
-        read-outs.
+        The picture is bit-identical to the picture from `run` with the frame as its scene. A camera
+        gives no curves or read-outs.
 
         Parameters
         ----------
@@ -463,7 +464,7 @@ class Chain:
         return format_network(self.network, library=self._engine.library)
 
     def part(self, name: str) -> Part:
-        """A node's module with the values set on it and absolute file names, for another chain."""
+        """A node's module with its values and absolute file names, to add to another chain."""
         node = self._state.node(name)
         samples = self._state.samples.get(name)
         paths = {p.name for p in ChainNode(self, name)._declared.parameters if p.kind == "path"}

@@ -176,7 +176,7 @@ class ChainState:
         where = f"{shown(after)} has" if after is not None else "the chain has"
         raise NetworkError(
             f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of "
-            "that kind: give after=, or give wired=False and link the node yourself"
+            "that kind. Set after= to a node with such an output, or set wired=False and use link()"
         )
 
     def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
@@ -241,7 +241,7 @@ class ChainState:
         Everything unchanged since a `previous` plan is reused.
         """
         if not self.network.nodes:
-            raise NetworkError("the chain has no nodes: add some")
+            raise NetworkError("the chain has no nodes: add a module")
         library = engine.library
         network = plain_network(self.network, library=library)
         if seed is not None:
@@ -452,7 +452,7 @@ class ChainNode:
         parameter = self._declared.parameter(name)
         if parameter is None:
             names = ", ".join(p.name for p in self._declared.parameters) or "none"
-            raise AttributeError(f"{self._name} has no parameter {name!r}: it has {names}")
+            raise AttributeError(f"{self._name} has no parameter {name!r}; its parameters: {names}")
         return self._value(parameter)
 
     def __setattr__(self, name: str, value: object) -> None:

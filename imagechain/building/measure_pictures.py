@@ -34,11 +34,11 @@ class MeasuredPictures:
     """MTF, edges and noise of pictures.
 
     `x` and `y` are the pooled horizontal and vertical MTFs, with `frequency` (cycles/sample),
-    `mtf`, `sigma` (its standard error), `mtf50` and `mtf50_sigma`. Each is None if it could not be
-    measured; `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with
-    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise`, measured in flat
-    areas, has `sigma`, `sigma_error`, `gain_e_per_dn` and `read_noise_dn`; it is None if the noise
-    could not be measured.
+    `mtf`, `sigma` (the standard error of `mtf`), `mtf50` and `mtf50_sigma`. If an MTF could not be
+    measured, `x` or `y` is None, and `reason_x` or `reason_y` says why. `edges` lists all edges
+    that were found, each with `used`, `why_not`, `found` (place, angle, levels) and its own
+    `curve`. `noise`, measured in flat areas, has `sigma`, `sigma_error`, `gain_e_per_dn` and
+    `read_noise_dn`; `noise` is None if the noise could not be measured.
     """
 
     def __init__(self, measured: PictureMeasurement) -> None:
@@ -52,7 +52,9 @@ class MeasuredPictures:
         """Return a copy of the result without one edge, given by its index in `edges`."""
         many = len(self.edges)
         if not 0 <= edge < many:
-            raise ParameterError("edge", edge, f"0 to {many - 1}" if many else "there are no edges")
+            raise ParameterError(
+                "edge", edge, f"0 to {many - 1}" if many else "the pictures have no edges"
+            )
         return MeasuredPictures(measuring.without_edge(self._measured, edge))
 
     def to_dict(self) -> dict[str, Any]:
@@ -89,10 +91,10 @@ def measure(
     Parameters
     ----------
     pictures : path or array_like
-        Files of pictures or frames; or arrays, (rows, columns) or (frames, rows, columns). All must
-        have the same size.
+        Files of pictures or frames; or arrays, (rows, columns) or (frames, rows, columns). All
+        pictures must have the same size.
     band : int, optional
-        Band or colour to measure in files that have several, counted from 0.
+        Band or colour to measure, counted from 0, in files with several bands.
     fov_x_deg : float, optional
         Horizontal field of view, degrees, instead of the value in the files.
     pitch_um : float, optional
@@ -175,8 +177,8 @@ class FittedChain:
     error of each combination of parameters that cannot be separated. `warnings` lists what to check
     before you trust the values; `notes` lists what was fitted and assumed. `correlation` is the
     correlation matrix of the errors, in the order of `parameters`, with NaN for undetermined
-    entries. `chi2_per_degree` is the reduced χ²: 1 if the residuals are only noise. `chain` is the
-    chain with the fitted values, to run and to save.
+    entries. `chi2_per_degree` is the reduced χ², which is 1 if the residuals are only noise.
+    `chain` is the chain with the fitted values, to run and to save.
     """
 
     def __init__(self, result: FitResult, chain: Chain, pictures: tuple[str, ...]) -> None:
@@ -239,16 +241,16 @@ def fit(
     Parameters
     ----------
     chain : Chain or path
-        A chain, a file, or the name of a shipped network; it does not change.
+        A chain, a file, or the name of a shipped network; your own chain does not change.
     to : path or array, or a sequence of them
-        Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns); linear,
-        as the sensor gives them. Each sample corresponds to one sample of the chain's final
-        picture.
+        Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns). The
+        samples must be proportional to the light, as the sensor delivers them, and correspond one
+        to one to the samples of the chain's final picture.
     free : str, sequence of str, or mapping
         Parameters to fit: ``NODE.PARAM``, within its allowed range; or a mapping of parameters to
         ranges (low, high), or to None for the allowed range.
     band : int, optional
-        Band or colour to use, if the files have several.
+        Band or colour to use, counted from 0, in files with several bands.
     precision, tolerance, threads
         As for `Chain.run`.
     """
@@ -300,7 +302,7 @@ def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPicture
         paths = [Path(fspath(one)) for one in given]
         return tuple(map(str, paths)), read_pictures(paths, band=band)
     if any(isinstance(one, str | PathLike) for one in given):
-        raise UsageError("to: give files or arrays, not both")
+        raise UsageError("to: give only files or only arrays")
     if band is not None:
         raise UsageError("band applies to files only: arrays have no bands")
     names = tuple(f"array {number}" for number in range(1, len(given) + 1))

@@ -63,7 +63,7 @@ def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, A
 
 
 def file_value(declared: Declaration, name: str, value: Any, *, node: str | None = None) -> Any:
-    """A value as in a network file; errors as for `file_values`, with the node's name."""
+    """A value as in a network file, checked against its parameter; errors name the node."""
     parameter = known_parameter(declared, name, value, node=node)
     raw = simple(value)
     numeric = parameter.kind in ("number", "integer")
@@ -82,11 +82,11 @@ def file_value(declared: Declaration, name: str, value: Any, *, node: str | None
 def known_parameter(
     declared: Declaration, name: str, value: Any, *, node: str | None = None
 ) -> Parameter:
-    """The parameter with that name."""
+    """The parameter with the given name; raises `ParameterError` if there is none."""
     parameter = declared.parameter(name)
     if parameter is None:
         names = [candidate.name for candidate in declared.parameters]
-        hint = close(name, names) or f"; it has {', '.join(names) or 'none'}"
+        hint = close(name, names) or f"; its parameters: {', '.join(names) or 'none'}"
         allowed = f"{declared.title} has no such parameter{hint}"
         raise ParameterError(shown(name), value, allowed, node=node)
     return parameter
@@ -120,7 +120,7 @@ _WIDTH = 96
 
 
 def module_function(key: str) -> Callable[..., Part]:
-    """The function that makes a module; raises `AttributeError` if there is no such module."""
+    """The function that makes a module; raises `AttributeError` if the module is unknown."""
     library = standard_library()
     if key not in library:
         raise AttributeError(f"there is no module {key!r}{close(key, library)}")
@@ -184,7 +184,7 @@ def documentation(declared: Declaration) -> str:
 
 
 def default(parameter: Parameter) -> Any:
-    """The default as a Python value."""
+    """The default of a parameter, as a Python value."""
     return () if parameter.default == () else plain(parameter.default)
 
 
@@ -199,7 +199,7 @@ _TYPES: dict[str, tuple[Any, str]] = {
 
 
 def annotation(parameter: Parameter) -> tuple[Any, str]:
-    """The type of an argument, as an object and as text."""
+    """The type of a parameter's argument, as an object and as text."""
     if parameter.kind == "choice":
         choices = ", ".join(map(repr, parameter.choices))
         kind, text = Literal[parameter.choices], f"Literal[{choices}]"

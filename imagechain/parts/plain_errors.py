@@ -45,7 +45,7 @@ def stays_here(value: Any) -> NoReturn:
 
 
 def needed(name: str, purpose: str) -> ModuleType:
-    """Import the optional library with that name."""
+    """Import an optional library; raises `UsageError` if the library is not installed."""
     try:
         return import_module(name)
     except ImportError:
@@ -65,7 +65,7 @@ def text(value: object) -> str:
 def table(
     head: Sequence[str], rows: Iterable[Sequence[object]], *, caption: str = "", right: int = -1
 ) -> str:
-    """An HTML table, with column `right` right-aligned."""
+    """An HTML table, with column number `right`, counted from 0, aligned to the right."""
     titles = "".join(f'<th style="text-align:left">{text(name)}</th>' for name in head)
     lines = [f"<tr>{''.join(_cell(v, i == right) for i, v in enumerate(row))}</tr>" for row in rows]
     above = f'<caption style="text-align:left">{text(caption)}</caption>' if caption else ""

@@ -47,9 +47,10 @@ def scene(
     fov_x_deg, fov_y_deg : float, optional
         Horizontal and vertical field of view, degrees.
     unit : str, optional
-        Unit of the samples times `scale`, for example ``K``; by default W/m²/sr (bands: per µm).
+        Unit of the samples times `scale`, for example ``K``; by default W/m²/sr, or W/m²/sr/µm for
+        a scene with bands.
     band_um : (float, float), optional
-        Cut-on and cut-off wavelength, µm; bands outside are ignored.
+        Cut-on and cut-off wavelength, µm; bands outside this range are ignored.
     wavelengths_um : sequence of float, optional
         Centre wavelength of every band, µm.
     widths_um : sequence of float, optional
@@ -101,7 +102,9 @@ def _numbers(name: str, values: Any) -> tuple[float, ...] | None:
 
 def _pair(band: Any) -> tuple[Any, Any]:
     if not isinstance(band, list | tuple) or len(band) != 2:
-        raise ParameterError("band_um", band, "cut-on and cut-off, two numbers in µm")
+        raise ParameterError(
+            "band_um", band, "two numbers, the cut-on and cut-off wavelength in µm"
+        )
     return band[0], band[1]
 
 

@@ -65,7 +65,7 @@ class RunOptions:
         self.file, self.given = file, frozenset(given)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
-        """The rows and columns to compute in a picture of that shape; None means all of them."""
+        """The rows and columns to compute in a picture of the given shape; None means all."""
         if self.region is None:
             return None
         (top, bottom, _), (left, right, _) = map(slice.indices, self.region, shape)
@@ -107,7 +107,7 @@ Smaller = Callable[[ImagechainError], Plan]
 
 
 class Result:
-    """The result of a run, with the chain as it was at that time.
+    """The result of a run, with the chain as it was during the run.
 
     Pictures and figures that the run did not compute are computed when you access them.
     """
@@ -125,7 +125,7 @@ class Result:
 
     @property
     def final(self) -> str | None:
-        """Port of the final picture; None if it cannot be determined."""
+        """Port of the final picture; None if the port cannot be determined."""
         return find_output(self._plan).port
 
     @plain_errors
@@ -153,7 +153,7 @@ class Result:
 
     @plain_errors
     def value(self, port: str) -> Any:
-        """The value at any port.
+        """The value at a port ``NODE.PORT``.
 
         A picture gives its samples; a magnitude, phase or transfer function gives the full array in
         FFT order; curves give a `CurveData`, and a table gives a `TableData`.
@@ -170,7 +170,7 @@ class Result:
         Parameters
         ----------
         path : path
-            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv``, ``.zarr`` or ``.img``; the last keeps
+            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv``, ``.zarr`` or ``.img``; ``.img`` keeps
             all bands of a picture, with a header file beside it.
         port : str, optional
             ``NODE.PORT``; by default the final picture.
@@ -205,8 +205,8 @@ class Result:
         Parameters
         ----------
         angle_deg : float, optional
-            Angle of a line in the frequency plane, from ξ (0°) to η (90°); by default, curves along
-            both axes.
+            Angle of a line in the frequency plane, from ξ (0°) to η (90°); by default, the curves
+            are along the ξ axis and the η axis.
         """
         return tables.curves_of(self._evaluation, None if angle_deg is None else float(angle_deg))
 
@@ -245,9 +245,9 @@ class Result:
         Parameters
         ----------
         allow : iterable of path
-            Further folders where a network from a file may write and overwrite any file. Otherwise
-            the network may write only in its own folder, and overwrite only files that it has
-            written itself. Files that were named in Python are always written.
+            Further folders where a network from a file may write and overwrite any file. Without
+            `allow`, the network may write only in its own folder, and overwrite only files that it
+            has written itself. Files that were named in Python are always written.
         """
         evaluation, plan, origin = self._evaluation, self._plan, self._options
         targets = sink_targets(plan, plan.folder)
@@ -287,7 +287,7 @@ class Result:
         output = find_output(self._plan)
         if output.port is None:
             raise NetworkError(
-                f"{output.missing}: name a port, or mark a node with chain.mark_final(NODE)"
+                f"{output.missing}: name a port (NODE.PORT), or use chain.mark_final(NODE)"
                 if output.choices
                 else output.missing
             )
@@ -297,7 +297,7 @@ class Result:
         names = image_ports(self._plan)
         inner = self._plan.network.port_names.get(port, port)
         if inner not in names and inner.rpartition(".")[0] in self._plan.nodes:
-            hint = close(port, names) or f"; it has {', '.join(names) or 'none'}"
+            hint = close(port, names) or f"; the pictures are {', '.join(names) or 'none'}"
             raise NetworkError(f"{shown(port)} is not a picture of the chain{hint}")
         value = self._plan.output(port)
         assert isinstance(value, Image)

@@ -45,7 +45,7 @@ _SHOWN = 20  # rows of a notebook's table
 
 @dataclass(frozen=True)
 class ReadoutRow:
-    """One read-out; `value` is None if there is no value."""
+    """One read-out; `value` is None if the read-out has no value."""
 
     node: str
     name: str
@@ -103,7 +103,7 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
         names = [f"{row.node}.{row.name}" for row in self.rows]
         if name not in names:
             raise ParameterError(
-                "read-out", name, f"the chain has no such read-out{close(name, names)}"
+                "read-out", name, f"the chain has no read-out of this name{close(name, names)}"
             )
         return self.rows[names.index(name)]
 
@@ -154,9 +154,9 @@ class StageCurve:
 class StageCurves(_Named[Mapping[str, StageCurve]]):
     """Curves as ``curves[STAGE][AXIS]``.
 
-    Stages are nodes; ``"total"`` is their product before pixels are combined, and
-    ``"total_with_electronics"`` also includes the later stages. Axes are ``"x"`` and ``"y"``, or
-    ``"line"``.
+    Stages are nodes; ``"total"`` is the product of all stages up to the combination of pixels, and
+    ``"total_with_electronics"`` also includes the stages after it. Axes are ``"x"`` and ``"y"``,
+    or ``"line"``.
     """
 
     def __init__(
@@ -169,7 +169,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
     __reduce__ = stays_here
 
     def _no(self, name: str) -> Exception:
-        known = close(name, self) or f"; it has {', '.join(self) or 'none'}"
+        known = close(name, self) or f"; the stages are {', '.join(self) or 'none'}"
         return KeyError(f"the chain has no stage {shown(name)}{known}")
 
     @property
@@ -204,7 +204,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
 
 
 def curves_of(evaluation: Evaluation, angle_deg: float | None = None) -> StageCurves:
-    """Curves along both axes, or along a line; raises an error if a stage has no curve there."""
+    """Curves along both axes or a line; raises an error if a stage has no curve along the line."""
     chain = evaluation.chain
     if angle_deg is None:
         known = evaluation.responses
@@ -249,8 +249,8 @@ class StudyTable(_Named[list[Any]]):
         self.units: dict[str, str] = {column.name: column.unit for column in rows.columns()}
 
     def _no(self, name: str) -> Exception:
-        known = close(name, self) or f"; it has {', '.join(self)}"
-        return ParameterError("column", name, f"the study has no such column{known}")
+        known = close(name, self) or f"; the columns are {', '.join(self)}"
+        return ParameterError("column", name, f"the study has no column of this name{known}")
 
     @property
     def failed(self) -> dict[int, str]:
@@ -350,7 +350,7 @@ class Picture:
         bands = self._image.bands
         count = 0 if bands is None else bands.count
         if bands is None or not 0 <= index < count:
-            allowed = f"0 to {count - 1}" if count else "the picture has no bands"
+            allowed = f"0 to {count - 1}" if count else "the picture has no separate bands"
             raise ParameterError("band", index, allowed)
         samples = self._work.value(bands.band(index))
         samples = samples if self._region is None else self._region.cut(samples)
@@ -359,7 +359,7 @@ class Picture:
 
     @plain_errors
     def cube(self) -> NDArray[Any]:
-        """All wavelength bands, (bands, rows, columns), each as from `band`."""
+        """All wavelength bands, (bands, rows, columns), each as `band` returns it."""
         return np.stack([self.band(index) for index in range(max(1, len(self.wavelengths_um)))])
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:

@@ -114,7 +114,10 @@ def test_what_a_camera_refuses():
     bad = good.copy()
     bad[3, 4] = np.nan
     refused = (
-        (lambda: camera(good.T), "the frame has 24 × 20 samples: the camera was made for 20 × 24"),
+        (
+            lambda: camera(good.T),
+            "the frame has 24 × 20 samples: the camera takes frames of 20 × 24",
+        ),
         (lambda: camera(bad), "the frame: 1 sample is not finite"),
         (lambda: camera(good, seed=-1), "seed = -1 is not allowed"),
         (lambda: chain.camera(20), "size = 20 is not allowed: must be two whole numbers"),
