@@ -1,8 +1,8 @@
-"""Load our packages `core`, `nodes`, `app` and `networks`, even if others have the same names.
+"""Load `core`, `nodes`, `app` and `networks`, even if other packages have the same names.
 
 The code imports these packages by their plain names, but Python searches the folder of the user's
-script first. They are therefore loaded from the folder of this package before anything else. Import
-only the standard library here.
+script first. The four packages are therefore loaded from the folder of `imagechain` before anything
+else. Import only the standard library in this file.
 """
 
 import os
@@ -28,8 +28,9 @@ def load_own_packages(root: Path) -> None:
     if taken:
         where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
         raise ImportError(
-            "imagechain cannot be imported: a package with the same name as one of imagechain's is "
-            f"already imported ({where}); rename that package, or import imagechain first",
+            "imagechain cannot be imported: another package with the name of a package of "
+            f"imagechain is already imported ({where}). Rename that package, or import imagechain "
+            "first",
             name="imagechain",
         )
     hidden = [place for name in others for place in _in_front(name, root)]

@@ -453,8 +453,9 @@ class Chain:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the chain to a network file that the command and the editor can open.
 
-        Scenes from arrays are written beside this file, as ``NAME_NODE.npy``; cubes are written as
-        ``.img``. From then on, the chain's file names are relative to the folder of this file.
+        Scenes from arrays are written beside the network file, as ``NAME_NODE.npy``; cubes are
+        written as ``.img``. After saving, the chain's file names are relative to the folder of the
+        network file.
         """
         self._state = self._state.saved(whole_path(path))
         return Path(fspath(path))

@@ -212,8 +212,8 @@ class ChainState:
             network = set_parameter(node, "path", ABSENT).apply(network)
             if (file := target.parent / name).exists() and f'"{name}"' not in own:
                 raise FileError(
-                    f"{file} already exists and contains something else: save under another name, "
-                    "or remove that file"
+                    f"{file} already exists and does not belong to this chain: save the chain "
+                    "under another name, or remove that file"
                 )
         moved = rebased(network, library, self.folder, target.parent, typed=self.given)
         if moved is not None:

@@ -308,7 +308,7 @@ _MOST_PX = 1024
 class Picture:
     """A picture that a chain has computed, at a port ``NODE.PORT``.
 
-    Its samples are read-only, with the shape (rows, columns) or (frames, rows, columns).
+    The samples are read-only, with the shape (rows, columns) or (frames, rows, columns).
     """
 
     port: str
