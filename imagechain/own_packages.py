@@ -28,7 +28,7 @@ def load_own_packages(root: Path) -> None:
     if taken:
         where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
         raise ImportError(
-            "imagechain cannot be imported: another package with the name of a package of "
+            "imagechain cannot be imported: a package with the same name as a package of "
             f"imagechain is already imported ({where}). Rename that package, or import imagechain "
             "first",
             name="imagechain",
