@@ -388,7 +388,9 @@ def show_or_hide(label: QLabel, text: str) -> None:
 
 def centred_hint(text: str, parent: QWidget) -> QLabel:
     """What to do, in the middle of where nothing is shown yet."""
-    return QLabel(text, parent, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
+    label = QLabel(text, parent, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
+    label.setMargin(parent.fontMetrics().height())
+    return label
 
 
 class CopiedTable(QTableWidget):

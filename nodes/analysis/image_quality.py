@@ -99,8 +99,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
     gsd_m: float | None = param(
         None,
-        "ground sample distance normal to the line of sight, if you know it; empty: from "
-        "interval and range",
+        "ground sample distance normal to the line of sight, if you know it; empty: "
+        "interval × range",
         low=0,
         slider=(0.1, 10),
     )

@@ -425,7 +425,7 @@ class ParameterChoice(NodeChoice):
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, _NOTHING, parent)
         self._field = QLineEdit(self)
-        self.setMinimumContentsLength(16)
+        self.setMinimumContentsLength(27)  # Integration time of focal_plane (s)
         self._make_searchable()
         self.fill()
 
