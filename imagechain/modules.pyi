@@ -3731,17 +3731,17 @@ def image_quality(
         range to the ground along the line of sight; empty: from Init & Trans [m]: a number of at
         least 0 or empty; default empty
     gsd_m : float | Expression | None
-        ground sample distance normal to the line of sight, if you know it; empty: from the
-        picture's interval and the range [m]: a number of at least 0 or empty; default empty
+        ground sample distance normal to the line of sight, if you know it; empty: interval × range
+        [m]: a number of at least 0 or empty; default empty
     elevation_deg : float | Expression | None
-        elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or from Camera's
-        orbit if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
+        elevation of the line of sight at the target; empty: 90° − off nadir, or from Camera's orbit
+        if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
         off-nadir look angle along the track, over flat ground; used if elevation_deg is empty
         [deg]: a number from 0 to 89; default 0.0
     snr : float | Expression | None
-        SNR, if you know it; empty: signal divided by temporal noise: a number of at least 0 or
-        empty; default empty
+        SNR, if you know it; empty: signal / temporal noise: a number of at least 0 or empty;
+        default empty
     snr_of : Literal['contrast', 'mean']
         signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean: one of
         contrast, mean; default 'contrast'

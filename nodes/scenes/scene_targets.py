@@ -183,7 +183,7 @@ def _bar_layout(frequency: float, room_x: float, room_y: float) -> list[tuple[fl
         bar = 0.5 / (frequency * 2.0 ** (0.5 * group))
         if left + 16.0 * bar > room_x - 0.1 and shelf > 0.0:
             left, top, shelf = 0.0, top + shelf, 0.0
-        if left + 16.0 * bar > room_x - 0.1 or top + 7.0 * bar > room_y - 0.1:
+        if top + 7.0 * bar > room_y - 0.1:
             break
         places.append((left, top, bar))
         widest = max(widest, left + 16.0 * bar)

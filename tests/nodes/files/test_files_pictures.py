@@ -93,6 +93,17 @@ def test_doubles_that_neither_reader_can_read_are_refused(tmp_path, damage):
         read_pixels(path)
 
 
+def test_tiles_whose_zero_is_white_are_read_but_not_those_of_doubles(tmp_path):
+    for kind in ("f4", "f8"):
+        content = tiff(samples_of(kind, 20, 35), tile=16)[0]
+        white = content.replace(tiff_tag(262, 1), tiff_tag(262, 0))
+        assert white != content
+        (tmp_path / f"{kind}.tif").write_bytes(white)
+    assert read_pixels(tmp_path / "f4.tif").shape[:2] == (20, 35)
+    with pytest.raises(FileError, match="photometric interpretation 0 cannot be read"):
+        read_pixels(tmp_path / "f8.tif")
+
+
 def test_damaged_tiles_of_doubles(tmp_path):
     path = tmp_path / "a.tif"
     whole = tiff(samples_of("f8", 20, 35), tile=16)[0]

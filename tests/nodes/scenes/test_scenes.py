@@ -141,6 +141,17 @@ def test_bars_are_seven_times_as_long_as_wide():
     assert np.mean(upright != level.T) < 0.02  # samples at the bars' edges
 
 
+@pytest.mark.parametrize("frequency", [9.0, 9.3, 9.8, 10.6, 12.0, 14.0, 17.0, 22.0])
+@pytest.mark.parametrize(("width", "height"), [(600, 600), (900, 600), (600, 900)])
+def test_bars_keep_off_the_border(width, height, frequency):
+    picture = scene("four_bar", width, height, frequency=frequency)
+    rows, columns = np.nonzero(picture > picture.min() + 1e-3 * np.ptp(picture))
+    margin = 0.05 * 600 - 1  # of the shorter side, but for the sample that a bar ends in
+    assert min(rows.min(), columns.min()) >= margin
+    assert rows.max() < height - margin
+    assert columns.max() < width - margin
+
+
 @pytest.mark.parametrize(
     ("changes", "parameter"),
     [

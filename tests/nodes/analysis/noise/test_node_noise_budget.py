@@ -104,6 +104,18 @@ def test_kinds_of_noise(kind):
         assert (f"noise.{next(iter(each)).lower()}.{one}" in figures) is (one in counted)
 
 
+def test_rounding_has_a_temporal_and_a_fixed_part():
+    level = float(sensor()("scene.image")[0, 0])
+    step = 5.0 * math.hypot(detector_sigma(), level / SNR)
+    value = sensor(noise={"bits": 4, "range_low": level - 8 * step, "range_high": level + 7 * step})
+    shares = bars(value("budget.noise"))
+    both = [shares[kind]["Quantization"] for kind in ("temporal", "fixed")]
+    whole = detector_sigma() ** 2 + (level / SNR) ** 2 + step**2 / 12
+    assert min(both) > 0.1
+    assert sum(both) == pytest.approx(100 * step**2 / 12 / whole, rel=1e-2)
+    assert sum(sum(found.values()) for found in shares.values()) == pytest.approx(100)
+
+
 def test_amounts_are_deviations_and_losses():
     value = sensor({"show": "amount"}, noise={"gain_percent": 2.0})
     level = float(value("scene.image")[0, 0])
