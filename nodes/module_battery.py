@@ -129,7 +129,7 @@ def _of_declaration(declared: Declaration) -> Iterator[str]:
         if not parameter.param.text:
             yield f"{parameter.name}: has no help text"
         elif parameter.param.text.rstrip().endswith("."):
-            yield f"{parameter.name}: its help text must not end with a full stop"
+            yield f"{parameter.name}: the help text must not end with a full stop"
     for readout in declared.readouts:
         if not readout.meaning:
             yield f"read-out {readout.name}: its method has no docstring"
@@ -139,7 +139,7 @@ def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
     if not parameter.required:
         stored = json.loads(json.dumps(plain(parameter.default)))
         if parameter.coerce(stored) != parameter.default:
-            yield "its default changes when it is saved to a file and read back"
+            yield "the parameter's default changes when it is saved to a file and read back"
     if parameter.kind not in ("number", "integer"):
         return
     param = parameter.param
@@ -155,7 +155,7 @@ def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
             if "\n" in str(error):
                 yield f"the error message for {value} has more than one line"
         else:
-            yield f"{value} is accepted but should be refused"
+            yield f"the value {value} is accepted but should be refused"
 
 
 def _of_values(trial: _Trial) -> Iterator[str]:
@@ -188,7 +188,10 @@ def _of_precision(trial: _Trial) -> Iterator[str]:
         if span := widest or float(np.abs(exact).max()):
             error = float(np.abs(single[name] - exact).max()) / span
             if error > SINGLE_ERROR:
-                yield f"output {name} is off by {error:.1g} of its range in single precision"
+                yield (
+                    f"output {name} in single precision differs from double precision by "
+                    f"{error:.1g} of the range"
+                )
 
 
 def _of_regions(trial: _Trial) -> Iterator[str]:

@@ -180,10 +180,10 @@ class CameraSettings(Module):
         low=0,
     )
     columns: int | None = param(
-        None, "samples per line; empty: as in the scene", (1, 65536), slider=(16, 2048)
+        None, "samples per line; empty: the number in the scene", (1, 65536), slider=(16, 2048)
     )
     rows: int | None = param(
-        None, "number of lines; empty: as in the scene", (1, 65536), slider=(16, 2048)
+        None, "number of lines; empty: the number in the scene", (1, 65536), slider=(16, 2048)
     )
     fov_x_deg: float | None = param(
         20.0,
@@ -206,10 +206,12 @@ class CameraSettings(Module):
     pitch_deg: float = param(0.0, "look angle ahead", (-89, 89), slider=(-45, 45))
     yaw_deg: float = param(0.0, "heading, clockwise from straight down the picture", (-180, 180))
     offset_x_m: float = param(
-        0.0, "distance of the camera to the right of the scene's centre", slider=(-500, 500)
+        0.0,
+        "distance of the camera from the scene's centre, to the right in the picture",
+        slider=(-500, 500),
     )
     offset_y_m: float = param(
-        0.0, "distance of the camera below the scene's centre", slider=(-500, 500)
+        0.0, "distance of the camera from the scene's centre, down the picture", slider=(-500, 500)
     )
 
     def camera(self, image: Image) -> Camera:
@@ -265,9 +267,13 @@ class CameraSettings(Module):
         if velocity is None and rate is None:
             return step_y_mrad / 1000.0 * self.altitude_m
         if rate is None:
-            raise ParameterError("line_rate_Hz", None, "needed because velocity_m_per_s is given")
+            raise ParameterError(
+                "line_rate_Hz", None, "give a number, because velocity_m_per_s is given"
+            )
         if velocity is None:
-            raise ParameterError("velocity_m_per_s", None, "needed because line_rate_Hz is given")
+            raise ParameterError(
+                "velocity_m_per_s", None, "give a number, because line_rate_Hz is given"
+            )
         return velocity / rate
 
     def ground(self, image: Image) -> Ground:
@@ -336,7 +342,8 @@ class CameraGeometry(
     )
     strips: int = param(4, "number of strips per oblique footprint", (1, 64))
     outside: Literal["refuse", "fill"] = param(
-        "refuse", "footprints beyond the scene: an error (refuse), or fill_value (fill)"
+        "refuse",
+        "if a footprint lies beyond the scene: report an error (refuse), or use fill_value (fill)",
     )
     fill_value: float = param(0.0, "value beyond the scene, in the scene's unit")
 
@@ -465,7 +472,7 @@ class CameraGeometry(
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample distance across the track, farther end of the middle line over centre."""
+        """Ground sample distance across the track: farther end of the middle line over centre."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 

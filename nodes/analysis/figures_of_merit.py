@@ -163,21 +163,21 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
     n50_detection: float = param(
         0.75,
-        "cycles for 50 % detection; use 1 with the MRTD in one direction",
+        "cycles across the target for 50 % detection; use 1 with the MRTD in one direction",
         (0, 1000),
         above=True,
         slider=(0.1, 10),
     )
     n50_recognition: float = param(
         3.0,
-        "cycles for 50 % recognition; use 4 with the MRTD in one direction",
+        "cycles across the target for 50 % recognition; use 4 with the MRTD in one direction",
         (0, 1000),
         above=True,
         slider=(0.1, 10),
     )
     n50_identification: float = param(
         6.0,
-        "cycles for 50 % identification; use 6.4 with the MRTD in one direction",
+        "cycles across the target for 50 % identification; use 6.4 with the MRTD in one direction",
         (0, 1000),
         above=True,
         slider=(0.1, 10),

@@ -216,7 +216,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         if context.elevation_deg is None:
             return None
         own = self.elevation_deg or (90.0 - self.off_nadir_deg if self.off_nadir_deg else None)
-        remedy = "leave elevation_deg empty and off_nadir_deg at 0 to use Camera's value"
+        remedy = (
+            "to use the elevation from Camera's orbit, leave elevation_deg empty and "
+            "off_nadir_deg at 0"
+        )
         return apart_from_context(self, context, "range_m") or apart_caution(
             "elevation_deg", own, context.elevation_deg, where="from Camera's orbit",
             remedy=remedy,
@@ -306,7 +309,8 @@ def signal_over_noise(
     seen.require_known()
     if gain is None:
         raise DataError(
-            "gain_model = literal scales the picture by the gain error; use gain_model = per_pixel"
+            "the SNR is unknown: gain_model = literal scales the picture by the gain "
+            "error; use gain_model = per_pixel"
         )
     of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)

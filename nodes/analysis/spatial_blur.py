@@ -37,11 +37,12 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
 
     The inputs are the same as for Back Transform. The impulse response is the inverse transform of
     all collected MTFs and PTFs. A separable response is applied in one pass along x and one along
-    y; any other is applied as a two-dimensional kernel. Complete kernels give the same result as
-    Back Transform, except for rounding. A truncated kernel has an error of at most `error_bound`
-    times the scene's largest deviation from its mean. The bound is the sum of the moduli of the
-    kernel values that are cut off. The picture's mean does not change. If a transfer function has
-    not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
+    y; any other response is applied as a two-dimensional kernel. Complete kernels give the same
+    result as Back Transform, except for rounding. A truncated kernel has an error of at most
+    `error_bound` times the scene's largest deviation from its mean. The bound is the sum of the
+    moduli of the kernel values that are cut off. The picture's mean does not change. If a transfer
+    function has not fallen to zero at Nyquist, its kernel rings and cannot be both short and
+    precise.
 
     Two passes are faster than Fourier filtering only with short kernels on small frames: up to ±16
     samples on 128 × 128, and up to ±4 on 512 × 512. Two-dimensional kernels are always slower
@@ -57,7 +58,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         ),
         Formula(
             r"|\Delta L|\leq\sum_{cut}|h|\;\max|L-\overline{L}|",
-            where="upper bound of the error from truncated kernels: `error_bound`",
+            where="upper bound on the error from truncated kernels: `error_bound`",
         ),
     )
 

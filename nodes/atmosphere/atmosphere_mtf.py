@@ -182,7 +182,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         short = self.turbulence == "short_exposure"
         aperture_mm = self.aperture_mm or context.aperture_mm
         if short and aperture_mm is None:
-            raise ParameterError("aperture_mm", None, "short exposures need the aperture")
+            raise ParameterError(
+                "aperture_mm",
+                None,
+                "give the aperture diameter here or on Camera, because turbulence is "
+                "short_exposure",
+            )
         wavelength = self._wavelength(context)
         how: dict[str, Any] = {
             "fried_r0_m": self.r0_m(context),

@@ -47,12 +47,12 @@ _TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
     """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
-    `transmission`: a number, or a CSV of wavelength (µm) and transmission. `extinction_per_km`:
-    exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a
-    tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the path radiances; 10⁸/λ²
-    converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um, transmission,
-    path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L of a black
-    body at `air_K`.
+    `transmission`: a number, or a CSV of wavelength (µm) and transmission. `extinction_per_km`: the
+    transmission is exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times
+    (0.55/λ)^q. `modtran`: a tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the
+    path radiances; 10⁸/λ² converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um,
+    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L
+    of a black body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
     mid-latitude summer and the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are

@@ -98,7 +98,7 @@ class ChargeDiffusionMTF(
             if not _SILICON_UM[0] <= end <= _SILICON_UM[1]:
                 allowed = (
                     f"{_SILICON_UM[0]:g} to {_SILICON_UM[1]:g} µm, where silicon absorbs; "
-                    "otherwise, give absorption_per_um"
+                    "for other wavelengths, give absorption_per_um"
                 )
                 raise ParameterError(name, end, allowed)
         if low == high:

@@ -82,7 +82,8 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
                 return Caution(
                     "incomplete charge transfer along the rows is applied twice, here and on "
                     f"{factor.node}",
-                    "delete one of the two nodes, or set its efficiency to 1",
+                    f"delete this node or {factor.node}, or set the efficiency of one of these "
+                    "two nodes to 1",
                 )
         return None
 

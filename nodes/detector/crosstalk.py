@@ -21,8 +21,9 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
     The kernel gives the shares of a pixel's signal that stay in the pixel and that leak into each
     neighbour. Enter 3 × 3 or 5 × 5 numbers that add up to 1, with semicolons between the rows. The
     kernel covers optical crosstalk, electrical crosstalk and interpixel capacitance. An asymmetric
-    kernel also shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter
-    10; Moore, Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
+    kernel also shifts the picture. To include this shift, connect `phase`. Sources: Holst and
+    Lomheim 2007, chapter 10; Moore, Ninkov and Forrest 2006, Optical Engineering 45, 076402
+    (interpixel capacitance).
     """
 
     formulas = (
@@ -33,7 +34,9 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
     )
 
     kernel: str = param(
-        _NONE, "shares of the signal: 3 × 3 or 5 × 5 numbers, rows separated by semicolons"
+        _NONE,
+        "shares of a pixel's signal that stay or leak: 3 × 3 or 5 × 5 numbers, rows "
+        "separated by semicolons",
     )
     apply: Apply = "multiply"
 

@@ -52,7 +52,8 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     switch_level: float | None = param(
         None,
-        "sample value of high above which low is used, in the picture's unit; empty: never",
+        "sample value of high above which low is used, in the picture's unit; empty: "
+        "low is never used",
         (1e-12, 1e12),
         slider=(1, 1e5),
     )

@@ -92,10 +92,10 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
-    sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
-    is the share of saturated pixels. If `units` is radiance, a bin is the mean of its pixels.
-    Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows
-    and columns are dropped.
+    sums the digital numbers: read noise grows with the square root of the number of pixels, and
+    `saturated` is the share of saturated pixels. If `units` is radiance, a bin is the mean of its
+    pixels. Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch.
+    Leftover rows and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -456,8 +456,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                     f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
                     f"computes the blur for {band[0]:g} to {band[1]:g} µm, but the cold filter "
                     f"passes {low:g} to {high:g} µm",
-                    f"set cut_on_um = {low:g} and cut_off_um = {high:g} on {factor.node} too, or "
-                    "use a picture in the filter's band",
+                    f"set cut_on_um = {low:g} and cut_off_um = {high:g} on "
+                    f"{factor.node} too, or use a picture with the filter's band",
                 )
         return None
 
@@ -557,7 +557,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("fixed_pattern_e", "e-", "PRNU and DSNU."),
         ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
          "for a thermal scene."),
-        ("netd_K", "K", "Temporal noise over responsivity, for a thermal scene."),
+        ("netd_K", "K", "NETD: temporal noise over responsivity, for a thermal scene."),
         ("snr", "", "Signal over temporal noise."),
         ("snr_at_reference", "", "Signal over temporal noise at reference_radiance."),
         ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure "

@@ -446,7 +446,7 @@ def _emva(
         ratio = 20.0 * math.log10(reading.saturation_e / (threshold * efficiency))
     what = "saturation over the sensitivity threshold (EMVA 1288)"
     yield "emva_dynamic_range_dB", ratio, "dB", what
-    yield "saturation_radiance", radiance, "W/m²/sr", "radiance that saturates"
+    yield "saturation_radiance", radiance, "W/m²/sr", "radiance that saturates the pixels"
     for percent in SNR_AT_PERCENT:
         lit = replace(levels, signal_e=room * percent / 100.0)
         snr = None if most is None else _snr(lit, reading)
@@ -480,7 +480,8 @@ def _worth(
             "weighting_worth_percent",
             worth,
             "%",
-            ("largest minus smallest signal, relative to signal_e"),
+            "largest minus smallest signal over all choices of photon_weighting, "
+            "relative to signal_e",
         )
     )
     return tuple(rows)

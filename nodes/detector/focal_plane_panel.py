@@ -28,7 +28,7 @@ class FocalPlanePanel(SeededModule):
     """Parameters of a focal plane; what they come to is made of the context too."""
 
     integration_time_s: float = param(
-        0.001, "integration time of one stage", (0, 1e4), above=True, slider=(0, 0.05)
+        0.001, "integration time of one TDI stage", (0, 1e4), above=True, slider=(0, 0.05)
     )
     tdi_stages: int = param(
         1, "number of TDI stages (time delay and integration)", (1, 10000), slider=(1, 128)
@@ -186,7 +186,7 @@ class FocalPlanePanel(SeededModule):
     )
     reference_radiance: float | None = param(
         None,
-        "spectral radiance for snr_at_reference; empty: none",
+        "spectral radiance at which snr_at_reference is computed; empty: no snr_at_reference",
         low=0,
         unit="W/m²/sr/µm",
         slider=(0, 300),
@@ -250,7 +250,7 @@ class FocalPlanePanel(SeededModule):
         forms = ("response", "responsivity_A_per_W", "quantum_efficiency_percent")
         typed = [name for name in forms if getattr(self, name) is not None]
         if len(typed) > 1:
-            allowed = f"empty if {typed[0]} is given"
+            allowed = f"must be empty if {typed[0]} is given"
             raise ParameterError(typed[1], getattr(self, typed[1]), allowed)
         self._efficiency()
         self._excess_factor()
@@ -259,7 +259,7 @@ class FocalPlanePanel(SeededModule):
             current = self.dark_current_A_per_cm2
             raise ParameterError("dark_current_A_per_cm2", current, allowed)
         if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
-            allowed = "give a number or full_well_e, because bits is above 0"
+            allowed = "give gain_e_per_dn or full_well_e, because bits is above 0"
             raise ParameterError("gain_e_per_dn", None, allowed)
 
     @property

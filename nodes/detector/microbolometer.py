@@ -55,7 +55,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
     delays changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the
     filter. Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K
-    and range_high_K, and clipped there.
+    and range_high_K, and clipped at these two radiances.
 
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
     2010, chapter 5 (filter).
@@ -96,7 +96,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
     reference_integration_time_s: float | None = param(
         None,
-        "integration time at which the NETD was measured; empty: equal to the camera's time",
+        "integration time at which the NETD was measured; leave both integration "
+        "times empty if they are equal",
         (0, 1e3),
     )
     f_number: float | None = param(
@@ -104,7 +105,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
     optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
     integration_time_s: float | None = param(
-        None, "integration time of the camera; empty: equal to the data sheet's time", (0, 1e3)
+        None,
+        "integration time of the camera; leave both integration times empty if they are equal",
+        (0, 1e3),
     )
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
@@ -384,8 +387,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             return None
         return Caution(
             f"slow changes are approximated: {100 * left:.2g} % of a change remains after "
-            f"{_MOST_FRAMES - 1} frames, and frames before that are treated like the earliest "
-            "frame kept",
+            f"{_MOST_FRAMES - 1} frames, and all earlier frames are treated like the "
+            "earliest frame kept",
             "lower time_constant_s or frame_rate_Hz if this approximation is not accurate enough",
         )
 
@@ -404,7 +407,11 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ("white_netd_K", "K", "White noise as a temperature difference."),
         ("flicker_K", "K", "1/f noise as a temperature difference."),
         ("quantization_K", "K", "Quantization noise as a temperature difference."),
-        ("fixed_pattern_K", "K", "Non-uniform gain and offset of the pixels."),
+        (
+            "fixed_pattern_K",
+            "K",
+            "Fixed-pattern noise from non-uniform gain and offset, as a temperature difference.",
+        ),
         ("noise_radiance", "W/m²/sr", "Temporal noise as scene radiance."),
         ("snr", "", "Mean signal over temporal noise."),
         ("scene_K", "K", "Brightness temperature of the picture's mean."),
@@ -524,7 +531,12 @@ def figures(
         ("white_netd_K", in_kelvin(white), "K", "white noise only"),
         ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
         ("quantization_K", in_kelvin(rounding), "K", "quantization noise alone"),
-        ("fixed_pattern_K", in_kelvin(pattern), "K", "non-uniform gain and offset of the pixels"),
+        (
+            "fixed_pattern_K",
+            in_kelvin(pattern),
+            "K",
+            "fixed-pattern noise from non-uniform gain and offset",
+        ),
         ("noise_radiance", temporal, "W/m²/sr", "temporal noise as scene radiance"),
         ("snr", mean / temporal if temporal else None, "", "mean signal over temporal noise"),
         ("scene_K", kelvin, "K", "brightness temperature of the picture's mean"),

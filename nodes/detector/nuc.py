@@ -221,7 +221,9 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
 @ends_lineage
 def no_figures(work: Work) -> TableData:
     names = ("pattern_low", "pattern_high", "response_per_kelvin", "weak_pixels")
-    return TableData(tuple(TableRow(name, None, "", "no reference is used") for name in names))
+    return TableData(
+        tuple(TableRow(name, None, "", "no reference source is used") for name in names)
+    )
 
 
 @dataclass(frozen=True)

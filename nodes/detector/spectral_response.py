@@ -66,18 +66,18 @@ class SpectralResponse(
     )
 
     shape: Literal["file", "rectangle", "gaussian"] = param(
-        "rectangle", "shape of the response, or a file"
+        "rectangle", "shape of the spectral response; file: read from the CSV file in path"
     )
     path: Path | None = param(None, "CSV file of wavelength (µm) and response (0 to 1)")
     centre_um: float | None = param(
         None,
-        "centre wavelength; empty: the middle of the picture's band",
+        "centre wavelength of the response; empty: the middle of the picture's band",
         (0, 1000),
         slider=(0.4, 14),
     )
     width_um: float | None = param(
         None,
-        "width (for a Gaussian, the full width at half maximum); empty: the picture's band",
+        "width of the response (Gaussian: full width at half maximum); empty: the picture's band",
         (0, 1000),
         slider=(0.01, 5),
     )

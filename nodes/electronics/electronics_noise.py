@@ -118,7 +118,9 @@ class ElectronicsNoise(
         None, "D*, used instead of the material's D*", low=0, unit="cm √Hz/W"
     )
     optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
-    filter_transmission: float = param(1.0, "transmission of the filter", (0, 1), above=True)
+    filter_transmission: float = param(
+        1.0, "transmission of the optical filter", (0, 1), above=True
+    )
     scan_mirror_rate_Hz: float | None = param(
         None, "rotation rate of the scan mirror; empty: scan velocity from Init & Trans", low=0
     )
@@ -130,7 +132,9 @@ class ElectronicsNoise(
         None, "SNR of the amplifier; empty: no amplifier noise", low=0
     )
     snr_reference: Literal["mean", "contrast"] = param(
-        "mean", "signal that the SNR refers to: mean, or max − min"
+        "mean",
+        "signal to which amplifier_snr refers: the picture's mean, or its maximum "
+        "minus its minimum",
     )
     gain_percent: float = param(0.0, "spread of the gain between detectors", low=0, slider=(0, 10))
     bias_percent: float = param(
@@ -157,10 +161,16 @@ class ElectronicsNoise(
         0, "bits per pixel; 0: no quantization", unit="bit", choices=(0, *_CONVERTER_BITS)
     )
     range_low: float | None = param(
-        None, "lowest level; empty: the picture's minimum", unit="W/m²/sr", zero_is_empty=False
+        None,
+        "lowest level of the quantizer; empty: the picture's minimum",
+        unit="W/m²/sr",
+        zero_is_empty=False,
     )
     range_high: float | None = param(
-        None, "highest level; empty: the picture's maximum", unit="W/m²/sr", zero_is_empty=False
+        None,
+        "highest level of the quantizer; empty: the picture's maximum",
+        unit="W/m²/sr",
+        zero_is_empty=False,
     )
     background_K: float | None = param(
         None, "background temperature; empty: brightness temperature of the picture's mean", low=0
@@ -414,7 +424,8 @@ class ElectronicsNoise(
             unit="mrad/s",
             where="on Init & Trans",
             remedy=(
-                "leave scan_mirror_rate_Hz or the scan velocity empty, or make the two consistent"
+                "leave scan_mirror_rate_Hz empty, set the scan velocity on Init & Trans to 0, or "
+                "make the two velocities equal"
             ),
         )
 

@@ -25,7 +25,7 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
     formulas = (Formula(r"L'=L+s\,n", where="n: samples of the file; s: scale"),)
 
     path: Path | None = param(None, "noise file, relative to the network file's folder")
-    band: int = param(0, "band or channel, counted from 0", low=0)
+    band: int = param(0, "band or channel to read, counted from 0", low=0)
     scale: float = param(1.0, "factor that converts the file to the picture's unit", slider=(0, 10))
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:

@@ -131,7 +131,7 @@ def figures(
 
 def _band_d_star(detector: Detector, background_K: float) -> float:
     if detector.material == "manual":
-        raise ParameterError("d_star", None, "required for the material `manual`", unit="cm √Hz/W")
+        raise ParameterError("d_star", None, "give D*, because material is manual", unit="cm √Hz/W")
     d_star = band_d_star(
         material=find_material(
             region=detector.region, material=detector.material, cut_off_um=detector.cut_off_um

@@ -57,12 +57,20 @@ class PoissonNoise(
     width_px: float = param(
         5.0, "standard deviation of the Gaussian that weights the local mean", low=0, slider=(0, 50)
     )
-    percent: float = param(1.0, "fraction of the local mean", low=0, unit="%", slider=(0, 100))
+    percent: float = param(
+        1.0,
+        "mean of the Poisson deviate, as a fraction of the local mean",
+        low=0,
+        unit="%",
+        slider=(0, 100),
+    )
     photons_per_unit: float | None = param(
         None, "photons per unit of radiance, for `photon`", low=0
     )
     mode: Literal["published", "photon"] = param(
-        "published", "add a Poisson deviate, or replace the sample with one"
+        "published",
+        "published: add a Poisson deviate to each sample; photon: replace the sample "
+        "with a deviate",
     )
 
     panel = (
@@ -88,7 +96,9 @@ class PoissonNoise(
             noisy = here.step(added, image.recipe, noise)
         else:
             if self.photons_per_unit is None:
-                raise ParameterError("photons_per_unit", None, "required for the mode `photon`")
+                raise ParameterError(
+                    "photons_per_unit", None, "give a number, because mode is photon"
+                )
             noisy = here.step(
                 photon_counts, image.recipe, photons_per_unit=self.photons_per_unit, stream=stream
             )

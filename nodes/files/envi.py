@@ -254,8 +254,8 @@ def band_ends_um(info: picture_info.PictureInfo) -> tuple[NDArray[np.float64], N
     spacing = np.diff(centres[order])
     if order.size < 2 or not np.all(spacing > 0):
         raise FileError(
-            f"{info.path}: the header gives no fwhm, so the bands can be integrated only if there "
-            "are two or more, all at different wavelengths"
+            f"{info.path}: the header gives no fwhm, so the bands can be integrated "
+            "only if there are two or more good bands, all at different wavelengths"
         )
     low, high = centres.copy(), centres.copy()  # a bad band has no width
     low[order] = centres[order] - np.concatenate([spacing[:1], spacing]) / 2
@@ -283,8 +283,9 @@ def _check_coverage(
     raise ParameterError(
         "cut_on_um, cut_off_um",
         (cut_on_um, cut_off_um),
-        f"the bands of {info.path.name} lie between {low.min():.6g} and {high.max():.6g} µm and "
-        f"cover {covered:.6g} µm of this interval; set an interval within the bands",
+        f"the bands of {info.path.name} lie between {low.min():.6g} and "
+        f"{high.max():.6g} µm and cover {covered:.6g} µm of the interval from "
+        "cut_on_um to cut_off_um; set both within the bands",
     )
 
 

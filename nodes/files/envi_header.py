@@ -166,7 +166,7 @@ def _text_of(header: Path) -> str:
     size = header.stat().st_size
     if size > _LONGEST_HEADER:
         raise FileError(
-            f"{header}: {size} bytes; an ENVI header may have at most {_LONGEST_HEADER}"
+            f"{header}: {size} bytes; an ENVI header may have at most {_LONGEST_HEADER} bytes"
         )
     raw = first_bytes(header, size)
     if not raw.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"ENVI") or b"\0" in raw:

@@ -229,7 +229,10 @@ def _info(path: Path, picture: Any) -> picture_info.PictureInfo:
     if spec.deep or spec.depth > 1:
         raise FileError(f"{path}: contains a volume or deep samples; allowed: plain 2-D pictures")
     if spec.width < 1 or spec.height < 1 or spec.nchannels < 1:
-        raise FileError(f"{path}: its first picture has no samples or its header is damaged")
+        raise FileError(
+            f"{path}: the first picture in this file has no samples, or the file's header is "
+            "damaged"
+        )
     kinds = [str(_channel_type(spec, band)) for band in range(spec.nchannels)]
     stored = {_NUMPY_NAMES.get(kind, kind) for kind in kinds}
     if not stored <= _READABLE:

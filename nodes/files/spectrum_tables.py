@@ -262,7 +262,7 @@ def _rows(
             )
         if row.get("FREQ") == _END:
             if _is_tape7(lines[index + 1 :]):
-                raise FileError(f"{file}: contains several runs: keep one per file")
+                raise FileError(f"{file}: contains several MODTRAN runs; keep one run per file")
             return
         if any(name not in row for name in needed):
             raise table_cells.line_refused(file, index + 1, ", ".join(needed))

@@ -161,7 +161,8 @@ def refuse_predictor(path: Path) -> None:
     if packing is not None and predictor != 1:
         raise FileError(
             f"{path}: predictor {predictor} with {packing} cannot be read, because programs "
-            "write it in different ways; allowed: predictor 1, or deflate or LZW compression"
+            "write this combination in different ways; allowed: predictor 1, or "
+            "deflate or LZW compression"
         )
 
 

@@ -79,7 +79,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     path: Path | None = param(
         None, f"picture file, relative to the network file's folder: {readable_formats()}"
     )
-    band: int = param(0, "band or channel, counted from 0", low=0)
+    band: int = param(0, "band or channel to read, counted from 0", low=0)
     bands: Literal["one", "all", "luminance"] = param(
         "one",
         "one band, all bands of a spectral cube (each goes through the chain separately), "
@@ -165,9 +165,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         cube = info.wavelengths_um is not None
         if cube != (self.bands == "all"):
             allowed = (
-                "all, because the array has bands"
+                "must be all, because the array has bands"
                 if cube
-                else "one, because the array has no bands"
+                else "must be one, because the array has no bands"
             )
             raise ParameterError("bands", self.bands, allowed)
         if cube:

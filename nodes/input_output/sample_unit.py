@@ -60,7 +60,9 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     except DataError as error:
         if chosen and not integrated:
             return _of_typed(info, typed, own, integrated)
-        raise FileError(f"{info.path}: {error.message}; or give unit or scale") from error
+        raise FileError(
+            f"{info.path}: {error.message}; correct the header, or give unit or scale"
+        ) from error
     if stored is None:
         return _of_typed(info, typed, own, integrated) if chosen else SampleUnit(info.unit, 1.0)
     file_unit = stored.integrated if integrated else stored
@@ -87,7 +89,9 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
         try:
             stored = radiance_unit(info.unit)
         except DataError as error:
-            raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
+            raise FileError(
+                f"{info.path}: {error.message}; correct the header, or give unit and scale"
+            ) from error
         if chosen and (own and own.name) != (stored and stored.name):
             allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"
             raise ParameterError("unit", typed, allowed)

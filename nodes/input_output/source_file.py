@@ -253,7 +253,10 @@ class HeldSamples:
             raise DataError(f"{name} has the shape {array.shape}: {_SHAPES}")
         for what, values in (("wavelengths_um", wavelengths_um), ("widths_um", widths_um)):
             if values is not None and len(values) != len(array):
-                raise DataError(f"{what} has {len(values)} numbers for {len(array)} bands")
+                raise DataError(
+                    f"{what} has {len(values)} numbers, but the array has {len(array)} "
+                    "bands; allowed: one number for each band"
+                )
         if np.ma.is_masked(array):
             raise DataError(f"{name} has masked samples: replace them with numbers")
         single = array.dtype.newbyteorder("=") == np.float32

@@ -27,7 +27,9 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         None, "velocity of the platform; empty: from Init & Trans"
     )
     integration_time_s: float = param(0.0, "integration time", low=0)
-    range_m: float | None = param(None, "altitude or distance; empty: from Init & Trans", low=0)
+    range_m: float | None = param(
+        None, "altitude, or distance to the scene; empty: from Init & Trans", low=0
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         blur = self.blur_y_mrad(context)

@@ -12,8 +12,8 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion"):
     """Blur by random line-of-sight motion within one exposure (Gaussian).
 
-    exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
-    typical. Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
+    exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical rms motion:
+    20 to 60 µrad). Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
     """
 
     formulas = (
@@ -23,7 +23,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
         ),
     )
 
-    sigma_mrad: float = param(0.02, "rms motion per axis", low=0, slider=(0, 1))
+    sigma_mrad: float = param(0.02, "rms line-of-sight motion per axis", low=0, slider=(0, 1))
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         sigma = {"sigma_mrad": self.sigma_mrad} if self.sigma_mrad else None

@@ -145,7 +145,8 @@ class LineOfSight(
         return Caution(
             f"exposures overlap: integration_time_s = {self.integration_time_s:g} s is longer than "
             f"the frame period of {frame_s:g} s",
-            "lower integration_time_s or frame_rate_Hz, unless the frames are overlapping averages",
+            "lower integration_time_s or frame_rate_Hz; ignore this warning if the "
+            "frames are overlapping averages",
         )
 
     @readout("mrad")

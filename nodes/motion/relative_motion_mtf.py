@@ -41,7 +41,7 @@ class RelativeMotionMTF(
     platform_velocity_x: float = param(0.0, "velocity of the platform along x", unit="m/s")
     platform_velocity_y: float = param(0.0, "velocity of the platform along y", unit="m/s")
     integration_time_s: float = param(0.0, "integration time", low=0)
-    range_m: float | None = param(None, "distance; empty: from Init & Trans", low=0)
+    range_m: float | None = param(None, "distance to the scene; empty: from Init & Trans", low=0)
     model: Literal["published", "line"] = param(
         "published", "rectangle (eq. 4.31), or a straight smear"
     )

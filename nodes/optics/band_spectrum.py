@@ -26,7 +26,8 @@ Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[
     Path | None,
     Param(
-        "CSV of wavelength (µm) and detector response, which also weights the light; empty: none"
+        "CSV of wavelength (µm) and detector response, which also weights the light; "
+        "empty: no response"
     ),
 ]
 _KELVIN = ("K", "kelvin")

@@ -111,7 +111,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     )
     obscuration_ratio: float = param(
         0.0,
-        "obscuration: inner diameter of the aperture divided by the outer",
+        "obscuration: inner diameter of the aperture divided by its outer diameter",
         (0, 1),
         below=True,
         slider=(0, 0.6),
@@ -131,7 +131,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     range_m: float | None = param(None, "distance to the scene", low=0, slider=(10, 10000))
     altitude_km: float | None = param(
         None,
-        "altitude of a circular orbit; empty: not on a satellite",
+        "altitude of a circular orbit; empty: the camera is not on a satellite",
         (0, 1e5),
         above=True,
         slider=(300, 1000),
@@ -298,8 +298,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         return Caution(
             "samples per pixel differ between horizontal and vertical: the height-to-width ratio "
             f"is {sample:.4g} for the picture's samples and {pixel:.4g} for the pixels",
-            "correct pitch, pixels or the picture's field of view, unless this sampling is "
-            "intended",
+            "correct pitch, pixels or the picture's field of view; ignore this "
+            "warning if this sampling is intended",
         )
 
     @warning
@@ -404,8 +404,8 @@ def _field_caution(
     return Caution(
         f"the picture's field of view, {degrees:.4g}°, is used, but {name} = {pixels} at "
         f"{pitch_mrad:.4g} mrad per pixel gives {flat:.4g}°",
-        "correct pixels, pitch, focal length or the picture's field of view, unless the picture "
-        "covers more or less than the camera's field",
+        "correct pixels, pitch, focal length or the picture's field of view; ignore "
+        "this warning if the picture covers more or less than the camera's field",
     )
 
 
@@ -436,7 +436,7 @@ def camera_figures(
         ("f_number", sheet.f_number, "", "F-number"),
         ("aperture_mm", sheet.aperture_mm, "mm", "diameter of the aperture"),
         ("obscuration_ratio", sheet.obscuration_ratio, "",
-         "obscuration: inner diameter divided by the outer"),
+         "obscuration: inner over outer diameter of the aperture"),
         ("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
         ("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
         ("range_m", sheet.range_m, "m", "distance to the scene"),

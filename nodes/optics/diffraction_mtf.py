@@ -101,7 +101,8 @@ class DiffractionMTF(
     )
     obscuration_ratio: float | None = param(
         None,
-        "obscuration: inner diameter divided by the outer; empty: from Camera, or none",
+        "obscuration: inner over outer diameter of the aperture; empty: from Camera, "
+        "or no obscuration",
         (0, 1),
         below=True,
         slider=(0, 0.6),
@@ -122,7 +123,7 @@ class DiffractionMTF(
     )
     tolerance: float = param(
         0.0,
-        "largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or "
+        "largest OTF error allowed with auto; 0 means 1e-13, or 1e-10 with defocus, or "
         "1e-6 with a response of many points",
         (0, 1),
     )
@@ -277,7 +278,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Number of wavelengths; bands for a cube, integration panels for a long response."""
+        """Number of wavelengths (cube: of bands; long response: of integration panels)."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count

@@ -62,7 +62,9 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         ),
     )
 
-    model: Literal["brown", "fisheye"] = param("brown", "Brown–Conrady, or fisheye (f-θ)")
+    model: Literal["brown", "fisheye"] = param(
+        "brown", "distortion model: Brown–Conrady, or fisheye (f-θ)"
+    )
     k1: float = param(0.0, "radial coefficient of r² or θ²", **_K)
     k2: float = param(0.0, "radial coefficient of r⁴ or θ⁴", **_K)
     k3: float = param(0.0, "radial coefficient of r⁶ or θ⁶", **_K)

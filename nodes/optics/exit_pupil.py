@@ -73,7 +73,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     size_y: int = param(512, "samples per column of the pupil array", (2, 8192))
     radius: float | None = param(
         None,
-        "radius of the aperture; empty: 75, or for a file the radius of its enclosing circle",
+        "radius of the aperture; empty: 75, or for a file the radius of the pupil's "
+        "enclosing circle",
         low=0,
         unit="samples",
         slider=(1, 256),
@@ -88,16 +89,20 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     vane_width: float = param(4.0, "width of a vane", low=0, unit="samples", slider=(0, 64))
     path: Path | None = param(
         None,
-        "amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map",
+        "amplitude transmission for the shape `file`, or a complex `.npy`; empty: "
+        "from the wavefront map",
     )
     wavefront_path: Path | None = param(
         None,
         "map of the wavefront error for the shape `file`, relative to the network file's folder",
     )
-    wavefront_unit: Literal["waves", "rad", "um", "nm"] = param("waves", "unit of the map")
+    wavefront_unit: Literal["waves", "rad", "um", "nm"] = param(
+        "waves", "unit of the wavefront map"
+    )
     map_wavelength_um: float | None = param(
         None,
-        "wavelength of a map in waves or rad; empty: from its header, else the middle of the band",
+        "wavelength of a wavefront map in waves or rad; empty: from the map's "
+        "header, else the middle of the band",
         low=0,
         slider=(0.4, 14),
     )

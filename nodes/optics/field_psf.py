@@ -371,7 +371,7 @@ def _error_caution(work: Work, percent: float) -> Caution | None:
     if percent <= _DOUBTFUL:
         return None
     return Caution(
-        f"samples may be off by up to {percent:.2g} % of the picture's range, but in most scenes "
-        "by a tenth of that",
+        f"samples may be off by up to {percent:.2g} % of the picture's range; in most "
+        "scenes, the error is a tenth of this limit",
         "reduce tile; if that does not help, the PSF is too wide: sample the scene more coarsely",
     )

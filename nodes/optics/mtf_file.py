@@ -78,8 +78,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     )
     normalise: Literal["refuse", "at_zero"] = param(
         "refuse",
-        "treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the "
-        "MTF by that value",
+        "treatment of an MTF that is not 1 at zero frequency: refuse the file, or "
+        "divide the MTF by its value there",
     )
     field: int = param(
         0,
@@ -187,7 +187,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
                 raise DataError(f"{table.file}: column {name}: {error.message}") from error
         if kind == "mtf" and (not curves or ("radial" in curves and len(curves) > 1)):
             present = ", ".join(name for name, values in columns if values is not None)
-            allowed = f"one that fits the columns of {table.file.name}: {present}"
+            allowed = f"a direction that fits the columns of {table.file.name}: {present}"
             raise ParameterError("direction", self.direction, allowed)
         return curves
 
@@ -235,7 +235,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         if highest <= 1.0 + ROUNDED:
             return None
         return Caution(
-            f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics cannot exceed 1",
+            f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics "
+            "have an MTF of at most 1",
             "check the table; an MTF above 1 comes from a sharpened picture",
         )
 
@@ -246,7 +247,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The pitch or focal length differs from the one on Init & Trans."""
+        """The pitch or focal length differs from its value on Init & Trans."""
         names = ("focal_length_mm", "detector_x_um", "detector_y_um")
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 

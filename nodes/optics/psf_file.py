@@ -50,7 +50,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         None, "picture of a point, relative to the network file's folder; empty: no blur"
     )
     band: int | None = param(
-        None, "band or channel to use, counted from 0", low=0, zero_is_empty=False
+        None, "band or channel to read, counted from 0", low=0, zero_is_empty=False
     )
     sample_pitch: float | None = param(
         None,
@@ -71,7 +71,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         None, "focal length, used with µm; empty: from Init & Trans", low=0, slider=(10, 10000)
     )
     centroid: Literal["kept", "removed"] = param(
-        "kept", "whether the picture shifts if the centroid is off the file's middle"
+        "kept", "a centroid off the file's middle: kept (it shifts the picture), or removed"
     )
     background: float = param(
         0.0, "background to subtract from every sample, in the file's unit", slider=(0, 100)
@@ -174,7 +174,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The focal length differs from the one on Init & Trans."""
+        """The focal length differs from its value on Init & Trans."""
         if self.pitch_unit != "um":
             return None
         return apart_from_context(self, context, "focal_length_mm")

@@ -129,7 +129,7 @@ SEED_SECTIONS = (
 
 
 class SeededModule(Module):
-    """Base of noise sources, whose seed is derived from network and node, or entered."""
+    """Base class of noise sources, whose seed is derived from network and node, or entered."""
 
     draws_noise = True
 

@@ -40,7 +40,7 @@ def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Transfe
 
 
 class NyquistReadouts(Module):
-    """Base of modules with an MTF: read-outs at both Nyquist frequencies."""
+    """Base class of modules with an MTF: adds read-outs at both Nyquist frequencies."""
 
     @readout()
     def mtf_at_nyquist_x(self, axis: str, outputs: Any) -> TransferAt | None:
@@ -56,7 +56,7 @@ class NyquistReadouts(Module):
 
 
 class BeforeDigits(Module):
-    """Base of modules that act on light or charge, before Focal Plane digitizes them."""
+    """Base class of modules that act on light or charge, before Focal Plane digitizes it."""
 
     @warning
     def digits(self, image: Image) -> Caution | None:
@@ -129,7 +129,7 @@ class MtfModule(NyquistReadouts):
 
 
 class PtfModule(Module):
-    """Base of modules that add a PTF to a phase."""
+    """Base class of modules that add a PTF to a phase."""
 
     apply: Apply = "multiply"
 

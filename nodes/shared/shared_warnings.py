@@ -86,7 +86,7 @@ def wavelength_caution(
         return None
     return Caution(
         f"{name} = {wavelength_um:g} µm lies outside the picture's band, {_band(picture)}",
-        "leave wavelengths empty to use the picture's band, or correct the band",
+        "leave the wavelengths empty to use the picture's band, or correct the picture's band",
     )
 
 
@@ -121,8 +121,10 @@ def apart_caution(
         return None
     unit = f" {unit or unit_of(name)}".rstrip()
     return Caution(
-        f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
-        remedy or f"leave {name} empty to use the other value, unless the difference is intended",
+        f"{name} = {own:.4g}{unit} here but {other:.4g}{unit} {where}",
+        remedy
+        or f"leave {name} empty to use the value {where}; ignore this warning if the "
+        "difference is intended",
     )
 
 
@@ -153,7 +155,7 @@ def apart_from_context(
     return apart(module, {name: getattr(context, name) for name in names}, where=where)
 
 
-ELECTRONICS = "on Init & Trans, the value that the electronics use"
+ELECTRONICS = "on Init & Trans (used by the electronics)"
 
 
 def alike(one: float, other: float, *, near: float = NEAR) -> bool:

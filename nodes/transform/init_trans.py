@@ -61,12 +61,14 @@ class InitTrans(
     obscuration_ratio: float | None = param(
         None,
         "obscuration: inner diameter of the aperture divided by its outer diameter; "
-        "empty: from Camera, or none",
+        "empty: from Camera, or no obscuration",
         (0, 1),
         below=True,
         slider=(0, 0.6),
     )
-    range_m: float | None = param(None, "altitude or distance", low=0, slider=(10, 10000))
+    range_m: float | None = param(
+        None, "altitude, or distance to the scene", low=0, slider=(10, 10000)
+    )
     fill_x: float | None = param(1.0, "horizontal fill factor; empty: 1", (0, 1))
     fill_y: float | None = param(1.0, "vertical fill factor; empty: 1", (0, 1))
     fov_x_deg: float | None = param(None, "horizontal field of view", (0, 180), below=True)
@@ -76,7 +78,9 @@ class InitTrans(
         "how the detectors collect the picture: line scanner, pushbroom line or staring array",
     )
     velocity_m_per_s: float = param(
-        0.0, "velocity of the platform or object; 0: from Camera's orbit, or none", slider=(0, 300)
+        0.0,
+        "velocity of the platform or object; 0: from Camera's orbit; without an orbit, no motion",
+        slider=(0, 300),
     )
     scan_velocity_mrad_per_s: float = param(0.0, "scan velocity", low=0, slider=(0, 1e5))
     edges: Edges = param(
@@ -166,13 +170,13 @@ class InitTrans(
 
     @warning
     def focal_length(self, image: Image) -> Caution | None:
-        """The focal length differs from the one in the picture's file."""
+        """The focal length differs from its value in the picture's file."""
         in_file = {"focal_length_mm": image.header.focal_length_mm}
         return apart(self, in_file, where="in the picture's file")
 
     @warning
     def camera(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """A value differs from the one on Camera."""
+        """A parameter differs from its value on Camera."""
         if image.camera is None:
             return None
         sheet, orbit = image.camera, image.camera.orbit
@@ -196,13 +200,13 @@ class InitTrans(
             self,
             {"velocity_m_per_s": orbit.velocity_m_per_s if orbit else None},
             where="on Camera",
-            remedy="set velocity_m_per_s to 0 to use Camera's value, unless the difference is "
-            "intended",
+            remedy="set velocity_m_per_s to 0 to use the velocity from Camera; ignore this "
+            "warning if the difference is intended",
         )
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
-        """The field of view differs from the picture's own."""
+        """The field of view differs from samples times the picture's sampling interval."""
         sampled = {
             name: None if interval is None else math.degrees(interval * samples / 1000.0)
             for name, interval, samples in (
@@ -210,7 +214,7 @@ class InitTrans(
                 ("fov_y_deg", image.interval_y_mrad, image.rows),
             )
         }
-        return apart(self, sampled, where="from the picture's own sampling")
+        return apart(self, sampled, where="from the picture's sampling interval")
 
     @readout("mrad")
     def interval_x_mrad(self, axis: str, outputs: InitOutputs) -> float:

@@ -303,7 +303,9 @@ def test_a_cube_from_an_array_is_that_of_a_file(tmp_path, monkeypatch):
     info = read_info("again.img")
     assert (info.bands, info.unit, info.wavelengths_um[1:3]) == (4, "W/m^2/sr/um", (3.9, 4.2))
     np.testing.assert_allclose(read_pixels("again.img", 1), cube[2], rtol=1e-15)
-    with pytest.raises(ic.DataError, match="wavelengths_um has 4 numbers for 5 bands"):
+    with pytest.raises(
+        ic.DataError, match="wavelengths_um has 4 numbers, but the array has 5 bands"
+    ):
         ic.scene(cube, wavelengths_um=waves[1:])
     with pytest.raises(ic.DataError, match="has no wavelengths"):
         ic.scene(xarray.DataArray(cube, dims=("band", "y", "x")))

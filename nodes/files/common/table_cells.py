@@ -109,7 +109,9 @@ def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[P
 def refuse_long_table(file: Path, most_bytes: int, what: str) -> None:
     length = file.stat().st_size
     if length > most_bytes:
-        raise FileError(f"{file}: {length} bytes; a table of {what} may have at most {most_bytes}")
+        raise FileError(
+            f"{file}: {length} bytes; a table of {what} may have at most {most_bytes} bytes"
+        )
 
 
 def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_000) -> list[str]:

@@ -73,7 +73,7 @@ def contradiction(focal_mm):
     """What Camera says of F/4 and an aperture of 50 mm; nothing at 200 mm, where both agree."""
     if focal_mm == 200:
         return ""
-    return f"camera: f_number = 4 here, {focal_mm / 50:g} from {focal_mm:g} mm / 50 mm: leave"
+    return f"camera: f_number = 4 here but {focal_mm / 50:g} from {focal_mm:g} mm / 50 mm: leave"
 
 
 @pytest.mark.parametrize("name", ["a.parquet", "a.nc"])

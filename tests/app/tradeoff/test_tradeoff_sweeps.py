@@ -135,7 +135,7 @@ def test_what_still_works_where_a_node_fails_is_told(network):
     points, _ = swept(network, "electronics", "material", values, *names)
     assert points[0].reasons == {}
     assert list(points[1].figures) == ["blur.mtf_at_nyquist_x"]
-    assert "required for the material `manual`" in points[1].reasons["electronics.ner"]
+    assert "give D*, because material is manual" in points[1].reasons["electronics.ner"]
 
 
 def test_zero_that_stands_for_empty_is_no_zero(network):

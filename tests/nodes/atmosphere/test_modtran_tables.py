@@ -106,7 +106,7 @@ def test_the_module_takes_the_orbit_of_the_camera(tables, tmp_path):
     plan = planned(tmp_path, given, {"altitude_km": 500}).plan
     words = " ".join(str(caution) for caution in plan.warnings())
     assert "air_K = 280 K is not used: the tables contain the path radiance" in words
-    assert "altitude_m = 9000 m here, 5e+05 m on Camera" in words
+    assert "altitude_m = 9000 m here but 5e+05 m on Camera" in words
 
 
 def test_without_pybsm_the_extra_is_named(monkeypatch, tmp_path):

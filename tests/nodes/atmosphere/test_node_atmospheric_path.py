@@ -153,7 +153,7 @@ def test_the_range_of_the_camera_or_of_the_context(chain):
     assert known.figures()["optical_depth"] == pytest.approx(0.4, rel=1e-14)
     known = chain({**params, "range_m": 5000}, before=[("cam", "camera", {"range_m": 3000})])
     assert known.figures()["optical_depth"] == pytest.approx(0.5, rel=1e-14)
-    assert any("range_m = 5000 m here, 3000 m on Camera" in text for text in known.warnings())
+    assert any("range_m = 5000 m here but 3000 m on Camera" in text for text in known.warnings())
 
 
 def test_noise_of_the_scene_is_dimmed(tmp_path):
@@ -179,7 +179,9 @@ def test_two_constituents(chain, tmp_path):
     expected = 0.4 * SAMPLES + 0.6 * band_radiance(8, 12, 280)
     np.testing.assert_allclose(known.value("air.image"), expected, rtol=1e-12)
     assert len(known.plan.output("air.image").air) == 2
-    assert any("range_m = 700 m here, 900 m on the Atmospheric Path" in w for w in known.warnings())
+    assert any(
+        "range_m = 700 m here but 900 m on the Atmospheric Path" in w for w in known.warnings()
+    )
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def test_red_light_blurs_most_from_the_front_and_blue_from_the_back(tmp_path):
         (
             {},
             (3.0, 5.0),
-            "0.25 to 1.2 µm, where silicon absorbs; otherwise, give absorption_per_um",
+            "0.25 to 1.2 µm, where silicon absorbs; for other wavelengths, give absorption_per_um",
         ),
         ({"side": "back"}, (0.5, 0.8), "thickness_um is empty: give a thickness above"),
         ({"side": "back", "thickness_um": 3.0}, (0.5, 0.8), "thickness_um = 3"),

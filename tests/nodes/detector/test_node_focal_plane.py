@@ -403,7 +403,7 @@ def test_a_gain_of_no_kind_is_warned_of(tmp_path):
         ({**SILICON, "dark_doubling_K": None}, "dark_doubling_K"),
         ({**SILICON, "detector_K": None}, "dark_doubling_K need the detector's temperature"),
         ({"quantum_efficiency_percent": 60, "responsivity_A_per_W": 1, "responsivity_um": 4},
-         "quantum_efficiency_percent = 60.0 % is not allowed: empty if responsivity_A_per_W is"),
+         "= 60.0 % is not allowed: must be empty if responsivity_A_per_W is"),
         ({"responsivity_A_per_W": 4.0, "responsivity_um": 4.5}, "at most 3.629 at 4.5 µm"),
         ({"responsivity_A_per_W": 1.0}, "responsivity_um"),
         ({"responsivity_um": 4.0}, "responsivity_A_per_W"),

@@ -123,7 +123,7 @@ def test_a_second_transform_takes_the_camera_and_not_the_first(planned):
 def test_another_focal_length_in_the_file():
     image = Image(Step.of(np.zeros), 8, 8, header=Header(focal_length_mm=50.0))
     caution = Camera.build({"focal_length_mm": 100}).focal_length(image)
-    assert "focal_length_mm = 100 mm here, 50 mm in the picture's file" in caution.text
+    assert "focal_length_mm = 100 mm here but 50 mm in the picture's file" in caution.text
     assert Camera.build({"focal_length_mm": 50.2}).focal_length(image) is None
 
 
@@ -172,7 +172,11 @@ def test_few_samples_are_counted(planned, scale, words):
 @pytest.mark.parametrize(
     ("camera", "init", "words"),
     [
-        ({"altitude_km": 600, "range_m": 6.1e5}, {}, "range_m = 6.1e+05 m here, 6e+05 m from alti"),
+        (
+            {"altitude_km": 600, "range_m": 6.1e5},
+            {},
+            "range_m = 6.1e+05 m here but 6e+05 m from alti",
+        ),
         # The Earth turns by 465 m/s at the equator, the point below a GPS satellite by 929.
         ({"altitude_km": 20200}, {}, "by up to 50 %: at altitude_km = 20200 the Earth's rotation"),
         ({"look_angle_deg": 20}, {}, "look_angle_deg = 20° is not used"),

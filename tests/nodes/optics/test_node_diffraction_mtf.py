@@ -87,7 +87,7 @@ def test_the_cameras_aperture_and_obscuration(planned):
     # An F-number on Init & Trans counts before the camera's aperture, with a warning there.
     other = planned(init={"f_number": 4}, camera=camera)
     assert other.readouts("optics")["aperture_mm"] == 100
-    assert "f_number = 4 here, 5 on Camera" in " ".join(map(str, other.plan.warnings()))
+    assert "f_number = 4 here but 5 on Camera" in " ".join(map(str, other.plan.warnings()))
 
 
 @pytest.mark.parametrize(

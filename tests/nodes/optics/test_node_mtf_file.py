@@ -259,5 +259,5 @@ def test_warns_of_what_amplifies_of_no_file_and_of_another_geometry(tmp_path):
     assert "path is empty" in cautions(tmp_path, {})["no_file"]
     params = table(tmp_path, [0.0, 40.0], "cyc/mm", mtf=[1.0, 0.0])
     found = cautions(tmp_path, {**params, "focal_length_mm": 150.0})
-    assert "focal_length_mm = 150 mm here, 120 mm on Init & Trans" in found["geometry"]
+    assert "focal_length_mm = 150 mm here but 120 mm on Init & Trans" in found["geometry"]
     assert "geometry" not in cautions(tmp_path, {**params, "focal_length_mm": 120.0})

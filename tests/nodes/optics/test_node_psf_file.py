@@ -199,5 +199,5 @@ def test_warns_of_energy_at_the_border_of_coarse_samples_and_of_no_file(tmp_path
     assert "path is empty" in cautions(tmp_path, {})["no_file"]
     np.save(tmp_path / "psf.npy", smooth)
     params = {"path": "psf.npy", "sample_pitch": 5.0, "focal_length_mm": 50.0}
-    assert "50 mm here, 100 mm" in cautions(tmp_path, params)["geometry"]
+    assert "50 mm here but 100 mm" in cautions(tmp_path, params)["geometry"]
     assert "PTF is left out" in cautions(tmp_path, params, phase="init.phase")["no_phase"]

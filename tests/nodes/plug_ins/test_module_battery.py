@@ -235,7 +235,7 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
         (ByPart, ["a region computed on its own", "differs from the full picture by"]),
         (Restless, ["a different key each time"]),
         (Failing, ["IndexError instead of an ImagechainError: list index"]),
-        (Silent, ["no docstring", "gain: its help text must not end", "read-out level is nan"]),
+        (Silent, ["no docstring", "gain: the help text must not end", "read-out level is nan"]),
         (Loud, ["H(0) = ", "|H| reaches 1.5"]),
         (Untyped, ["declaration: Untyped.gain needs param"]),
     ],

@@ -96,9 +96,9 @@ def test_the_elevation_is_that_of_the_orbit(tmp_path):
     ground = found["gsd_m"] / math.sqrt(math.sin(math.radians(elevation)))
     assert found["gsd_ground_m"] == pytest.approx(ground, rel=1e-12)
     for typed, words in (
-        ({"elevation_deg": 60.0}, "elevation_deg = 60 deg here, 56.84 deg from Camera's orbit"),
-        ({"off_nadir_deg": 30.0}, "elevation_deg = 60 deg here, 56.84 deg from Camera's orbit"),
-        ({"range_m": 6e5}, "range_m = 6e+05 m here, 7.04e+05 m on Init & Trans"),
+        ({"elevation_deg": 60.0}, "elevation_deg = 60 deg here but 56.84 deg from Camera's orbit"),
+        ({"off_nadir_deg": 30.0}, "elevation_deg = 60 deg here but 56.84 deg from Camera's orbit"),
+        ({"range_m": 6e5}, "range_m = 6e+05 m here but 7.04e+05 m on Init & Trans"),
     ):
         bench = bench_of(tmp_path, typed, init={"range_m": None}, orbit=orbit)
         (said,) = cautions(bench, "view")
