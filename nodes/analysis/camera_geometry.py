@@ -145,8 +145,8 @@ def geometry_table(
          f"{samples}, along the track"),
         ("strips", laid.strips, "", "strips per footprint"),
         ("footprint_error", error, "",
-         "largest change with four times as many strips, as a fraction of the scene's peak-to-peak "
-         "signal"),
+         "largest change when footprints are cut into four times as many strips, as "
+         "a fraction of the scene's peak-to-peak signal"),
     )  # fmt: skip
 
 

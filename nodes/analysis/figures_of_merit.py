@@ -111,7 +111,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
 
     model: threshold_curves.Model = param(
-        "flir92", "temporal noise only, or three-dimensional noise with a sampling limit"
+        "flir92",
+        "MRTD model: temporal noise only (ratches_1976), or 3-D noise with a "
+        "sampling limit (flir92)",
     )
     scanning: Scanning = param(
         "automatic",

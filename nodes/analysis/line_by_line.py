@@ -92,7 +92,8 @@ def difference_table(
          "rms difference, as a fraction of the picture's range"),
         ("max_percent", float(largest[worst]) * percent, "%",
          "largest difference, as a fraction of the picture's range"),
-        ("max_view_deg", float(degrees[worst]), "deg", "view angle at the largest difference"),
+        ("max_view_deg", float(degrees[worst]), "deg", "view angle at which the "
+        "difference is largest"),
         ("rms_worst_percent", scale * percent, "%",
          "largest rms difference at any view angle"),
         ("rms_worst_view_deg", float(degrees[worst_rms]), "deg",
@@ -107,11 +108,11 @@ def difference_table(
         ("interval_edge_mrad", min(intervals_mrad), "mrad",
          "sampling interval along the track, farthest from nadir"),
         ("scale_nodes", filtered.nodes, "",
-         "sampling intervals at which non-separable factors were computed"),
+         "number of sampling intervals at which non-separable factors were computed"),
         ("response_error", filtered.response_error, "",
          "interpolation error of the transfer function"),
         ("error_percent", filtered.picture_error * percent, "%",
-         "estimated error of the interpolation"),
+         "estimated interpolation error, as a fraction of the picture's range"),
     )  # fmt: skip
 
 
@@ -197,8 +198,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
     spacing: Literal["frame", "flight", "typed"] = param(
         "frame",
-        "line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate "
-        "(one line per turn), or line_spacing_m",
+        "line spacing at nadir; frame: the frame's interval; flight: from velocity "
+        "and scan rate on Init & Trans, one line per turn; typed: line_spacing_m",
     )
     line_spacing_m: float | None = param(
         None, "distance between scan lines on the ground", low=0, slider=(0.1, 10)
@@ -208,12 +209,13 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
     method: Method = param(
         "nodes",
-        "non-separable factors: interpolated between a few sampling intervals, or summed "
-        "exactly for each interval",
+        "how non-separable factors are computed: interpolated between a few sampling "
+        "intervals (nodes), or summed exactly for each interval (direct)",
     )
     nodes: int | None = param(
         None,
-        "number of intervals to interpolate between; empty: as many as the tolerance requires",
+        "number of sampling intervals to interpolate between; empty: as many as the "
+        "tolerance requires",
         (0, MOST_NODES),
     )
     tolerance: float = param(

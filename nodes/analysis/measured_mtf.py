@@ -358,20 +358,22 @@ def table_of(
         ("mtf10", measured.mtf10, "frequency at which the MTF falls to 0.1"),
     ):
         rows.append((name, scaled(figure.value), unit_of_axis, meaning))
-        rows.append((f"{name}_error", scaled(figure.error), unit_of_axis, "standard error"))
+        rows.append(
+            (f"{name}_error", scaled(figure.error), unit_of_axis, f"standard error of {name}")
+        )
     rows += [
-        ("nyquist", NYQUIST * factor, unit_of_axis, "half a cycle per pixel"),
+        ("nyquist", NYQUIST * factor, unit_of_axis, "Nyquist frequency: half a cycle per pixel"),
         ("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
-        ("at_nyquist_error", measured.nyquist.error, "", "standard error"),
+        ("at_nyquist_error", measured.nyquist.error, "", "standard error of at_nyquist"),
         ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
         ("noise", measured.noise, unit, "standard deviation of the noise in one sample"),
         ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
          "frequency at which the chain's own MTF falls to 0.5"),
         ("expected_at_nyquist", one and one.at_nyquist, "", "the chain's own MTF at Nyquist"),
         ("largest_difference", one and one.largest_difference, "",
-         "measured minus expected MTF, up to Nyquist"),
+         "largest difference, measured minus expected MTF, up to Nyquist"),
         ("largest_difference_at", one and scaled(one.largest_difference_at), unit_of_axis,
-         "frequency of the largest difference"),
+         "frequency at which measured and expected MTF differ most"),
         ("scene_blur", one and one.scene, "",
          "blur of the scene itself; included in the expected MTF if known"),
     ]  # fmt: skip
@@ -454,7 +456,9 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     )
 
     method: Literal["slanted_edge", "row_average"] = param(
-        "slanted_edge", "ISO 12233 for a slanted edge, or the thesis's method for a vertical edge"
+        "slanted_edge",
+        "method: ISO 12233 for a slanted edge, or the row average of Tantalo 1996 "
+        "for a vertical edge",
     )
     target: Target = param(
         "edge", "feature in the region: an edge, or a line (its width counts as blur)"

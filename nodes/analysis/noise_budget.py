@@ -339,7 +339,9 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
         slider=(0.05, 1),
     )
     noise: Kind = param(
-        "all", "all noise, noise that changes from frame to frame, or fixed patterns"
+        "all",
+        "noise in the budget: all noise, temporal noise (changes from frame to "
+        "frame), or fixed patterns",
     )
     show: Show = param(
         "share",

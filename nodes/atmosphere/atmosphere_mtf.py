@@ -39,11 +39,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
     entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
     plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
-    number, or the scattering coefficient along the path. On a downward or upward path, this
-    coefficient falls exponentially with height. Absorption attenuates all frequencies equally and
-    does not blur: use Atmospheric Path. The blur is stronger looking up than looking down, because
-    the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol
-    cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
+    number, or the scattering coefficient along the path. On a downward or upward path, the
+    scattering coefficient falls exponentially with height. Absorption attenuates all frequencies
+    equally and does not blur: use Atmospheric Path. The blur is stronger looking up than looking
+    down, because the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and
+    the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own
+    wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """

@@ -59,7 +59,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     interpolated over height and ground range. With every second table left out as a test, a band's
     transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at nadir,
     from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
-    `atmosphere` to use this model.
+    `atmosphere` to use `modtran_tables`.
 
     A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
     the radiance of a black body. The black body's temperature is `source_K` if given, otherwise

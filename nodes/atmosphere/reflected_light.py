@@ -42,9 +42,9 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
-    starlight. The spectrum keeps its shape. Moonlight has nearly the spectrum of sunlight.
-    Starlight does not: airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4
-    µm. For starlight, give the spectrum of the night sky in `path`.
+    starlight. Scaling does not change the shape of the spectrum. Moonlight has nearly the spectrum
+    of sunlight. Starlight does not: airglow makes the night sky a thousand times brighter at 1.6 µm
+    than at 0.4 µm. For starlight, give the spectrum of the night sky in `path`.
 
     Sources: Lambert 1760; Kasten and Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar
     Energy 76, 423); nominal solar radius of the IAU, 2015 (black body); CIE 018:2019, V(λ); RCA

@@ -164,7 +164,9 @@ class FocalPlanePanel(SeededModule):
         0.0, "share of dead and hot pixels, some of them clustered", (0, 100), slider=(0, 1)
     )
     binning: Literal["charge", "digital"] = param(
-        "charge", "sum the pixels' charge before read noise, or their digital numbers afterwards"
+        "charge",
+        "quantity that binning sums: the pixels' charge before read noise, or their "
+        "digital numbers",
     )
     binning_x: int = param(1, "number of pixels summed horizontally", (1, 1024), slider=(1, 8))
     binning_y: int = param(1, "number of pixels summed vertically", (1, 1024), slider=(1, 8))

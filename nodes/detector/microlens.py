@@ -18,8 +18,8 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     """Darken the picture where the chief ray angle differs from the microlenses' design angle.
 
     The detector's data sheet gives the chief ray angle (CRA) for which the microlenses at the
-    corner are designed. The lens's data sheet gives the CRA of the lens. If the two angles are
-    equal, the picture does not change. A difference lowers the response: to half at
+    corner are designed. The lens's data sheet gives the CRA of the lens. If the CRAs of lens and
+    microlenses are equal, the picture does not change. A difference lowers the response: to half at
     `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
     picture, and the corner angles apply at the picture's corners. Only the chief ray counts: the
     response is not averaged over the cone of a fast lens. Put this module before Focal Plane, which
@@ -51,7 +51,8 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
         slider=(-40, 40),
     )
     response: Literal["half_angle", "file"] = param(
-        "half_angle", "response versus angle: from half_response_deg, or measured"
+        "half_angle",
+        "response versus angle: computed from half_response_deg, or a measured curve from a file",
     )
     half_response_deg: float = param(
         20.0,

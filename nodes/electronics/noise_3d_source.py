@@ -37,9 +37,9 @@ class Noise3DSource(
     frame. `corner_Hz` adds 1/f noise to each sample; at this frequency, 1/f noise and sigma_tvh
     have the same spectral density. The 1/f noise extends from 1/`longest_period_s` to half the
     frame rate, and any frame can be computed independently. All variance of the 1/f noise is
-    temporal. 3-D Noise analyses a limited number of frames, so it counts slower changes as fixed
-    pattern (vh). Without any component, the picture does not change. Sources: D'Agostino and Webb
-    1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    temporal. 3-D Noise analyses a limited number of frames, so it counts changes over longer times
+    as fixed pattern (vh). Without any component, the picture does not change. Sources: D'Agostino
+    and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
     """
 
     formulas = (

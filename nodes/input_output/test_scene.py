@@ -38,15 +38,16 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ground. The airfield is seen from above and has straight roads, for use with Camera Geometry.
 
     `bands` divides the scene's band into spectral bands of equal width. Optics and atmosphere treat
-    each spectral band at its own wavelength until a detector sums the bands. Surfaces then have the
-    spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely
-    sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
-    surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all
-    bands. With `emissivity` grey, every surface keeps a single emissivity; without sunlight, the
-    bands then add up to the picture for `bands` = 0. If `quantity` is reflectance, the samples are
-    surface reflectances, as input for Reflected Light. Shade and sky get the reflectance of a
-    sunlit surface that looks as bright. Targets then have `target_reflectance` and their background
-    has `background_reflectance`, at all wavelengths.
+    each spectral band at its own wavelength until a detector sums the bands. With `bands` above 0,
+    surfaces have the spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and
+    glass, coarsely sampled. Surfaces emit at their own temperature and reflect the sky. With
+    `sun_elevation_deg`, surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm.
+    Targets are black in all bands. With `emissivity` grey, every surface keeps a single emissivity;
+    without sunlight, the bands then add up to the picture for `bands` = 0. If `quantity` is
+    reflectance, the samples are surface reflectances, as input for Reflected Light. Shade and sky
+    get the reflectance of a sunlit surface that looks as bright. If `quantity` is reflectance,
+    targets have `target_reflectance` and their background has `background_reflectance`, at all
+    wavelengths.
     """
 
     formulas = (

@@ -51,7 +51,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
     neglected: in a low orbit it changes the speed by up to 7 % or the direction by up to 4°
-    (`yaw_deg` of TDI MTF), in a high orbit by more. Above 2000 km a warning states the error.
+    (`yaw_deg` of TDI MTF), in a high orbit by more. Above an altitude of 2000 km, a warning states
+    the error in speed.
 
     The obscuration blocks light: electrons, NETD and SNR use the open share of the aperture, 1 −
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and

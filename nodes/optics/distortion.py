@@ -42,10 +42,10 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     per sample are misplaced by less than 1e-3 sample. The picture is not filtered: if
     `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion
     images points beyond the frame. Give the scene more samples at the same interval; the scene's
-    field is samples times interval, not the lens's 2·arctan. Set `width` and `height` to the
-    camera's samples. A warning gives the numbers needed. Beyond the scene, the outermost samples
-    are repeated. MTF and noise are valid on the axis, where nothing is stretched. Sources: Brown
-    1966; Kannala and Brandt 2006; OpenCV, camera calibration.
+    field of view is samples times interval, not 2·atan(Np/2f) as for a lens. Set `width` and
+    `height` to the camera's samples. A warning gives the required sizes. Beyond the scene, the
+    outermost samples are repeated. MTF and noise are valid on the axis, where nothing is stretched.
+    Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
     """
 
     formulas = (

@@ -209,7 +209,7 @@ def test_tape7(tmp_path, head, solar):
     ("text", "words"),
     [
         (tape7(end=()), "ends without -9999."),
-        (tape7(end=("  -9999.", *CARDS, HEAD)), "several runs"),
+        (tape7(end=("  -9999.", *CARDS, HEAD)), "several MODTRAN runs"),
         (tape7(head=HEAD.replace("PTH THRML", "         ")), "0 columns are named PTH THRML"),
         (tape7(rows=ROWS[:1]), "1 rows; a spectrum needs at least 2"),
         (tape7(rows=[ROWS[1], ROWS[0]]), "line 5.*a wavenumber above the previous one"),

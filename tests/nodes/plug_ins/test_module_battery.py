@@ -231,7 +231,7 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
         (NoNoise, ["TypeError instead of an ImagechainError: unsupported operand"]),
         (BadNoise, ["output image: noise of variance 1 gives a variance of inf"]),
         (Infinite, ["does not run: it: numbers overflow the floating-point range"]),
-        (Rough, ["output image is off by", "of its range in single precision"]),
+        (Rough, ["output image in single precision differs", "of the range"]),
         (ByPart, ["a region computed on its own", "differs from the full picture by"]),
         (Restless, ["a different key each time"]),
         (Failing, ["IndexError instead of an ImagechainError: list index"]),
