@@ -57,15 +57,15 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     along y. The noise also depends on the scanning and is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
     by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`,
-    these errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f noise of
-    detector channels (σ_tv) is not simulated.
+    gain and bias errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f
+    noise of detector channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
-    temperature. Use Image Quality for such a picture. If the scene is hot enough to emit in the
-    band, enter its temperature in `background_K`. All figures in K are apparent values at the
-    camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
-    range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
-    path's τ(R) at each wavelength, weighted by dL/dT.
+    temperature. Use Image Quality for a picture formed by reflected light. If the scene is hot
+    enough to emit in the band, enter its temperature in `background_K`. All figures in K are
+    apparent values at the camera, after the atmosphere, for the background's apparent temperature.
+    The apparent ΔT at a range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent
+    ΔT follows from the path's τ(R) at each wavelength, weighted by dL/dT.
 
     Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
     resolved is the one at which the target's apparent ΔT equals the 2-D MRTD.
@@ -74,7 +74,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
     threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
     threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
-    the eyeball and the eye's visual channel at that frequency. `flir92` includes fixed patterns.
+    the eyeball and the eye's visual channel at each frequency. `flir92` includes fixed patterns.
     The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
     target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
     tracked vehicles; this value could not be checked.

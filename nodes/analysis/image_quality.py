@@ -33,29 +33,30 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
-    sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
-    GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
-    geometric mean of these two distances, GSD/(sin e)^¼. The relative edge response (RER) is the
-    rise of the edge response from half a sample before the edge to half a sample after it. The
-    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. RER and H follow
-    from the chain's transfer functions; the SNR follows from the chain's signal and temporal noise.
-    No noise is drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE
-    5 the worse RER counts twice. Connect the picture as the sensor samples it, before a frame
-    grabber interpolates it.
+    sampling interval times the range. GIQE 3 uses the GSD normal to the line of sight. GIQE 4 uses
+    the GSD on the ground: GSD/√sin e, where e is the elevation of the line of sight seen from the
+    target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
+    edge response (RER) is the rise of the edge response from half a sample before the edge to half
+    a sample after it. The overshoot H is the height of the edge response 1 to 3 samples beyond the
+    edge. RER and H follow from the chain's transfer functions; the SNR follows from the chain's
+    signal and temporal noise. No noise is drawn or measured. GSD, RER and H are geometric means
+    over both directions; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor
+    samples it, before a frame grabber interpolates it.
 
     With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
     it to radiance, the difference follows from the illumination and the atmosphere set in that
-    module. Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The
-    SNR is then 8/15 of the mean signal divided by the noise, and a warning is shown. With `mean`,
-    the SNR is the mean signal divided by the noise.
+    module. Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance, so
+    the SNR is 8/15 of the mean signal divided by the noise. A warning is shown in this case. With
+    `mean`, the SNR is the mean signal divided by the noise.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. GIQE 3
     and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
     visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
-    warning lists values outside these limits. The limits of GIQE 3 and 5 could not be checked.
+    warning lists values outside the limits of GIQE 4. The limits of GIQE 3 and 5 could not be
+    checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).

@@ -153,22 +153,22 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as the 1996
     model does (output `whole`). Line by Line filters each column at its own interval (output
     `image`). Factors along the scan use one interval for the whole frame; factors along the flight
-    use one interval per column. Pupils and other non-separable factors use both intervals. All
-    factors use angles at the sensor, as in the modules that supply them; frame edges and PTFs are
-    treated as in Back Transform. Separable factors are exact. Non-separable factors are
-    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
-    summed exactly for each interval (`direct`). Pushbroom scanners and arrays sample evenly, so
-    both outputs agree for them. The ground is assumed to be flat, and motion blur is assumed to
-    cover the same angle as at nadir.
+    use one interval per column. Pupils and other non-separable factors use the intervals along the
+    scan and along the flight. All factors use angles at the sensor, as in the modules that supply
+    them; frame edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
+    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
+    arrays sample evenly, so the outputs `image` and `whole` agree. The ground is assumed to be
+    flat, and motion blur is assumed to cover the same angle as at nadir.
 
-    When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
-    For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
-    largest error is 0.03 % of the picture's range for a field of 10°, 0.5 % for 30°, 1.1 % for 45°,
-    2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for these fields are 0.002, 0.02,
-    0.05, 0.1, 0.25 and 0.5 %. In the thesis's field of 30°, six-bit quantization hides the error.
-    Filtering line by line takes 1.3 to 4 times as long (`imagechain bench`, table scanning);
-    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
-    thesis leaves the comparison to later work.
+    When is one interval for the whole image good enough? The error of a single interval grows as 1
+    − cos(view angle). For the Inframetrics' blur of three samples on the built-in scene (network
+    `line_by_line`), the largest error is 0.03 % of the picture's range for a field of 10°, 0.5 %
+    for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for fields of
+    10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the thesis's
+    field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times
+    as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source:
+    Tantalo 1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
     """
 
     formulas = (

@@ -426,16 +426,16 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     their distance from the edge. The derivative of the bin means is windowed, Fourier transformed,
     and corrected for the responses of the bins and of the derivative. Frequencies are measured
     along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
-    transforms the derivative. The MTF is the modulus of this transform, divided by its largest
-    value; the response of the derivative, 0.64 at Nyquist, is not corrected for. Standard errors
-    are estimated by leaving out rows (jackknife).
+    transforms the derivative. The MTF of `row_average` is the modulus of the Fourier transform,
+    divided by its largest value; the response of the derivative, 0.64 at Nyquist, is not corrected
+    for. Standard errors are estimated by leaving out rows (jackknife).
 
-    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. This MTF
-    includes all stages from the source on and, for a test scene, the blur of the scene's samples,
-    which are means over their area. The blur of a scene from a file is unknown and not included; a
-    picture straight from a file has no expected MTF. Aliasing in `row_average` is not included.
-    `imagechain measure` finds the edges in pictures of real cameras. Source: ISO 12233:2023;
-    Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. The expected
+    MTF includes all stages from the source on and, for a test scene, the blur of the scene's
+    samples, which are means over their area. The blur of a scene from a file is unknown and not
+    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
+    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
+    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
     """
 
     formulas = (

@@ -31,10 +31,11 @@ class CurveOutput(NamedTuple):
 class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     """Plot the MTF of each stage and of the total along a line, from zero to Nyquist.
 
-    Stages are evaluated only on that line, so the plot is fast. For a magnitude, the MTFs are
-    plotted, not the picture's spectrum; for a PTF, the phases and their sum. The plot ends at the
-    Nyquist frequency of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch,
-    is marked if Init & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
+    Stages are evaluated only on the plotted line, so the plot is fast. For a magnitude, the MTFs
+    are plotted, not the picture's spectrum; for a PTF, the phases and their sum. The plot ends at
+    the Nyquist frequency of the image's samples. The pixels' Nyquist frequency, half a cycle per
+    pitch, is marked if Init & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and
+    5.53.
     """
 
     formulas = (

@@ -66,10 +66,10 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     5800 K (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness
     temperature. In a spectral picture (`bands` of Read Image), each band is multiplied by its own
     transmission. Absorption and scattering both count as attenuation here; for the blur from
-    scattering, use Atmosphere MTF. When placed after this module, Figures of Merit scales the
-    transmission to each range with Beer's law at every wavelength. Two Atmospheric Path modules in
-    a row represent two constituents of the same air. Put the module after Camera to use Camera's
-    range and orbit; otherwise enter `range_m` here.
+    scattering, use Atmosphere MTF. A Figures of Merit module after this one scales the transmission
+    to each range with Beer's law at every wavelength. Two Atmospheric Path modules in a row
+    represent two constituents of the same air. Put the module after Camera to use Camera's range
+    and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """

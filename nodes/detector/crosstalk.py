@@ -35,8 +35,8 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
 
     kernel: str = param(
         _NONE,
-        "shares of a pixel's signal that stay or leak: 3 × 3 or 5 × 5 numbers, rows "
-        "separated by semicolons",
+        "shares of a pixel's signal that stay or leak, as 3 × 3 or 5 × 5 numbers "
+        "with semicolons between the rows",
     )
     apply: Apply = "multiply"
 

@@ -127,7 +127,7 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
     def joined_range(
         self, high_table: Table | None = None, low_table: Table | None = None
     ) -> Recipe | None:
-        """Saturation of the low gain over the dark noise of the high gain; needs both tables."""
+        """Dynamic range: saturation of low over dark noise of high; needs both tables."""
         if high_table is None or low_table is None:
             return None
         own = Step.of(figure, high_table.recipe, name="dynamic_range_dB")

@@ -558,8 +558,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
          "for a thermal scene."),
         ("netd_K", "K", "NETD: temporal noise over responsivity, for a thermal scene."),
-        ("snr", "", "Signal over temporal noise."),
-        ("snr_at_reference", "", "Signal over temporal noise at reference_radiance."),
+        ("snr", "", "SNR: signal over temporal noise."),
+        ("snr_at_reference", "", "SNR at reference_radiance: signal over temporal noise."),
         ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure "
                                          "whose signal equals the temporal noise."),
         ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "

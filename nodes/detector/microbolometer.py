@@ -403,7 +403,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         return Step.of(range_caution, seen, limits=self._limits(band), kelvin=(low, high))
 
     figures = TableFigures(
-        ("netd_K", "K", "Temporal noise as a temperature difference."),
+        ("netd_K", "K", "NETD: temporal noise as a temperature difference."),
         ("white_netd_K", "K", "White noise as a temperature difference."),
         ("flicker_K", "K", "1/f noise as a temperature difference."),
         ("quantization_K", "K", "Quantization noise as a temperature difference."),
@@ -413,7 +413,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             "Fixed-pattern noise from non-uniform gain and offset, as a temperature difference.",
         ),
         ("noise_radiance", "W/m²/sr", "Temporal noise as scene radiance."),
-        ("snr", "", "Mean signal over temporal noise."),
+        ("snr", "", "SNR: mean signal over temporal noise."),
         ("scene_K", "K", "Brightness temperature of the picture's mean."),
         ("lag_percent", "%", "Fraction of a change that remains after one frame."),
     )

@@ -181,7 +181,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     figures_1 = TableFigures(
         ("response_per_kelvin", "", "Mean response between the references, in the picture's unit "
          "per kelvin."),
-        ("weak_pixels", "", "Pixels whose response is too small to correct."),
+        ("weak_pixels", "", "Number of pixels whose response is too small to correct."),
     )  # fmt: skip
 
 
@@ -214,7 +214,7 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
         ("pattern_high", float(np.std(high)), unit,
          "spread between pixels at the warmer reference"),
         ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
-        ("weak_pixels", int(weak), "", "pixels whose response is too small to correct"),
+        ("weak_pixels", int(weak), "", "number of pixels whose response is too small to correct"),
     )  # fmt: skip
 
 

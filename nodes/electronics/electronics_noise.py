@@ -525,7 +525,7 @@ class ElectronicsNoise(
         ("netd_detector_K", "K", "NETD of the detectors, from the rms noise over all detectors."),
         ("netd_amplifier_K", "K", "NETD of the amplifier."),
         ("netd_system_K", "K", "NETD of detector and amplifier together."),
-        ("snr", "", "Mean signal over rms noise of detector and amplifier."),
+        ("snr", "", "SNR: mean signal over rms noise of detector and amplifier."),
         ("quantization_rms", "W/m²/sr", "Quantization noise."),
         ("background_K", "K", "Background temperature for D* and dL/dT."),
     )

@@ -154,8 +154,8 @@ def _numbers(layout: EnviLayout, key: str) -> tuple[float, ...] | None:
         return None
     if len(values) != layout.bands:
         raise FileError(
-            f"{layout.header}: {key} has {len(values)} values; allowed: one for each of the "
-            f"{layout.bands} bands"
+            f"{layout.header}: {key} has {len(values)} values; allowed: one value for "
+            f"each of the {layout.bands} bands"
         )
     for place, value in enumerate(values):
         if value <= 0:

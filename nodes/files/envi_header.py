@@ -278,7 +278,8 @@ def number_list(fields: Fields, key: str, header: Path, bands: int) -> tuple[flo
         return None
     if len(texts) not in (1, bands):
         raise FileError(
-            f"{header}: {key} has {len(texts)} values; allowed: one for each of the {bands} bands"
+            f"{header}: {key} has {len(texts)} values; allowed: one value for each of "
+            f"the {bands} bands"
         )
     try:
         values = tuple(number_of(text) for text in texts)

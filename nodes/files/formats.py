@@ -131,6 +131,6 @@ def write_picture(
         allowed = ", ".join(suffixes(*WRITTEN))
         raise FileError(f"{path}: unknown picture suffix {suffix!r}; allowed: {allowed}")
     if dtype not in kind.dtypes:
-        allowed = f"{suffix} files hold {', '.join(kind.dtypes)}"
+        allowed = f"one of {', '.join(kind.dtypes)} for the suffix {suffix}"
         raise ParameterError("dtype", dtype, allowed)
     kind.write(file, as_stored(as_picture(array), dtype, low, high), metadata or {})

@@ -47,8 +47,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     sensitivity. A cube gives one band or plane, by default the first; set `band` for another. With
     `bands` all, a cube with wavelengths in its header gives every band between `cut_on_um` and
     `cut_off_um`. Each band is in W/m²/sr/µm; photons are converted with their energy at the band's
-    wavelength. Optics and atmosphere then act on each band separately until a detector sums the
-    bands. The cube stays on disk.
+    wavelength. Optics and atmosphere act on each band separately until a detector sums the bands.
+    The cube stays on disk.
 
     An empty field of view is taken from the header. The first row of a FITS picture is at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless

@@ -12,8 +12,8 @@ from nodes.shared.shared_warnings import apart_from_context
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
     """Smear along the track from the platform's forward motion while a sample is collected.
 
-    sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
-    width 134 of eq. 4.28 is in cycles/rad.
+    The MTF is sinc(b·eta) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
+    Erratum: the width 134 of eq. 4.28 is in cycles/rad.
     """
 
     formulas = (

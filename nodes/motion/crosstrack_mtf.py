@@ -11,7 +11,7 @@ from nodes.shared.shared_warnings import apart_from_context
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
     """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
 
-    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
+    The MTF is sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
     """
 
     formulas = (

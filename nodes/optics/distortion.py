@@ -63,7 +63,7 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     )
 
     model: Literal["brown", "fisheye"] = param(
-        "brown", "distortion model: Brown–Conrady, or fisheye (f-θ)"
+        "brown", "model of the distortion, Brown–Conrady or fisheye (f-θ)"
     )
     k1: float = param(0.0, "radial coefficient of r² or θ²", **_K)
     k2: float = param(0.0, "radial coefficient of r⁴ or θ⁴", **_K)

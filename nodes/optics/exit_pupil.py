@@ -46,10 +46,10 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     with vanes at 360°/n from +x.
 
     The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
-    aperture's radius. For a file this disc is the smallest circle around all samples above 1 % of
-    the largest. The circle is centred on the array if its radius then grows by at most one sample.
-    A `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives
-    the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
+    aperture's radius. For a file, the disc is the smallest circle around all samples above 1 % of
+    the largest. The circle is centred on the array if centring increases its radius by at most one
+    sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
+    gives the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
     defocus and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border
     of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
     wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex

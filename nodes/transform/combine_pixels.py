@@ -16,9 +16,9 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
 
     Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
     170 pixels. Directly after Back Transform, if the factors divide the picture's size exactly, the
-    spectrum is folded instead of combining samples. The mean of a block represents the pixel's
-    averaging over its area. After Detector MTF, which already averages over the pixel, use Sample
-    Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    module folds the spectrum instead of combining samples. The mean of a block represents the
+    pixel's averaging over its area. After Detector MTF, which already averages over the pixel, use
+    Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
     """
 
     formulas = (

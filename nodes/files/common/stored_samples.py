@@ -30,7 +30,7 @@ def as_picture(array: ArrayLike) -> NDArray[Any]:
     samples = np.asarray(array)
     if samples.dtype.kind not in "buif":
         raise DataError(
-            f"samples of type {samples.dtype} cannot be written as a picture: they must be real"
+            f"samples of type {samples.dtype} cannot be written as a picture; allowed: real numbers"
         )
     if samples.ndim == 2:
         samples = samples[:, :, None]

@@ -119,7 +119,11 @@ def test_missing_field(tmp_path, key):
         ("file_compression", "1", "file compression = 1"),
         ("file_type", "ENVI Spectral Library", "Spectral Library; allowed"),
         ("major_frame_offsets", "{0, 4}", "major frame offsets"),
-        ("wavelength", "{1, 2}", "wavelength has 2 values; allowed: one for each of the 3 bands"),
+        (
+            "wavelength",
+            "{1, 2}",
+            "wavelength has 2 values; allowed: one value for each of the 3 bands",
+        ),
         ("wavelength", "{1, 2, x}", "wavelength contains a value that is not a number"),
         ("fwhm", "{1, 2, -1}", "fwhm of band 2 = -1; allowed: positive"),
         ("fov", "wide", "fov = 'wide' is not a positive number"),
