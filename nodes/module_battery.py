@@ -166,7 +166,7 @@ def _of_values(trial: _Trial) -> Iterator[str]:
             yield f"output {name} is not finite"
         if isinstance(wire, Image) and isinstance(value, np.ndarray):
             if value.shape != wire.shape:
-                yield f"output {name} has {value.shape} samples, but declares {wire.shape}"
+                yield f"output {name} has the shape {value.shape}, but declares {wire.shape}"
             if value.flags.writeable:
                 yield f"output {name} can be modified: return a read-only array"
         if pickle.loads(pickle.dumps(wire)).key != wire.key:

@@ -245,8 +245,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         )
         if context.grid != magnitude.grid or context.edges != magnitude.edges:
             raise DataError(
-                "context and magnitude come from different Init & Trans nodes: wire "
-                "both to the same node"
+                "context and magnitude come from different Init & Trans nodes: "
+                "connect both from the same node"
             )
         whole = back_transform(magnitude, phase, node=here.node)
         factors = (*magnitude.factors, *phase.factors)

@@ -41,9 +41,9 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     th. Rounding counts as noise. With `path`, the frames of a file, for example from a camera, are
     measured instead of simulated frames; they are read one at a time. Everything that stays the
     same from frame to frame, including the scene, then counts as fixed pattern. Use frames of a
-    uniform scene. If a picture is also linked, its predicted noise is shown beside the measurement.
-    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
-    McCulloch 1992, Variance Components (unbiased estimates).
+    uniform scene. If a picture is also connected, its predicted noise is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (
@@ -83,7 +83,9 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
     def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
         if image is None and self.path is None:
-            raise ParameterError("path", None, "give a file of frames, or link an image")
+            raise ParameterError(
+                "path", None, "give a file of frames, or connect a picture to image"
+            )
         noises: tuple[Recipe, ...] = ()
         unit = "" if image is None else image.unit
         if image is not None:
@@ -127,13 +129,14 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
         raise DataError(f"{file} has only one frame; temporal noise needs 2 or more")
     if image is not None and image.shape != (known.rows, known.columns):
         raise DataError(
-            f"{file}: frames of {known.rows} × {known.columns} samples, but the linked picture has "
-            f"{image.rows} × {image.columns}: link a picture from the same camera, or no picture"
+            f"{file}: frames of {known.rows} × {known.columns} samples, but the "
+            f"connected picture has {image.rows} × {image.columns}: connect a picture "
+            "from the same camera, or no picture"
         )
     if image is not None and known.unit and known.unit != image.unit:
         raise DataError(
-            f"{file}: frames in {known.unit!r:.40}, but the linked picture is in "
-            f"{image.unit!r:.40}: link a picture in the same unit, or no picture"
+            f"{file}: frames in {known.unit!r:.40}, but the connected picture is in "
+            f"{image.unit!r:.40}: connect a picture in the same unit, or no picture"
         )
     if known.path != file:
         stamps += stamps_of(known.path)

@@ -121,13 +121,13 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     bits: int = param(0, "bits of the output; 0: no rounding", (0, 24), unit="bit")
     range_low_K: float | None = param(
         None,
-        "scene temperature at the lowest digital number, used with bits",
+        "scene temperature at the lowest digital number; needed if bits is above 0",
         (0, 1e4),
         slider=(200, 300),
     )
     range_high_K: float | None = param(
         None,
-        "scene temperature at the highest digital number, used with bits",
+        "scene temperature at the highest digital number; needed if bits is above 0",
         (0, 1e4),
         slider=(300, 500),
     )

@@ -65,7 +65,7 @@ class PoissonNoise(
         slider=(0, 100),
     )
     photons_per_unit: float | None = param(
-        None, "photons per unit of radiance, for `photon`", low=0
+        None, "photons per unit of radiance; needed if mode is photon", low=0
     )
     mode: Literal["published", "photon"] = param(
         "published",

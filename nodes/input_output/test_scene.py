@@ -79,7 +79,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         0, "number of spectral bands of equal width; 0: a single band", (0, 4096), slider=(0, 64)
     )
     emissivity: Emissivity = param(
-        "spectra", "spectra of the surfaces, if there are bands: from their materials, or grey"
+        "spectra",
+        "spectra of the surfaces, used if bands is above 0: from the surfaces' materials, or grey",
     )
     quantity: Literal["radiance", "reflectance"] = param(
         "radiance", "quantity of the samples: radiance, or reflectance for Reflected Light"
@@ -91,7 +92,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         0.15, "reflectance of a target, used if quantity is reflectance", (0, 1)
     )
     sun_elevation_deg: float = param(
-        0.0, "elevation of the Sun, if there are bands; 0: no Sun", (0, 90)
+        0.0, "elevation of the Sun, used if bands is above 0; 0: no Sun", (0, 90)
     )
     temperature_K: float = param(
         303.15, "background temperature", low=0, above=True, slider=(200, 400)

@@ -45,7 +45,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
     there. Any two of focal length, F-number and aperture determine the third. An image without a
     sampling interval, or with the same field of view as the lens, 2·atan(Np/2f), gets its sampling
-    interval from the pixel angle on the axis; otherwise a wide field would be divided into equal
+    interval from the pixel angle on the axis, because a wide field must not be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
@@ -230,8 +230,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             {"f_number": self.focal_length_mm / self.aperture_mm},
             where=f"from {self.focal_length_mm:g} mm / {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
-            remedy="leave focal_length_mm, f_number or aperture_mm empty; otherwise diffraction "
-            "uses the aperture and radiometry uses the F-number",
+            remedy="leave focal_length_mm, f_number or aperture_mm empty: if all three are "
+            "given, diffraction uses the aperture and radiometry uses the F-number",
         )
 
     @warning

@@ -68,7 +68,10 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         "um", "unit of both sampling intervals: µm at the focal plane, or mrad"
     )
     focal_length_mm: float | None = param(
-        None, "focal length, used with µm; empty: from Init & Trans", low=0, slider=(10, 10000)
+        None,
+        "focal length, used if pitch_unit is um; empty: from Init & Trans",
+        low=0,
+        slider=(10, 10000),
     )
     centroid: Literal["kept", "removed"] = param(
         "kept", "a centroid off the file's middle: kept (it shifts the picture), or removed"

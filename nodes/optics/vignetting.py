@@ -84,7 +84,10 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     path: Path | None = param(None, "CSV of height and relative illumination, 1 on the axis")
     coefficients: tuple[float, ...] = param((), "c₁, c₂, …: factors of h², h⁴, …", (-1e9, 1e9))
     focal_length_mm: float | None = param(
-        None, "focal length, for image heights; empty: from Camera", low=0, slider=(10, 1000)
+        None,
+        "focal length, used if against is height_mm; empty: from Camera",
+        low=0,
+        slider=(10, 1000),
     )
 
     panel = (

@@ -245,17 +245,17 @@ def test_what_is_refused(tmp_path):
         return str(error).replace(f"{tmp_path}/", "")
 
     assert line({}) == (
-        "noise: path is empty: give a file of frames, or link an image"
+        "noise: path is empty: give a file of frames, or connect a picture to image"
     )  # fmt: skip
     assert line({"path": "none.npy"}) == "noise: none.npy: no such file"
     assert line({"path": "one.npy"}) == (
         "noise: one.npy has only one frame; temporal noise needs 2 or more"
     )
     assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
-        "noise: f.npy: frames of 80 × 120 samples, but the linked picture "
-        "has 7 × 120: link a picture from the same camera, or no picture"
+        "noise: f.npy: frames of 80 × 120 samples, but the connected picture "
+        "has 7 × 120: connect a picture from the same camera, or no picture"
     )
     assert line({"path": "f.bsq"}, image={"path": "one.npy", "unit": "K"}) == (
-        "noise: f.bsq: frames in 'DN', but the linked picture is in 'K': "
-        "link a picture in the same unit, or no picture"
+        "noise: f.bsq: frames in 'DN', but the connected picture is in 'K': "
+        "connect a picture in the same unit, or no picture"
     )
