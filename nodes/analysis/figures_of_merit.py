@@ -227,7 +227,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
     range_max_km: float | None = param(
         None,
-        "longest range on the curve; empty: where detection becomes unlikely",
+        "longest range on the curve; empty: the range at which detection becomes unlikely",
         (0, 1e6),
         slider=(0, 20),
     )
@@ -300,7 +300,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """The picture is not in radiance, and its chain has no conversion from radiance."""
+        """The picture is not in radiance units, and its chain has no conversion from radiance."""
         if image.interval_x_mrad is not None and transfer_of(image, of_camera=True).levels:
             return None
         return unit_caution(image.unit, meant="NETD, MRTD and MDTD")

@@ -39,9 +39,9 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     sensor's pattern. With few rows or columns, the measured fixed components therefore scatter
     about the prediction. Noise correlated between neighbouring samples also appears in σ tv and σ
     th. Rounding counts as noise. With `path`, the frames of a file, for example from a camera, are
-    measured instead of simulated frames; they are read one at a time. Everything that stays the
-    same from frame to frame, including the scene, then counts as fixed pattern. Use frames of a
-    uniform scene. If a picture is also connected, its predicted noise is shown beside the
+    measured instead of simulated frames; they are read one at a time. In a file, everything that
+    stays the same from frame to frame, including the scene, counts as fixed pattern. Use frames of
+    a uniform scene. If a picture is also connected, its predicted noise is shown beside the
     measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
     Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
