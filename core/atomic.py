@@ -62,7 +62,7 @@ def _target(path: str | os.PathLike[str]) -> Path:
     if "\0" in text:
         raise FileError(f"cannot write {text!r}: the path contains a null character")
     if text.endswith(("/", os.sep)):
-        raise FileError(f"cannot write {text}: it names a folder, not a file")
+        raise FileError(f"cannot write {text}: the path names a folder, not a file")
     return Path(os.path.realpath(text))
 
 
@@ -79,9 +79,9 @@ def no_regular_file(mode: int) -> str:
     if stat.S_ISREG(mode):
         return ""
     if stat.S_ISDIR(mode):
-        return "it is a folder; give a file name, for example one in that folder"
+        return "the path is a folder; give a file name, for example one in that folder"
     kind = _KINDS.get(stat.S_IFMT(mode), "special file")
-    return f"it is a {kind}, not a regular file; allowed: a new name, or a regular file to replace"
+    return f"the path is a {kind}; allowed: a new name, or a regular file to replace"
 
 
 def _mode_of_existing(target: Path) -> int | None:

@@ -47,7 +47,7 @@ def measured(
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, load "
         f"{machine['load']:.1f}; {versions}; transforms by {machine['fft']}\nT0 = "
         "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, type and threads, timed "
-        "alternately with the subject"
+        "alternately with each method"
     )
     tables: dict[str, list[Table]] = {}
     for name, measures in parts.items():

@@ -77,7 +77,7 @@ def edges(settings: Settings) -> list[Table]:
     heads = {"choice": "edges", **T0_HEADS, "error": "error / max"}
     heads |= {
         "border": "largest difference from reflect",
-        "inside": "the same, more than 8 samples from the edge",
+        "inside": "largest difference, more than 8 samples from the edge",
     }
     text = (
         "Reflect is the default: nothing wraps around from the opposite side of the picture, and "
@@ -316,7 +316,7 @@ def poisson(settings: Settings) -> list[Table]:
         f"100 fields of {settings.size}² exact deviates stay below {chance:.1g}."
     )
     title = f"Exact and normal deviates for Poisson noise: {settings.size}² samples"
-    name = f"{title}, against the mean; distances below {chance:.1g} are chance"
+    name = f"{title}, against the mean; distances below {chance:.1g} occur by chance"
     chart = Chart("Kolmogorov distance from Poisson", "mark", "choice", title=name)
     return [Table("poisson", title, heads, rows, text, chart)]
 
@@ -345,7 +345,7 @@ def skipping(settings: Settings) -> list[Table]:
             row = {"precision": kind, "tolerance": chain.policy.budget, "skipped": skipped}
             rows.append({**row, "mark": f"{shown} ({skipped})", **timing, "error": error})
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
-    heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
+    heads |= {"skipped": f"stages left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
         "The default is one eighth of the samples' rounding error, so the effect of leaving "
         "stages out cannot be distinguished from rounding. Even with a larger tolerance, "

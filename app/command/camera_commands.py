@@ -106,8 +106,9 @@ def measure(
     values.file_path, several=True, many=True, required=True, to="pictures")  # fmt: skip
 @options.option(
     "--free", "NODE.PARAM[=LOW:HIGH]...",
-    "parameters to fit, each within its own range or one that you give, such as jitter.sigma_mrad "
-    "or optics.defocus_waves=0:2; may be repeated", several=True, many=True)  # fmt: skip
+    "parameters to fit, each within its own range or a range that you give, such as "
+    "jitter.sigma_mrad or optics.defocus_waves=0:2; may be repeated",
+    several=True, many=True)  # fmt: skip
 @options.json_file("write the parameters, their errors and correlations")
 @options.option(
     "--output", "FILE", "write the network with the fitted values", values.ending_in(JSON)
@@ -245,7 +246,8 @@ def photon_transfer(
 @options.argument(
     "fields", "FILE=TEMPERATURE...",
     "two or more frames of a black body and its temperature, such as 293.15K or 20C. Correct "
-    "the temperature for emissivity and atmosphere first. Same formats as for photon-transfer",
+    "the temperature for emissivity and atmosphere first. The file formats are those of "
+    "photon-transfer",
     values.file_at_temperature, many=True)  # fmt: skip
 @options.written_outputs("write the figures, overall and at each temperature", values.TRANSFERS)
 @options.json_flag

@@ -81,7 +81,7 @@ def exit_code(
 
 def _failed(error: Exception, *, written: bool, hints: bool) -> int:
     """Print what went wrong; `written` when only the printing was left to do."""
-    gone = "" if _has_folder() else "the current folder has been removed: change to another one"
+    gone = "" if _has_folder() else "the current folder has been removed: change to another folder"
     if isinstance(error, ImagechainError):
         gone = f" ({gone})" if gone and error.exit_code == InputError.exit_code else ""
         hint = f"; {error.hint}" if hints and error.hint else ""

@@ -84,7 +84,7 @@ def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
     if not display:
         raise UsageError(
             "the editor needs a display: DISPLAY and WAYLAND_DISPLAY are empty (imagechain "
-            "run works without one)"
+            "run needs no display)"
         )
     if not _answers(display):
         raise UsageError(f"the editor needs a display: no response from DISPLAY = {display:.80}")

@@ -42,7 +42,9 @@ TRADE_OFF_PAGE, TRADE_OFF_TABLE, READOUT_TABLE = "tradeoff.html", "tradeoff.csv"
 MOST_PREVIEWS, PREVIEW_PX = 24, 256
 _POLICY = Policy()
 _FIGURES = 0.2  # of what a picture takes, at the same value
-_HOW_TO_ALLOW = "choose the file with Browse… on its control panel, or choose another output folder"
+_HOW_TO_ALLOW = (
+    "choose the file with Browse… on the node's control panel, or choose another output folder"
+)
 
 
 def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:

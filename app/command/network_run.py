@@ -121,7 +121,10 @@ class NetworkRun:
         readouts = readout_rows(evaluation)
         if self.figures and not every_readout:
             rows = [(name, f"{v} {unit}", of) for name, v, unit, of in figure_rows(self.figures)]
-            tables += [columns(rows), f"all {len(readouts)} read-outs: --all, or {READOUTS}\n"]
+            tables += [
+                columns(rows),
+                f"all {len(readouts)} read-outs: use --all, or see {READOUTS}\n",
+            ]
         elif readouts:
             tables.append(columns(readouts, right=(2,)) + "\n")
         if warnings := warning_lines(evaluation.cautions):

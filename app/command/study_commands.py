@@ -32,7 +32,7 @@ _OF_PLUG_IN = re.compile(r"\ba fault in the (module \S+ of the )?plug-in ")
 @options.option(
     "--vary", "NODE.PARAM=VALUES",
     "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (logarithmic), or values a,b,c; "
-    "if given twice, each value of the second gives one curve",
+    "if given twice, each value of the second parameter gives one curve",
     many=True, required=True)  # fmt: skip
 @options.option(
     "--figure", "NODE.READOUT",
@@ -274,7 +274,8 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
 @options.network_options
 @options.option(
     "--for", "NODE.PARAM[=LOW:HIGH]",
-    "parameter to find, within its own range or one that you give", required=True, to="solve_for",
+    "parameter to find, within its own range or a range that you give",
+    required=True, to="solve_for",
 )  # fmt: skip
 @options.option(
     "--until", "NODE.READOUT=VALUE",

@@ -237,7 +237,7 @@ def number_of(text: str, parameter: Parameter) -> float | int | str | None:
 def _refuse_thousands(found: re.Match[str] | None, text: str, parameter: Parameter) -> None:
     if found is not None:
         whole, _, rest = found[0].partition(",")
-        clear = f"either {whole}{rest} or {whole}.{rest}"
+        clear = f"write {whole}{rest} or {whole}.{rest}"
         raise ParameterError(parameter.name, text, clear, unit=parameter.param.unit)
 
 

@@ -162,7 +162,7 @@ def _recovered(path: Path, content: Any) -> Recovered:
     original, folder = (_path(content, name) for name in ("original", "folder"))
     moment = _get(content, "time", float)
     if not 0 <= moment < 2.0**35:  # a date far off is none that a calendar could show
-        raise ValueError("time is not a date")
+        raise ValueError("the time saved is not a valid date")
     stored = content.get("stored")  # not kept by earlier versions
     if stored is not None:
         stored = _get(content, "stored", str)

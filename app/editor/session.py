@@ -91,7 +91,7 @@ class Session(QObject):
         for parameter in parameters:
             if parameter in node.linked:
                 text = expression_text(node.params[parameter])
-                return f"{name}.{parameter} is linked to {text}: unlink it in its panel first"
+                return f"{name}.{parameter} is linked to {text}: unlink it in the panel first"
         return ""
 
     @property

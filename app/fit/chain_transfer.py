@@ -57,7 +57,7 @@ def transfer_known(image: Image) -> ImageTransfer:
     if lineage_of(source) is None:
         raise DataError(
             f"{source.node or 'a node'} has no known transfer function, so an edge cannot be "
-            "traced through it: mark a picture before it as the output, or disable it",
+            "traced through it. Mark a picture before this node as the output, or disable the node",
             hint=HOW_TO_NAME,
         )
     return passed

@@ -28,7 +28,7 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Text(
             # No-break spaces: what belongs together stays in one line.
             f"{_fitted(result)}, {misfit.degrees} degrees of freedom, {_CHI2}\N{NO-BREAK SPACE}"
-            f"{short(result.chi2_per_degree)} (1: the residuals are noise alone).",
+            f"{short(result.chi2_per_degree)} (1 if the residuals are only noise).",
             "lead",
         ),
         Grid(

@@ -304,7 +304,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: its sign has no effect on the edges; it is reported as positive"
+            f"{fit.free[i].port}: the sign has no effect on the edges; the value is positive here"
             for i in fit.unsigned
             if i not in undetermined
         ),
@@ -339,7 +339,7 @@ def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:
     ]
     return [
         f"{' and '.join(sets)} fit the edges nearly equally well, so none of these values is "
-        "determined; give narrower ranges, or fix one of them"
+        "determined. Give narrower ranges, or fix one of the parameters"
     ]
 
 
@@ -358,8 +358,8 @@ def _unknown(fit: ChainFit, known: Identified) -> list[str]:
         ]
         only = f": only {' and '.join(texts)} {'is' if len(texts) == 1 else 'are'} determined"
         lines.append(
-            f"{names} cannot be separated by the edges{only if texts else ''}; fix one of them, "
-            "or measure it in another way"
+            f"{names} cannot be separated by the edges{only if texts else ''}. Fix one of these "
+            "parameters, or measure it in another way"
         )
     return lines
 
@@ -423,7 +423,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     lines = []
     if noise > 1.0:
         lines.append(
-            "the network does not reproduce this noise: the residuals are "
+            "the network does not reproduce the picture's noise: the residuals are "
             f"{math.sqrt(noise):.2g} times the errors of the measured levels; the standard "
             "errors of parameters that act on the noise are widened accordingly"
         )
@@ -456,6 +456,6 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     return [
         *lines,
         f"the chain does not reproduce these edges: the residuals are {left} the noise; the "
-        "standard errors are widened to match, but the values may be off by more; add the "
+        "standard errors are widened to match, but the values may be off by more. Add the "
         "missing effect to the chain and fit again",
     ]

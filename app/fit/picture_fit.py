@@ -49,8 +49,8 @@ class TakenWith:
             lines.append(
                 f"the picture {self.name} was taken in the band {own[0]:.4g} to {own[1]:.4g} µm, "
                 f"but the chain covers {chain[0]:.4g} to {chain[1]:.4g} µm: the fitted values do "
-                "not describe the picture's camera; change the chain's band, or fit a picture "
-                "taken in that band"
+                "not describe the picture's camera. Change the chain's band, or fit a picture "
+                "taken in the chain's band"
             )
         for way, mine, other in (
             ("across", self.interval_x_mrad, final.interval_x_mrad),
@@ -60,7 +60,7 @@ class TakenWith:
                 lines.append(
                     f"a sample of {self.name} is {mine:.4g} mrad {way}, but a sample of the "
                     f"chain's final picture is {other:.4g} mrad: the fitted values are wrong by "
-                    f"a factor of about {mine / other:.3g}; set the chain's geometry to match the "
+                    f"a factor of about {mine / other:.3g}. Set the chain's geometry to match the "
                     "camera"
                 )
         return lines
@@ -91,7 +91,7 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
         file = open_picture(path, band=band)
         if file.is_lossy:
             raise DataError(
-                f"{path}: {WITH_LOSS}, so it cannot be fitted; give a picture that the camera "
+                f"{path}: {WITH_LOSS}, so it cannot be fitted. Give a picture that the camera "
                 "stored without loss"
             )
         refuse_small(str(path), file.rows, file.columns)
@@ -171,7 +171,8 @@ def _noise(
             measured += seen.levels
             reason = reason or seen.sigma_reason
         if not measured:
-            return None, f"the noise of the picture is not known: {reason or 'it has no flat area'}"
+            reason = reason or "no area is flat"
+            return None, f"the noise of the picture is not known: {reason}"
         measured = sorted(measured, key=lambda one: -one.samples)[:_MOST_LEVELS]
         noise = chain_transfer.NoiseProblem(levels, measured)
         noise.predicted(plan)

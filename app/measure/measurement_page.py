@@ -121,7 +121,7 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, edges near ±90° "
-                "the vertical one. The standard error applies to the pooled MTF in this "
+                "the vertical MTF. The standard error applies to the pooled MTF in this "
                 "direction if only this edge is used. Edges in other directions show "
                 "how the blur changes with direction."
             ),

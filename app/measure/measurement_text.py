@@ -115,7 +115,7 @@ def frame_rows(measured: results.PictureMeasurement) -> list[Row]:
 def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
-        f"{file.name}: {_GAMMA[file.gamma]}, but are treated as linear; if the camera applied a "
+        f"{file.name}: {_GAMMA[file.gamma]}, but are treated as linear. If the camera applied a "
         "gamma, the figures are wrong: use raw or linear samples"
         for file in files
         if file.gamma and not file.is_lossy

@@ -33,7 +33,7 @@ from nodes.files.frames import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
-_INTERPOLATED = "this is the MTF of the interpolated picture; its noise is not measured"
+_INTERPOLATED = "the MTF is that of the interpolated picture, and the noise is not measured"
 _LEAST = 16  # rows and columns, below which nothing is measured
 _MOST_COLOURS = 4
 MOST_PREVIEWS = 4
@@ -235,7 +235,7 @@ def _dark_level(path: Path, first: loading.PictureFile, check: Callable[[], None
     if (dark.rows, dark.columns) != (first.rows, first.columns):
         raise DataError(
             f"{path} has {dark.columns} × {dark.rows} samples, but {first.path} has "
-            f"{first.columns} × {first.rows}: give frames of one camera"
+            f"{first.columns} × {first.rows}: give frames from one camera"
         )
     means = []
     for frame in dark.each():

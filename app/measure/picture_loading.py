@@ -21,7 +21,7 @@ from nodes.input_output.source_file import LUMINANCE
 
 Matrix = NDArray[np.float64]
 
-NO_DATA = "replace them with one number, such as 0; constant areas are not measured"
+NO_DATA = "replace these samples with one number, such as 0; constant areas are not measured"
 _COLOURS = ("R", "G", "B")
 _WITH_ALPHA = 2  # bands
 _FLAT = 2  # dimensions of a single picture

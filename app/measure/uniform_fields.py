@@ -101,7 +101,7 @@ class TransferMeasurement:
         if curve.dark_cut_off:
             lines.append(
                 f"{self.dark}: the noise reaches 0, where the converter clips it, so these dark "
-                "frames are not used; raise the camera's offset, or give --offset-dn"
+                "frames are not used. Raise the camera's offset, or give --offset-dn"
             )
         elif curve.offset_dn is None:
             lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
@@ -117,7 +117,7 @@ class TransferMeasurement:
         return [
             f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the differences "
             "between pixels is structure of 8 pixels or more, as in a scene or uneven light: PRNU "
-            "and DSNU include it; give frames of a uniform field"
+            "and DSNU include this structure. Give frames of a uniform field"
             for (path, field), saturated in zip(self.files, self.curve.saturated, strict=True)
             if field.structure_share > _MOSTLY and not saturated
         ]
@@ -305,7 +305,7 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
         if many > max(_PILED_UP * good.size, _CHANCE):
             raise DataError(
                 f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}: "
-                f"the field is {what}, so its mean and noise cannot be used; change the "
+                f"the field is {what}, so its mean and noise cannot be used. Change the "
                 "temperature, the exposure or the offset"
             )
 
@@ -367,21 +367,21 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
     if len(response.levels) == 2:
         lines.append(
             "with two temperatures, SiTF is known only midway between them, and this value is "
-            "used for both: give three or more to see how SiTF changes with temperature"
+            "used for both temperatures. Measure three or more temperatures to see how SiTF changes"
         )
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
         lines.append(
             "warning: a mean deviates from Planck's law (for any effective wavelength) by "
             f"{departure:.2g} % of the range of all means: the temperatures are wrong, the "
-            "camera drifted, or its response is nonlinear; check the temperatures, let the camera "
+            "camera drifted, or its response is nonlinear. Check the temperatures, let the camera "
             "settle, or use a smaller range of temperatures"
         )
     few = min(field.noise.frames for _, field in files)
     if few < _FEW:
         lines.append(
             f"with only {few} frames, the temporal noise of whole frames, rows and columns is "
-            f"uncertain, and fixed noise is known only down to NETD/√{few}; take 64 frames or more"
+            f"uncertain, and fixed noise is known only down to NETD/√{few}. Take 64 frames or more"
         )
     bad = max(field.field.bad for _, field in files)
     if bad:
@@ -393,14 +393,14 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
             lines.append(
                 f"warning: {path.name}: the noise is {math.sqrt(max(random, 0.0)) / step:.2g} "
                 "times the converter's step: rounding adds to the noise or hides it, so NETD is "
-                "wrong; raise the gain before the converter"
+                "wrong. Raise the gain before the converter"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(
                 f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of the "
                 "differences between pixels is structure of 8 pixels or more, as in a non-uniform "
-                "field: the fixed components vh, v and h include it; give frames of a uniform "
-                "field"
+                "field: the fixed components vh, v and h include this structure. Give frames "
+                "of a uniform field"
             )
     return lines
 

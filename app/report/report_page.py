@@ -409,7 +409,10 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
 
 def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
     blocks: list[Block] = []
-    captions: dict[Part, str] = {"mtf": caption, "ptf": "PTFs of these stages, in radians."}
+    captions: dict[Part, str] = {
+        "mtf": caption,
+        "ptf": "PTFs of the stages in the figure above, in radians.",
+    }
     for part, text in captions.items():
         acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
         if acting:
@@ -434,10 +437,10 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
 # Of each kind: what is saved, why, and what is told of each node.
 _KINDS = {
     "disabled": ("the node", "it is disabled", ""),
-    "identity": ("the node", "its settings leave the picture unchanged", ""),
+    "identity": ("the node", "the settings leave the picture unchanged", ""),
     "below_budget": (
         "a stage",
-        "its effect is below the error budget, {budget} of the range",
+        "the effect is below the error budget, {budget} of the range",
         "at most {bound}",
     ),
     "wavelengths": (
@@ -447,7 +450,7 @@ _KINDS = {
     ),
     "pupil_centre": (
         "the pupil's OTF beyond the Nyquist frequency",
-        "this part does not affect the picture",
+        "these frequencies do not occur in the picture",
         "{share} % of the OTF evaluated",
     ),
     "mirrored_edges": (
@@ -460,10 +463,10 @@ _KINDS = {
         "the spectrum is folded instead",
         "inverse transform of {share} % of the samples",
     ),
-    "region": ("pictures outside a region", "only the region is used", "{share} % computed"),
+    "region": ("pictures outside a region", "only the region is needed", "{share} % computed"),
     "unchanged": (
         "values computed before",
-        "their inputs have not changed",
+        "the inputs have not changed",
         "{share} % of the steps computed",
     ),
     "unseen": ("full output arrays", "nothing needs the full arrays", "{ports}"),

@@ -309,8 +309,8 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
     if frames is not None and frames > 1:
         raise UsageError(
             f"{frames} frames: a picture of {image.rows} × {image.columns} samples is "
-            "computed in blocks and can have only one frame: give 1, or run again with "
-            "another seed"
+            "computed in blocks and can have only one frame. Ask for 1 frame, or run "
+            "again with another seed"
         )
     if not any(kind.matches(path) for kind in STREAMED):
         words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)
@@ -342,5 +342,5 @@ def _refuse_without_room(needed: int, scratch: Path) -> None:
         raise FileError(
             f"the scratch folder {scratch} has {amount_text(free)} free, and a run in blocks "
             f"needs at least {amount_text(needed)}: choose another folder",
-            hint="give it with --scratch",
+            hint="name the folder with --scratch",
         )

@@ -80,7 +80,10 @@ class Save(Assignment):
         top, left = int(ends[1] or 0), int(ends[3] or 0)
         bottom, right = int(ends[2] or rows), int(ends[4] or columns)
         if bottom > rows or right > columns:
-            raise UsageError(f"{self.shown}: the picture has {rows} rows and {columns} columns")
+            raise UsageError(
+                f"{self.shown}: the region exceeds the picture, which has {rows} rows and "
+                f"{columns} columns"
+            )
         if bottom <= top or right <= left:
             raise UsageError(
                 f"{self.shown}: the region is empty: rows {top}:{bottom}, columns {left}:{right}"

@@ -115,7 +115,7 @@ def _picture_of(plan: Plan, name: str) -> str:
     taken = [port for port in _sink_inputs(plan) if port[0] == name]
     if not taken:
         raise NetworkError(
-            "this node is marked final but has no picture: mark a node that has one", node=name
+            "this node is marked final but has no picture: mark a node with a picture", node=name
         )
     return taken[0][1]
 

@@ -106,7 +106,7 @@ def with_disabled(network: Network, names: Iterable[str], *, library: Library) -
             if declared is not None and needed and not passed_through(declared):
                 raise UsageError(
                     f"--disable {shown(node)}: {declared.title} has no input to pass on; disable a "
-                    "node that has one, such as a blur or a source of noise"
+                    "node with an input, such as a blur or a source of noise"
                 )
             network = network.with_node(replace(network.nodes[node], disabled=True))
     return network
@@ -211,4 +211,4 @@ def _read(text: str) -> Any:
 def near(name: str, known: Iterable[str]) -> str:
     """The end of an error: the name that may be meant, else all there are."""
     names = list(known)
-    return close(name, names) or f"; it has {', '.join(names) or 'none'}"
+    return close(name, names) or f"; allowed: {', '.join(names) or 'none'}"

@@ -134,7 +134,7 @@ def _chosen(network: Network, library: Library, node: str | None, option: str) -
         raise UsageError("the network has no scene that a picture could replace")
     which = f"{option[:-1]} {seen[0]}=FILE" if option else f"node={seen[0]!r}"
     names = ", ".join(map(shown, seen))
-    raise UsageError(f"the network has {len(seen)} scenes, {names}: name one, as in {which}")
+    raise UsageError(f"the network has {len(seen)} scenes, {names}: name one scene, as in {which}")
 
 
 class _Replacing:
@@ -200,8 +200,8 @@ class _Replacing:
         low, high = max(wanted[0], ends[0]), min(wanted[1], ends[1])
         if low >= high:
             raise UsageError(
-                f"{info.path}: its bands, {_um(ends)}, do not overlap {_um(wanted)}: give "
-                f"{self._option('band_um')}, or use a network for that band"
+                f"{info.path}: the bands of the file, {_um(ends)}, do not overlap {_um(wanted)}. "
+                f"Give {self._option('band_um')}, or use a network for the file's band"
             )
         kept = before is not None and before.bands is not None
         how = "kept separate" if kept else "summed"
@@ -366,7 +366,7 @@ class _Replacing:
             return angle
         if info.fov_x_deg and info.fov_y_deg:
             self._where.append(f"field of view {_deg((info.fov_x_deg, info.fov_y_deg))}, from "
-                               "its header")  # fmt: skip
+                               "the file's header")  # fmt: skip
             return info.fov_x_deg, info.fov_y_deg
         before = self._fov_before()
         if before is None:
@@ -406,7 +406,7 @@ class _Replacing:
         taking = [*first, *others]
         for name in taking:
             network = _with(network, name, range_m=distance)
-        where = f" (range_m of {', '.join(taking)})" if taking else ": no node uses it"
+        where = f" (range_m of {', '.join(taking)})" if taking else ": no node uses this distance"
         self._where.append(f"distance {distance:g} m{where}")
         return network
 

@@ -207,7 +207,9 @@ def save_set(name: str, node: Node, folder: Path) -> None:
         )
     sets = sets_of(node.module, folder)
     if name not in sets and len(sets) >= MOST:
-        raise NetworkError(f"this module already has {MOST} sets; no more are allowed")
+        raise NetworkError(
+            f"this module already has {MOST} saved sets of parameters, the most allowed"
+        )
     _write({**sets, name: thaw(node.params)}, node.module, folder)
 
 

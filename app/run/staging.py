@@ -85,7 +85,7 @@ class Staging:
     def check(self, target: Path) -> None:
         real = real_target(target)
         if any(_overlap(real, path) for path in self._inputs):
-            raise FileError(f"cannot write {target}: it is an input of this run")
+            raise FileError(f"cannot write {target}: this file is an input of the run")
         try:
             self._check_place(real, target)
         except OSError as error:
@@ -204,7 +204,7 @@ def check_folder(folder: Path) -> None:
         above = _existing(real_target(folder))
         status = above.stat()
     except NotADirectoryError as error:
-        reason = "part of its path is not a folder"
+        reason = "part of the path is not a folder"
         raise FileError(f"cannot write to {folder}: {reason}") from error
     except OSError as error:
         raise _cannot(folder, error) from error
@@ -416,7 +416,7 @@ class WriteRules:
         lift = self.how_to_allow or f"{OPTION} {shlex.quote(str(real.parent))} allows it"
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(real.is_relative_to(folder) for folder in self.folders):
-            why = "it lies outside the network's folder and the output folder"
+            why = "the file lies outside the network's folder and the output folder"
         elif (real.is_file() or is_store(real)) and not (
             self.record.holds(real) or read_record(self.record.network).holds(real)
         ):

@@ -88,7 +88,7 @@ class Journal:
             raise UsageError(f"{self.path}: not the journal of a study; --fresh discards it")
         if lines and head != self._head:
             raise UsageError(
-                f"{self._output}: another study, or this one with other inputs, was started "
+                f"{self._output}: another study, or this study with other inputs, was started "
                 f"there and is not finished ({len(lines) - 1} rows in {self.path.name}); "
                 "--fresh discards it"
             )

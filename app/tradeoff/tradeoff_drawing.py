@@ -178,7 +178,9 @@ def is_finite(value: float | None) -> TypeGuard[float]:
 def page(results: Results) -> str:
     title = f"{results.network or 'Image chain'}: trade-off"
     caption = f"Figures of merit against {results.varied.text}"
-    caption += f", with one curve for each {results.second.text}." if results.second else "."
+    caption += (
+        f", with one curve for each value of {results.second.text}." if results.second else "."
+    )
     if results.present is not None:
         present = shown_value(results.present, results.varied.unit)
         caption += f" The value in the network is {present}"

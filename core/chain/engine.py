@@ -103,7 +103,7 @@ class Plan:
         planned = self.node(name).sound()
         if output not in planned.outputs:
             known = ", ".join(planned.outputs) or "none"
-            raise NetworkError(f"{port}: {name} has no output {output!r}; it has {known}")
+            raise NetworkError(f"{port}: {name} has no output {output!r}; its outputs: {known}")
         return planned.outputs[output]
 
     def node(self, name: str) -> PlannedNode:
@@ -113,7 +113,7 @@ class Plan:
         """
         if name not in self.nodes:
             known = ", ".join(self.nodes) or "none"
-            raise NetworkError(f"the network has no node {name!r}; it has {known}")
+            raise NetworkError(f"the network has no node {name!r}; its nodes: {known}")
         return self.nodes[name]
 
     def errors(self) -> list[ImagechainError]:
@@ -416,7 +416,8 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
     if region is not None:
         if not isinstance(value, Image):
             kind = getattr(value, "port_type", type(value).__name__)
-            raise ParameterError("region", str(region), f"regions need an image, not a {kind}")
+            allowed = f"only an image has regions, not a {kind}"
+            raise ParameterError("region", str(region), allowed)
         if region.within(value.shape).shape != value.shape:
             return work.part(value.recipe, region)
     if isinstance(value, Image | Curve | Table):

@@ -137,7 +137,7 @@ class _Account:
         if len(reused) < len(steps) and reused:
             text = f"{len(reused)} of {len(steps)} steps unchanged: their values were reused"
         elif reused or (not steps and keys & self.was_there):
-            text = "unchanged: its values were reused"
+            text = "unchanged: the node's values were reused"
         else:
             return
         share = (len(steps) - len(reused)) / len(steps) if steps else 0.0
@@ -194,7 +194,7 @@ class _Account:
                 reach = zip((grid.nyquist_x, grid.nyquist_y), factor.cutoff, strict=True)
                 across, along = (min(1.0, nyquist / cutoff) for nyquist, cutoff in reach)
                 if across * along < 1:
-                    text = "its OTF was evaluated only up to the image's Nyquist frequencies"
+                    text = "the OTF was evaluated only up to the image's Nyquist frequencies"
                     yield Skip(factor.node or "", "pupil_centre", text, share=across * along)
 
 

@@ -193,7 +193,7 @@ def pasted_values(
         for key, raw in values.items():
             parameter = declared.parameter(key) if declared is not None else None
             if parameter is None:
-                left_out.append(f"{title} has no {shown(key)}")
+                left_out.append(f"{title} has no parameter {shown(key)}")
                 continue
             try:
                 steps.append(set_parameter(name, key, _fitting(parameter, raw)))

@@ -446,7 +446,7 @@ def picture_node(node: Node, library: Library) -> str:
     for name in pictures[:1]:
         inner = node.macro.nodes[face_of_macro(node.macro).outputs[name][0]]
         return f"{node.id}{SEPARATOR}{picture_node(inner, library)}"
-    raise NetworkError(f"{shown(node.id)} has no picture: mark a node inside it")
+    raise NetworkError(f"{shown(node.id)} has no picture: mark a node inside this macro")
 
 
 def has_picture(declared: Declaration) -> bool:

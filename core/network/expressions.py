@@ -260,7 +260,7 @@ class _Reader:
     def fault(self, wanted: str) -> ExpressionError:
         """The error for what stands next where `wanted` should."""
         if not self.given.strip():
-            return ExpressionError(f"the expression is empty; it takes {ALLOWED}")
+            return ExpressionError(f"the expression is empty; allowed: {ALLOWED}")
         if self.at >= len(self.text):
             return ExpressionError(f"the expression is not complete; expected: {wanted}")
         match = _NAME.match(self.text, self.at) or _NUMBER.match(self.text, self.at)
@@ -357,7 +357,7 @@ class _Reader:
 
     def called(self, name: str, depth: int) -> None:
         if name not in FUNCTIONS:
-            hint = close(name, FUNCTIONS) or f"; there are {', '.join(FUNCTIONS)}"
+            hint = close(name, FUNCTIONS) or f"; the functions are {', '.join(FUNCTIONS)}"
             raise ExpressionError(f"there is no function {shown(name)}{hint}")
         _, wanted, units = FUNCTIONS[name]
         if self.text[self.at : self.at + 1] == ")":

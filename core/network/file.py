@@ -55,14 +55,15 @@ def parse_network(text: str, *, library: Library, name_of_source: str = "network
 
 def _version(document: dict[str, Any]) -> int:
     if document.get("format") != FORMAT:
-        instead = f"not {document['format']!r:.80}" if "format" in document else "but it has none"
+        instead = f"not {document['format']!r:.80}" if "format" in document else "but none is given"
         raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {instead}")
     version = _field(document, "version", int, "")
     if version < 1:
         raise NetworkError(f"version = {version} is not allowed: must be a whole number, 1 or more")
     if version > VERSION:
         raise NetworkError(
-            f"version {version} is from a newer Imagechain: this one reads versions up to {VERSION}"
+            f"version {version} is from a newer Imagechain; this Imagechain reads versions "
+            f"up to {VERSION}"
         )
     return int(version)
 

@@ -25,7 +25,7 @@ class LinkError(ParameterError):
         self, parameter: Parameter, raw: object, why: str, *, node: str | None = None
     ) -> None:
         unit = parameter.param.unit
-        must = "" if why.startswith(_ONLY) else f"; it must give {parameter.allowed()}"
+        must = "" if why.startswith(_ONLY) else f"; its result must be {parameter.allowed()}"
         text = expression_text(raw)
         super().__init__(parameter.name, text, parameter.allowed(), unit=unit, node=node)
         self.message = " ".join(
@@ -35,7 +35,7 @@ class LinkError(ParameterError):
         self.why = why
 
 
-_ONLY = "only a numeric parameter can follow others"
+_ONLY = "only a numeric parameter can follow other parameters"
 
 
 @dataclass(frozen=True)
@@ -278,7 +278,7 @@ class _Survey:
         if place in self.values:
             return _number(self.values[place], text)
         if place in self.faults or place in self.parsed:
-            raise expressions.ExpressionError(f"{text} has no value; correct it first")
+            raise expressions.ExpressionError(f"{text} has no value; correct that parameter first")
         module = self.library.get(node.module)
         if module is None:
             raise expressions.ExpressionError(f"{text} belongs to an unknown module")
@@ -286,7 +286,7 @@ class _Survey:
         parameter = declared.parameter(parameter_name)
         if parameter is None:
             known = [one.name for one in declared.parameters]
-            hint = close(parameter_name, known) or f"; it has {', '.join(known) or 'none'}"
+            hint = close(parameter_name, known) or f"; its parameters: {', '.join(known) or 'none'}"
             raise expressions.ExpressionError(f"{declared.title} has no parameter {text}{hint}")
         if parameter_name not in node.params:
             return _number(None if parameter.required else parameter.default, text)
@@ -303,7 +303,9 @@ class _Survey:
         own = [parameter for macro, _, parameter in ports if macro == name]
         head = f"{name}{SEPARATOR}"
         if own or any(other.startswith(head) for other in self.nodes):
-            hint = close(reference.parameter, own) or f"; it shows {', '.join(own) or 'none'}"
+            hint = (
+                close(reference.parameter, own) or f"; parameters shown: {', '.join(own) or 'none'}"
+            )
             return f"the macro {shown(name)} shows no parameter {reference.text}{hint}"
         hint = close(name, [*self.nodes, *dict.fromkeys(macro for macro, _, _ in ports)])
         return f"{reference.text} names {shown(name)}, which is not a node{hint}"
@@ -321,7 +323,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> expressions.Express
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")
-        raise expressions.ExpressionError(f"{_ONLY}, but this is {what}: {parameter.allowed()}")
+        raise expressions.ExpressionError(f"{_ONLY}, but this one is {what}: {parameter.allowed()}")
     return expressions.parse_expression(text)
 
 

@@ -227,7 +227,7 @@ def _build_and_check(module: type[Module], node: Node, values: Mapping[str, Any]
 
 
 def _listed(names: Iterable[str]) -> str:
-    return f": it has {', '.join(names) or 'none'}"
+    return f"; allowed: {', '.join(names) or 'none'}"
 
 
 def _and(names: Iterable[str]) -> str:
@@ -273,7 +273,7 @@ def _one_name_twice(network: Network) -> Iterator[NetworkError]:
         if count > 1:
             yield NetworkError(
                 f"{shown(name)} is the name of {count} nodes, one of them inside a macro: give "
-                "one of them another id"
+                "one of these nodes another id"
             )
 
 

@@ -254,7 +254,7 @@ class ScanChain:
         else:
             plane = self.product.plane(work, flight, scan)
             plane = None if plane is None else plane.T
-        assert plane is not None, "called only where there are planar factors"
+        assert plane is not None, "the product has no planar factors"
         return np.broadcast_to(plane, (len(flight), len(scan)))
 
     def stored_plane(self, work: Work, interval_mrad: float) -> Array:
@@ -269,7 +269,7 @@ class ScanChain:
         else:
             grid = replace(self.grid, interval_y_mrad=interval_mrad)
         plane = Planes(work, self.product, grid, axes).block(slice(0, self.grid.rows))
-        assert plane is not None, "called only where there are planar factors"
+        assert plane is not None, "the product has no planar factors"
         if self.turned:
             return np.ascontiguousarray(plane.T)
         if self.edges == "reflect":

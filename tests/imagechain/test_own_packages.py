@@ -78,7 +78,7 @@ IN_PYTHON = (
     "import imagechain as ic; chain = ic.open('first_steps'); chain.set('scene.width', 32); "
     "assert chain.run().image().shape[1] == 32; ic.Chain('new')"
 )
-GONE = "the current folder has been removed: change to another one"
+GONE = "the current folder has been removed: change to another folder"
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ class NodeFace:
     @property
     def tooltip(self) -> str:
         state = " (disabled: passes its input through)" if self.disabled else ""
-        mark = "\nIts picture is marked as the network's output." if self.output else ""
+        mark = "\nThe node's picture is marked as the network's output." if self.output else ""
         within = "\nDouble-click or press Enter to show the nodes inside." if self.macro else ""
         return f"{self.id} · {self.module}{state}\n{self.summary}{mark}{within}"
 
@@ -70,7 +70,7 @@ def face_of(
     inputs = declared.inputs if declared else ()
     outputs = declared.outputs if declared else ()
     package = package_of(node.module)
-    of_package = f"; it belongs to the package {package}" if package else ""
+    of_package = f"; the module belongs to the package {package}" if package else ""
     absent = f"The library has no module {node.module}{of_package}."
     coming = (link.input for link in links if link.target == node.id)
     going = (link.output for link in links if link.source == node.id)

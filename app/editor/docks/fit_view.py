@@ -482,7 +482,7 @@ class FreeTable(QTableWidget):
             low = next(v for v in (changed.low, param.low, -math.inf) if v is not None)
             high = next(v for v in (changed.high, param.high, math.inf) if v is not None)
             if low >= high:
-                raise UsageError(f"the lower limit {low:g} must be below {high:g}")
+                raise UsageError(f"the lower limit {low:g} must be below the upper limit {high:g}")
         except (ParameterError, UsageError) as error:
             self.refused.emit(f"{number.port}: {error.message}")
             self.write()

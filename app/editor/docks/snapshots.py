@@ -188,7 +188,7 @@ class Snapshots(QObject):
         if state is None:
             self._say(NOTHING_KEPT, "advice")
         elif self._session.do(restored(state.document, f"Go back to {state.name}")):
-            self._say(f"restored {state.name}; Ctrl+Z undoes it")
+            self._say(f"restored {state.name}; press Ctrl+Z to undo")
         else:
             self._say(f"the network already matches {state.name}")
 

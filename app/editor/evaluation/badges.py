@@ -12,7 +12,7 @@ from core.modules.parameters import Caution
 from core.network.macro import SEPARATOR
 from core.network.network import Network
 
-DISABLED = "disabled: passes its input through, if it has one"
+DISABLED = "disabled: the node passes its input, if any, through"
 STALE = (
     "not updated: shows the result from before your last changes; choose Generate Image to "
     "update it"

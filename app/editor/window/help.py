@@ -142,9 +142,14 @@ BESIDE_ACTIONS = (
         "Canvas",
         "Move the selection",
         "arrow keys",
-        "Shift: by one unit; with a backdrop, Shift resizes it",
+        "Shift: by one unit, or resize the selected backdrop",
     ),
-    ("Canvas", "Go to the next node", "Ctrl with arrow keys", "Shift: add it to the selection"),
+    (
+        "Canvas",
+        "Go to the next node",
+        "Ctrl with arrow keys",
+        "Shift: add the node to the selection",
+    ),
     ("Canvas", "Open", "Return", "The panel of the selected node, or a backdrop's title"),
     ("Mouse", "Pan", "middle button", "Drag the canvas"),
     ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
@@ -152,7 +157,12 @@ BESIDE_ACTIONS = (
     ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
     ("Mouse", "View", "Ctrl+Shift+click", "Show the node in viewer 1"),
     ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
-    ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag to move it, Del to delete it"),
+    (
+        "Mouse",
+        "Bend a wire",
+        "double-click on the wire",
+        "Add a dot; drag to move it, Del to delete it",
+    ),
     ("Mouse", "Cut wires", "Alt+Shift+drag", "Disconnect the wires that the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes a Read Image node; a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Show the region of the selected module"),
@@ -165,7 +175,7 @@ BESIDE_ACTIONS = (
         *("Mouse", "Show another band", "drag the band's line, or PgUp"),
         "In a picture with bands; PgDown goes back",
     ),
-    ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
+    ("Mouse", "Default", "right-click on a value", "Reset the value to its default"),
 )
 OR = "  or  "
 

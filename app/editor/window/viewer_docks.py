@@ -78,7 +78,7 @@ class ViewerDocks(QObject):
         declared = self._session.declared(name)
         if declared is None:
             self._session.message.emit(
-                "error", f"{name}: its module is unknown, so there is nothing to show"
+                "error", f"{name}: the module is unknown, so there is nothing to show"
             )
             return
         outputs, into = declared.outputs, self._session.network.links_into(name)

@@ -88,12 +88,12 @@ def coloured_share(
     """
     power = numerics.all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
-        raise ParameterError("spectrum.shape", power.shape, "two axes, with power above 0")
+        raise ParameterError("spectrum.shape", power.shape, "two-dimensional, with power above 0")
     along_y = _share_of_cells(length_y_mrad, noise_bandwidth_y_cyc_per_mrad, power.shape[0])
     along_x = _share_of_cells(length_x_mrad, noise_bandwidth_x_cyc_per_mrad, power.shape[1])
     if along_x.shape[0] != along_y.shape[0]:
         shapes = f"{along_x.shape[:1]}, {along_y.shape[:1]}"
-        raise ParameterError("length_x_mrad, length_y_mrad", shapes, "equal shapes")
+        raise ParameterError("length_x_mrad, length_y_mrad", shapes, "equal in shape")
     left = np.einsum("ni,ij,nj->n", along_y, power / power.mean(), along_x, optimize=True)
     return np.asarray(left, np.float64)
 

@@ -239,7 +239,7 @@ def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:
     numerics.positive("frequency[0]", at[0], unit="cyc/mrad")
     transfer = numerics.all_finite("mtf", mtf)
     if transfer.shape != at.shape:
-        allowed = f"{at.shape}, as for frequency"
+        allowed = f"{at.shape}, the shape of frequency"
         raise ParameterError("mtf.shape", transfer.shape, allowed)
     return at, transfer
 
@@ -319,7 +319,7 @@ def perceived_share(
     magnified = numerics.positive("magnification", magnification)
     power = np.ones((1, 1)) if spectrum is None else numerics.all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
-        raise ParameterError("spectrum.shape", power.shape, "two axes, with power above 0")
+        raise ParameterError("spectrum.shape", power.shape, "two-dimensional, with power above 0")
     rows, columns = power.shape
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.
     finer_x, finer_y = max(1, 256 // columns), max(1, 64 // rows)
@@ -439,7 +439,7 @@ def mdtd_K(  # noqa: N802
     for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y)):
         transfer = numerics.all_finite(name, mtf)
         if transfer.shape != at.shape:
-            allowed = f"{at.shape}, as for frequency"
+            allowed = f"{at.shape}, the shape of frequency"
             raise ParameterError(f"{name}.shape", transfer.shape, allowed)
         transfers.append(transfer)
     *sides, intensity = _blurred(size, at, transfers, window, limit)

@@ -137,7 +137,7 @@ def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Floats, Flo
     places = rising("frequency", frequency, unit="cyc/mrad")
     curve = all_from_zero("mrtd_K", mrtd_K, unit="K", infinite=True)
     if curve.shape != places.shape:
-        allowed = f"{places.shape}, as for frequency"
+        allowed = f"{places.shape}, the shape of frequency"
         raise ParameterError("mrtd_K.shape", curve.shape, allowed)
     finite = np.isfinite(curve)
     first = int(np.argmax(finite)) if finite.any() else len(curve)
@@ -242,7 +242,7 @@ class TtpThreshold:
         self._places = places = rising("frequency", frequency, unit="cyc/mrad")
         curve = all_from_zero("ctf", ctf, infinite=True)
         if curve.shape != places.shape:
-            allowed = f"{places.shape}, as for frequency"
+            allowed = f"{places.shape}, the shape of frequency"
             raise ParameterError("ctf.shape", curve.shape, allowed)
         zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
         if len(zeros):

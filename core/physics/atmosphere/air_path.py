@@ -208,7 +208,7 @@ def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None
     first, last = points[0][0], points[-1][0]
     if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
         raise DataError(
-            f"the table covers {first:g} to {last:g} µm, not the whole band: give a table that "
+            f"the table covers {first:g} to {last:g} µm, not the whole band. Give a table that "
             f"covers {cut_on_um:g} to {cut_off_um:g} µm, or a narrower band"
         )
 
@@ -317,8 +317,8 @@ def _no_range() -> ParameterError:
     return ParameterError(
         "range_m",
         None,
-        "set the range of the path here, put this node after a Camera with range_m, or "
-        "connect the context of Init & Trans",
+        "set the range of the path here, put this node after a Camera that has a range, "
+        "or connect the context of Init & Trans",
         unit="m",
     )
 
@@ -456,11 +456,11 @@ class Sunlight:
         scale = 1.0
         if self.illuminance_lux is not None:
             if not self.unscaled_lux:
-                allowed = "the spectrum has no light from 0.38 to 0.78 µm to scale"
+                allowed = "the spectrum has no light from 0.38 to 0.78 µm that could be scaled"
                 if self.unscaled_lux is None:
                     allowed = "the spectrum must cover 0.38 to 0.78 µm"
                 elif not (self.elevation_deg or self.sky):
-                    allowed = "the sun is on the horizon and sky is 0; raise sun_elevation_deg"
+                    allowed = "the sun is on the horizon and sky is 0. Raise sun_elevation_deg"
                 raise ParameterError("illuminance_lux", self.illuminance_lux, allowed, unit="lx")
             scale = self.illuminance_lux / self.unscaled_lux
         return scale * self._unscaled(wavelength_um)

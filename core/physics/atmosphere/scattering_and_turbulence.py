@@ -65,7 +65,9 @@ def fried_mtf(
     exponent = -3.44 * ratio ** (5.0 / 3.0)
     if share > 0.0:
         if aperture_mm is None:
-            raise ParameterError("aperture_mm", None, "needed when alpha is above 0", unit="mm")
+            raise ParameterError(
+                "aperture_mm", None, "the aperture is needed when alpha is above 0", unit="mm"
+            )
         diameter = positive("aperture_mm", aperture_mm, unit="mm")
         with np.errstate(over="ignore"):
             exponent = exponent * np.maximum(0.0, 1.0 - share * np.cbrt(lag_mm / diameter))

@@ -96,8 +96,8 @@ def d_star(
     events = _noise_events(material, background_K, half_angle_deg)
     if not events > 0.0:
         allowed = (
-            f"too cold to limit the noise of {material.name}, whose own noise is not known: enter "
-            "D* instead"
+            f"the background is too cold to limit the noise of {material.name}, whose own noise "
+            "is not known. Enter D* instead"
         )
         raise ParameterError("background_K", background_K, allowed, unit="K")
     per_joule = efficiency * np.asarray(wavelength_um, dtype=float) / _HC_J_UM
@@ -254,7 +254,7 @@ class ResponseCurve:
     def __post_init__(self) -> None:
         if self.shape == "file":
             if len(self.points) < 2:
-                raise ParameterError("path", len(self.points), "a response with two or more points")
+                raise ParameterError("path", len(self.points), "a file with two or more points")
             return
         positive("centre_um", self.centre_um, unit="µm")
         positive("width_um", self.width_um, unit="µm")

@@ -326,8 +326,8 @@ def _checked(
     bulk = math.inf
     if side == "back":
         if thickness_um is None or not depletion < thickness_um < math.inf:
-            lit = "for a back-illuminated detector"
-            allowed = f"give a thickness above depletion_um = {depletion:g} {lit}"
+            back = "a back-illuminated detector"
+            allowed = f"the thickness of {back} must be above depletion_um = {depletion:g}"
             raise ParameterError("thickness_um", thickness_um, allowed, unit="µm")
         bulk = thickness_um - depletion
     return {"depletion_um": depletion, "diffusion_length_um": length, "bulk_um": bulk}
@@ -445,7 +445,7 @@ def crosstalk_kernel(text: str) -> Kernel:
         raise ParameterError("kernel", text, allowed)
     flat = [value for row in numbers for value in row]
     if not all(0.0 <= value < math.inf for value in flat):
-        raise ParameterError("kernel", text, "numbers of 0 or above")
+        raise ParameterError("kernel", text, "numbers that are 0 or above")
     total = math.fsum(flat)
     if abs(total - 1.0) > _SUM_TOLERANCE:
         raise ParameterError("kernel", text, f"numbers that add up to 1, not {total:.6g}")

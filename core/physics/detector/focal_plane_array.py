@@ -510,7 +510,9 @@ def excess_noise_factor(
     if charge_gain in ("none", "photoconductive"):
         return 1.0 if charge_gain == "none" else 2.0
     if gain < 1.0:
-        raise ParameterError("charge_gain_factor", factor, f"at least 1 for {charge_gain}")
+        raise ParameterError(
+            "charge_gain_factor", factor, f"at least 1 for charge_gain = {charge_gain}"
+        )
     if charge_gain == "avalanche":
         ratio = within("ionization_ratio", ionization_ratio, 0.0, 1.0)
         return ratio * gain + (1.0 - ratio) * (2.0 - 1.0 / gain)

@@ -383,7 +383,7 @@ class PhotonWeights:
                 low, high = self.band_um
                 raise DataError(
                     f"a source of {self.source_K:g} K emits nothing from {low:g} to {high:g} µm: "
-                    "give a hotter source_K"
+                    "give a higher source_K"
                 )
             return float(self._photons(self.source_K)) / radiance
         low = max(self.band_um[0], efficiency.cut_on_um)

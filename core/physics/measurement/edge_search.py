@@ -453,8 +453,8 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"a side is not level: the level still changes by {change / contrast:.0%} of the "
-                f"contrast at {reach} samples from the edge"
+                f"one side of the edge is not level: its level still changes by "
+                f"{change / contrast:.0%} of the contrast at {reach} samples from the edge"
             )
     seen = min(reach + _BEYOND, wide)
     place = np.arange(-seen, seen + 1)

@@ -157,7 +157,9 @@ def why_clipped(
     if clip_levels is not None:
         share = float(np.mean((value <= clip_levels[0]) | (value >= clip_levels[1])))
         return (
-            f"clipped: {share:.0%} of the edge's samples are at a limit" if share > _SHARE else ""
+            f"clipped: {share:.0%} of the edge's samples are at a clipping level"
+            if share > _SHARE
+            else ""
         )
     contrast, half = float(np.ptp(value)), 0.5 * float(np.abs(distance).max(initial=0.0))
     sides = value[distance < -_BESIDE], value[distance > _BESIDE]

@@ -263,7 +263,7 @@ def _edge_spread(
     if not count.all():
         raise DataError(
             f"at {abs(line.angle_deg):.3g}° every row samples the edge at the same distances, "
-            "so it cannot be supersampled: turn the edge to 2° to 10°, or use more rows"
+            "so the edge cannot be supersampled. Turn the edge to 2° to 10°, or use more rows"
         )
     mean = np.bincount(place, values, 2 * bins + 1) / count
     scatter = np.sqrt(np.bincount(place, (values - mean[place]) ** 2, 2 * bins + 1) / count)
@@ -466,8 +466,8 @@ def _check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target
     error = spread.noise / np.sqrt(max(1.0, count))  # of one bin
     if height < 0.5 * float(np.ptp(values)) or height < 5.0 * error:
         raise DataError(
-            f"no single {target} found: the levels beside it differ by {height:.3g} of the "
-            f"region's range and by {height / max(spread.noise, 1e-300):.2g} times the noise. "
+            f"no single {target} found: the candidate's height is {height:.3g} of the "
+            f"region's range and {height / max(spread.noise, 1e-300):.2g} times the noise. "
             f"Choose a region with one {target} and little else"
         )
     for side in spread.sides:

@@ -42,7 +42,7 @@ def flicker_band(*, frame_rate_Hz: float, longest_period_s: float) -> FlickerBan
     rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
     longest = positive("longest_period_s", longest_period_s, unit="s")
     if not longest * rate > 2.0:
-        allowed = f"longer than two frames, {2.0 / rate:g}"
+        allowed = f"above two frame periods, {2.0 / rate:g} s"
         raise ParameterError("longest_period_s", longest, allowed, unit="s")
     return FlickerBand(1.0 / longest, 0.5 * rate)
 

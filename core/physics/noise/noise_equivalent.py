@@ -106,7 +106,7 @@ def netd_K(  # noqa: N802
     )
     netd = noise_radiance / slope if slope > 0.0 else inf
     if netd == inf:
-        allowed = f"too cold: emits nothing from {cut_on_um:g} to {cut_off_um:g} µm"
+        allowed = f"the background emits nothing from {cut_on_um:g} to {cut_off_um:g} µm"
         raise ParameterError("background_K", background_K, allowed, unit="K")
     return netd
 

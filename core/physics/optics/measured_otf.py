@@ -74,7 +74,7 @@ def from_zero(
             )
         values = tuple(value / values[0] for value in values)
     if abs(values[0] - at_zero) > ROUNDED:
-        advice = ", or normalise = at_zero" if at_zero else ""
+        advice = ". Correct the table, or set normalise = at_zero" if at_zero else ""
         raise DataError(
             f"the table has {values[0]:g} at frequency 0; allowed: {at_zero:g} within "
             f"{ROUNDED:g}{advice}"

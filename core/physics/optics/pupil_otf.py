@@ -486,7 +486,7 @@ def geometric_otf(shape: PupilShape, *, lag_x: ArrayLike, lag_y: ArrayLike) -> F
     """
     x, y = (np.abs(np.asarray(lag, dtype=np.float64)) for lag in (lag_x, lag_y))
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
-        raise DataError("the pupil's OTF is needed at a lag that is not finite")
+        raise DataError("the pupil's OTF was requested at a lag that is not finite")
     # In radii, and no further than beyond the diameter, so that no size overflows.
     x, y = (np.minimum(lag, 3.0 * shape.radius) / shape.radius for lag in (x, y))
     hole, strips = shape.inner_radius / shape.radius, _strips(shape)

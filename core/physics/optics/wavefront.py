@@ -234,7 +234,7 @@ def sampled_otf(
         raise ParameterError("interpolation", interpolation, "one of " + ", ".join(INTERPOLATIONS))
     x, y = np.asarray(lag_x, dtype=np.float64), np.asarray(lag_y, dtype=np.float64)
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
-        raise DataError("the pupil's OTF is needed at a lag that is not finite")
+        raise DataError("the pupil's OTF was requested at a lag that is not finite")
     interpolate = _bilinear if interpolation == "bilinear" else _linear
     rows, columns = (size // 2 for size in correlation.shape)
     across, along = _Cells.of(x, columns), _Cells.of(y, rows)

@@ -194,7 +194,9 @@ class CoarseSpectrum:
     def __post_init__(self) -> None:
         wavelengths = [wavelength for wavelength, _ in self.points]
         if not wavelengths or not np.all(np.diff(wavelengths) > 0.0):
-            raise ParameterError("points", wavelengths, "one or more, in ascending order")
+            raise ParameterError(
+                "points", wavelengths, "one or more wavelengths, in ascending order"
+            )
 
     def at(self, wavelength_um: ArrayLike) -> Floats:
         """Values at wavelengths [µm]."""

@@ -138,14 +138,14 @@ def test_a_picture_without_an_edge_says_so(fails, works, tmp_path):
          "bytes.npy stores whole numbers from 0 to 255, but whole.npy from 0 to 65535: give "
          "pictures of one camera, all stored the same way"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
-         " at row 3, column 4; replace them with one number, such as 0; constant areas "
+         " at row 3, column 4; replace these samples with one number, such as 0; constant areas "
          "are not measured"),
         (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
          "1e+60, with differences of 1e-60 or more; scale the samples"),
         (("a.npy", "--dark", "light.npy"), "a.npy: the mean level, 130, is not above the dark "
          "level, 500: give dark frames with --dark, or the dark level with --offset-dn"),
         (("a.npy", "--dark", "small.npy"),
-         "small.npy has 20 × 9 samples, but a.npy has 200 × 160: give frames of one camera"),
+         "small.npy has 20 × 9 samples, but a.npy has 200 × 160: give frames from one camera"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, tmp_path, words, line):

@@ -167,9 +167,9 @@ def test_a_node_writes_elsewhere_only_where_that_was_chosen(job, small, tmp_path
     code, _, said = finished_job(job("run", network))
     assert code == 2
     assert said == (
-        f"imagechain: write: cannot write {elsewhere}: it lies outside the network's folder and "
-        "the output folder; choose the file with Browse… on its control panel, or choose another "
-        "output folder\n"
+        f"imagechain: write: cannot write {elsewhere}: the file lies outside the network's folder "
+        "and the output folder; choose the file with Browse… on the node's control panel, or "
+        "choose another output folder\n"
     )
     assert not elsewhere.exists()
     code, _, said = finished_job(job("run", network, chosen=(elsewhere,)))

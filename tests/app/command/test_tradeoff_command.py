@@ -102,7 +102,7 @@ USAGE = {
     ),
     "unknown figure": (
         [SIGMA, "--figure=electronics.netd"],
-        "no such read-out; it has electronics.bandwidth_Hz, electronics.g_number",
+        "no such read-out; allowed: electronics.bandwidth_Hz, electronics.g_number",
     ),
     "figure of no node": ([SIGMA, "--figure=electronic.ner"], "did you mean electronics.ner?"),
 }

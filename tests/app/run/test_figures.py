@@ -38,7 +38,7 @@ def test_an_engineer_reads_a_dozen_lines(mwir):
     told = ", ".join(f"{each:.4g}" for each in ranges)
     assert f"  {told} km  " in line(lines, "Range: detect, recognize, identify")
     count = sum(value is not None for node in readouts.values() for value in node.values())
-    assert f"all {count} read-outs: --all, or readouts.json" in lines
+    assert f"all {count} read-outs: use --all, or see readouts.json" in lines
     assert not any("weighting_worth_percent" in each for each in lines)
 
 

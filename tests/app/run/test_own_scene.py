@@ -202,7 +202,7 @@ def test_a_cube(scene_of, write, small, tmp_path, bands, said):
 def test_several_scenes_are_asked_about(fails, picture):
     file = picture(GREY)
     error = fails("run", "magnitude_of_one_phase_of_another", "--scene", file)
-    assert "2 scenes, star, building: name one, as in --scene star=FILE" in error
+    assert "2 scenes, star, building: name one scene, as in --scene star=FILE" in error
 
 
 @pytest.mark.parametrize(

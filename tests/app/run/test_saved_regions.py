@@ -16,7 +16,7 @@ FORM = "write NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, where each bound is a whole
 FAULTS = {
     "beyond right": (
         "back.image[:,40:49]=a.npy",
-        "--save back.image[:,40:49]=a.npy: the picture has 40 rows and 48 columns",
+        "--save back.image[:,40:49]=a.npy: the region exceeds the picture, which has 40 rows",
     ),
     "of the smaller picture": ("pixels.image[0:21,:]=a.npy", "has 20 rows and 24 columns"),
     "no columns": ("back.image[:,48:]=a.npy", "the region is empty: rows 0:40, columns 48:48"),

@@ -74,7 +74,7 @@ def contents(folder):
     }
 
 
-OUTSIDE = "it lies outside the network's folder and the output folder"
+OUTSIDE = "the file lies outside the network's folder and the output folder"
 
 
 @pytest.mark.parametrize(
@@ -236,11 +236,8 @@ def make_pipe(path):
     os.mkfifo(path)
 
 
-FOLDER = "it is a folder; give a file name, for example one in that folder"
-PIPE = (
-    "it is a named pipe (FIFO), not a regular file; "
-    "allowed: a new name, or a regular file to replace"
-)
+FOLDER = "the path is a folder; give a file name, for example one in that folder"
+PIPE = "the path is a named pipe (FIFO); allowed: a new name, or a regular file to replace"
 BAD_TARGETS = {
     "a pipe": ("nets/a.tif", make_pipe, ("a.tif",), f"out: cannot write nets/a.tif: {PIPE}"),
     "an own folder": (

@@ -164,7 +164,7 @@ def test_values_as_they_are_said(network, text, values):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("blur.sigma=1", "has no parameter sigma; it has apply, sigma_x_mrad"),
+        ("blur.sigma=1", "has no parameter sigma; allowed: apply, sigma_x_mrad"),
         ("blur.sigma_x_mrad=soft", "'soft' mrad"),
         ("blur.sigma_x_mrad=0:1:1", "COUNT = 1 is not allowed: give 2 to 1000"),
         ("blur.sigma_x_mrad=0:1:5:log", "log needs FROM and TO above 0"),

@@ -163,7 +163,8 @@ class TestEngine:
             (
                 "blur.magnitude",
                 Region(0, 0, 1, 1),
-                "blur: region = '0:1,0:1' is not allowed: regions need an image, not a magnitude",
+                "blur: region = '0:1,0:1' is not allowed: only an image has regions, "
+                "not a magnitude",
             ),
             ("init.context", Region(0, 0, 1, 1), "not a context"),
         ],

@@ -221,7 +221,7 @@ HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
         ("[]", "a network must be an object, not a list"),
         (
             "{}",
-            "not an Imagechain network: its format must be 'imagechain-network', but it has none",
+            "not an Imagechain network: its format must be 'imagechain-network', but none is given",
         ),
         (HEAD + '"seed": NaN}', "NaN is not a valid JSON number"),
         (HEAD + '"x": 1e999}', "the number 1e999 is too large"),
@@ -241,7 +241,11 @@ def test_text_that_is_no_network(text, message, small_library):
     [
         (["version"], "1", "version must be a whole number, not a string"),
         (["version"], 0, "version = 0 is not allowed: must be a whole number, 1 or more"),
-        (["version"], 99, "version 99 is from a newer Imagechain: this one reads versions up to 2"),
+        (
+            ["version"],
+            99,
+            "version 99 is from a newer Imagechain; this Imagechain reads versions up to 2",
+        ),
         (["description"], None, "description must be a string, not null"),
         (["seed"], 1.0, "seed must be a whole number, not a number"),
         (

@@ -65,7 +65,7 @@ def test_one_line_says_what_is_wrong(text, part, document, small_library):
     (line,) = refusals(network, small_library)
     assert line.startswith("jitter: sigma_mrad = ")
     assert part in line
-    assert line.endswith("it must give a number of at least 0 (mrad)")
+    assert line.endswith("its result must be a number of at least 0 (mrad)")
     assert len(line) < 400
 
 
@@ -82,7 +82,7 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
     way = "init.near_m → jitter.sigma_mrad → look.level → init.near_m"
     assert sum(way in line for line in found) == 3
     assert any(
-        "far_m = init.near_m + 1" in line and "has no value; correct it first" in line
+        "far_m = init.near_m + 1" in line and "has no value; correct that parameter first" in line
         for line in found
     )
 
@@ -98,7 +98,9 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
 def test_only_numbers_follow(place, allowed, document, small_library):
     network = linked(document, small_library, **{place: "init.near_m"})
     (line,) = refusals(network, small_library)
-    assert "only a numeric parameter can follow others, but this is " + allowed in line
+    assert (
+        "only a numeric parameter can follow other parameters, but this one is " + allowed in line
+    )
 
 
 def test_what_is_no_expression_is_refused(document, small_library):

@@ -186,9 +186,9 @@ MACRO = ("nodes", "camera", "macro")
         (("nodes", "camera", "params"), {"blurr": 1},
          "camera: blurr = 1 is not allowed: Small camera shows no such parameter; did you mean"),
         (("links", 1, 0), "camera.picture",
-         "camera: the macro has no output picture (the link camera.picture → save.image): it has"),
+         "camera: the macro has no output picture (the link camera.picture → save.image); allowed"),
         (("nodes", "camera/back"), {"module": "back_transform"},
-         "camera/back is the name of 2 nodes, one of them inside a macro: give one of them"),
+         "camera/back is the name of 2 nodes, one of them inside a macro: give one of these"),
     ],
 )  # fmt: skip
 def test_bad_macros_give_one_clear_line(path, value, begins, document):

@@ -91,7 +91,7 @@ FAULTS = [
             _set("nodes", "more", {"module": "look", "params": {"level": 1}}),
             _more(("look.zzz", "more.picture")),
         ),
-        "look: Examine has no output zzz (the link look.zzz → more.picture): it has none",
+        "look: Examine has no output zzz (the link look.zzz → more.picture); allowed: none",
     ),
     (
         _both(_set("links", 0, ["init.phase", "look.other"]), _more(("scene.image", "init.image"))),

@@ -50,7 +50,11 @@ def test_red_light_blurs_most_from_the_front_and_blue_from_the_back(tmp_path):
             (3.0, 5.0),
             "0.25 to 1.2 µm, where silicon absorbs; for other wavelengths, give absorption_per_um",
         ),
-        ({"side": "back"}, (0.5, 0.8), "thickness_um is empty: give a thickness above"),
+        (
+            {"side": "back"},
+            (0.5, 0.8),
+            "thickness_um is empty: the thickness of a back-illuminated detector must",
+        ),
         ({"side": "back", "thickness_um": 3.0}, (0.5, 0.8), "thickness_um = 3"),
     ],
 )

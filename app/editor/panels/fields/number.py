@@ -34,7 +34,7 @@ _HOW_TO_DRAG = "Drag the name sideways to change the value (Shift: finer, Ctrl: 
 _UNLINK = "To unlink, type a value or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
-    "expression with other parameters. Arrow keys and the wheel change it in steps "
+    "expression with other parameters. Arrow keys and the wheel change the value in steps "
     "(Shift: finer, Ctrl: coarser)"
 )
 

@@ -55,7 +55,7 @@ class PictureBar(QWidget):
         self.dots = tool_button(
             f"{owner}.dots", "1:1", "Show each sample as one screen pixel (1)", self
         )
-        about = "Show the region of the selected module (R); drag it or its corners"
+        about = "Show the region of the selected module (R); drag the region or a corner"
         self.region = tool_button(f"{owner}.region", "⬚", about, self)
         parts = ((self.ports, 1), shown, compared, self.region, self.fit, self.dots)
         filled(QHBoxLayout(self), *parts, margins=(2, 2, 2, 0), spacing=3)

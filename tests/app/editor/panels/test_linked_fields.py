@@ -73,11 +73,11 @@ def test_arithmetic_and_units_are_taken_or_refused_with_why_and_what_counts(sigm
         ("3 K", "K is a unit of temperature, but this value is in mrad"),
         ("1/0", "1 / 0 divides by zero"),
         ("-1", "a number of at least 0"),
-        ("1,000", "either 1000 or 1.000"),
+        ("1,000", "write 1000 or 1.000"),
         ("init.f_number", "begin with = to follow it"),
         (
             "= 1 - init.f_number",
-            "the expression gives -1 mrad; it must give a number of at least 0",
+            "the expression gives -1 mrad; its result must be a number of at least 0",
         ),
         ("= blur.sigma_x_mrad", "follows itself"),
     ):

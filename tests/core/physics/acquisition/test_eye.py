@@ -109,5 +109,5 @@ class TestShare:
             assert found[k] == pytest.approx(total / 15.0, rel=1e-5)
 
     def test_sides_of_other_shapes_are_refused(self):
-        with pytest.raises(ParameterError, match="equal shapes"):
+        with pytest.raises(ParameterError, match="equal in shape"):
             coloured_share(length_x_mrad=[1, 2], length_y_mrad=[1], **BANDS, spectrum=[[1.0]])

@@ -91,5 +91,5 @@ def test_a_linked_region_is_left_alone_and_the_reason_given(bench, viewer, hand)
     assert (
         "error",
         "measured.region_width is linked to measured.region_height / 3: "
-        "unlink it in its panel first",
+        "unlink it in the panel first",
     ) in said
