@@ -81,7 +81,10 @@ def no_regular_file(mode: int) -> str:
     if stat.S_ISDIR(mode):
         return "the path is a folder; give a file name, for example one in that folder"
     kind = _KINDS.get(stat.S_IFMT(mode), "special file")
-    return f"the path is a {kind}; allowed: a new name, or a regular file to replace"
+    return (
+        f"the path is a {kind}, not a regular file; allowed: a new name, or a regular file to "
+        "replace"
+    )
 
 
 def _mode_of_existing(target: Path) -> int | None:

@@ -179,7 +179,7 @@ def check_id(name: str) -> None:
     barred = (c in ".=" or unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in name)
     if not name.strip() or any(barred):
         raise NetworkError(
-            f"{name!r:.80} is not allowed as a node's id: it must not be blank or contain "
+            f"{name!r:.80} is not allowed as a node's id: an id must not be blank or contain "
             "'.', '=' or a control character"
         )
 

@@ -85,7 +85,7 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
     if not declared:
         absent = where_absent(key, library)
         hint = f": {absent}" if absent else alike(key, library)
-        hint = hint or "; imagechain modules lists them"
+        hint = hint or "; imagechain modules lists all modules"
         raise UsageError(f"there is no module {shown(key)}{hint}")
     if json:
         show(json, lambda: [_described(entry) for entry in declared])
@@ -190,7 +190,9 @@ def presets(_stop: Stop, word: str, json: bool) -> None:
     found = [preset for preset in shipped_presets(standard_library()) if fits(preset)]
     if not found:
         word = word.casefold()
-        raise UsageError(f"there is no preset with {shown(word)}; imagechain presets lists them")
+        raise UsageError(
+            f"there is no preset with {shown(word)}; imagechain presets lists all presets"
+        )
     entries = (
         f"{preset.path.stem} · {preset.title} ({_module(preset)})\n{_filled(preset.text)}"
         for preset in found

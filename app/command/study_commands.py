@@ -147,7 +147,7 @@ _tls = partial(options.option, group=options.RARER)
 @options.option(
     "--memory", "SIZE",
     "memory for computed values, shared by all processes, such as 2GB (default: 256MB per "
-    "process); set it if pictures are larger than about 4000 x 4000 samples",
+    "process); raise it if pictures are larger than about 4000 x 4000 samples",
     values.size_in_bytes, to="memory_bytes", group=options.RARER)  # fmt: skip
 @options.option(
     "--scheduler", "ADDRESS",

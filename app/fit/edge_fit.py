@@ -104,7 +104,7 @@ def patch_of(*, picture: Matrix, edge: FoundEdge, name: str) -> Patch | str:
     middle = np.abs(along) <= half - min(_ENDS, 2.0 * half * _END_SHARE)
     sides = [middle & (distance < -_OUTER * reach), middle & (distance > _OUTER * reach)]
     if min(int(np.count_nonzero(side)) for side in sides) < _LEAST_OUTER:
-        return "too few samples on one side"
+        return "too few samples on one side of the edge"
     levels, variances, shaded = [], [], False
     for side in sides:
         d, s, v = distance[side], along[side], value[side]

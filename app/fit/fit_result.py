@@ -395,9 +395,9 @@ def _weak(parameters: Sequence[FittedParameter], correlation: Matrix) -> list[st
             continue
         if hardly_determined(one.value, one.sigma):
             share = (
-                f"{100.0 * one.sigma / abs(one.value):.0f} % of its value"
+                f"{100.0 * one.sigma / abs(one.value):.0f} % of the value"
                 if one.sigma <= abs(one.value)
-                else "larger than its value"
+                else "larger than the value"
             )
             lines.append(
                 f"{one.port} is poorly determined: its standard error, {one.sigma:.2g}, is {share}"

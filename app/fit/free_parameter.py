@@ -107,7 +107,8 @@ def _one(text: str, network: Network, library: Library, called: str) -> FreePara
     raw = network.nodes[target.node].params.get(target.name, declared.default)
     if isinstance(raw, Mapping) and EXPRESSION in raw:
         raise UsageError(
-            f"{option}: an expression computes this parameter; fit the parameters in it instead"
+            f"{option}: an expression computes this parameter; fit the parameters in the "
+            "expression instead"
         )
     low, high = _range(declared, target.text, option)
     present = float(raw) if isinstance(raw, int | float) else None

@@ -85,7 +85,7 @@ class Staging:
     def check(self, target: Path) -> None:
         real = real_target(target)
         if any(_overlap(real, path) for path in self._inputs):
-            raise FileError(f"cannot write {target}: this file is an input of the run")
+            raise FileError(f"cannot write {target}: the file is an input of this run")
         try:
             self._check_place(real, target)
         except OSError as error:
@@ -413,7 +413,7 @@ class WriteRules:
             return
         if any(real.is_relative_to(folder) for folder in self.allowed):
             return
-        lift = self.how_to_allow or f"{OPTION} {shlex.quote(str(real.parent))} allows it"
+        lift = self.how_to_allow or f"{OPTION} {shlex.quote(str(real.parent))} allows writing there"
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(real.is_relative_to(folder) for folder in self.folders):
             why = "the file lies outside the network's folder and the output folder"
@@ -487,7 +487,7 @@ def write_rules(
             raise UsageError(f"{OPTION} {shown(str(folder))}: there is no such folder")
     real = real_target(output)
     if not named and output.is_symlink():
-        hint = f"--output-dir {shlex.quote(str(output))} allows it"
+        hint = f"--output-dir {shlex.quote(str(output))} allows writing there"
         raise FileError(f"cannot write to {output}: it is a link to {real}; {hint}")
     return WriteRules(
         folders=(*_own_folder(place), real),

@@ -64,8 +64,8 @@ class Workers:
             return ""
         return (
             f"the scheduler {shown(address)} has no TLS: anyone who can reach its port can "
-            f"run code as the workers' user. Start it and its workers with {', '.join(TLS)}, and "
-            "give the same options to the study"
+            f"run code as the workers' user. Start the scheduler and its workers with "
+            f"{', '.join(TLS)}, and give the same options to the study"
         )
 
 

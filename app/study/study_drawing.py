@@ -42,7 +42,9 @@ def study_png(result: StudyRows) -> bytes:
         draw = _scatter
     every = len(study.figures)
     left_out = len(shown) == MOST_FIGURES < every
-    note = f"{len(shown)} of {every} figures; choose others with --figure" if left_out else ""
+    note = (
+        f"{len(shown)} of {every} figures; choose other figures with --figure" if left_out else ""
+    )
     png: bytes = draw(result, axes[:MOST_ACROSS], shown, note)
     return png
 

@@ -50,7 +50,9 @@ class Journal:
                 if (lock := take(lock_path)) is not None:
                     opened.callback(lock.let_go)
                 elif is_held(lock_path):
-                    raise FileError(f"cannot write {self._output}: another study is writing it")
+                    raise FileError(
+                        f"cannot write {self._output}: another study is writing this file"
+                    )
                 self._file = os.open(self.path, flags, 0o666)
                 opened.callback(os.close, self._file)
                 self._read(b"" if self._fresh else self.path.read_bytes())
@@ -85,12 +87,12 @@ class Journal:
         # Nothing counts of a file of which not even the first line is whole.
         torn = not lines and _line(self._head).startswith(content)
         if not torn and (not isinstance(head, dict) or head.get("format") != FORMAT):
-            raise UsageError(f"{self.path}: not the journal of a study; --fresh discards it")
+            raise UsageError(f"{self.path}: not the journal of a study; --fresh discards this file")
         if lines and head != self._head:
             raise UsageError(
                 f"{self._output}: another study, or this study with other inputs, was started "
                 f"there and is not finished ({len(lines) - 1} rows in {self.path.name}); "
-                "--fresh discards it"
+                "--fresh discards its rows"
             )
         for self._end, entry in lines:
             if isinstance(entry, list) and len(entry) == len(Row._fields):

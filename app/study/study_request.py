@@ -275,7 +275,7 @@ def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
         if conversion:
             raise ValueError("only a number format may follow a field's name")
         if re.search("[0-9]{4}", spec or ""):
-            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits")
+            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits are allowed")
         # Zeros lead a point's number where it has no format.
         form = spec or (f"0{len(str(points))}d" if name == POINT else "")
         value = values[name]
@@ -307,8 +307,8 @@ def file_names(
                 whose = f"points {other} and {number}" if other != number else f"point {number}"
                 fields = ", ".join(f"{{{field}}}" for field in values)
                 raise UsageError(
-                    f"{save.shown}: two files of {whose} would both be named {shown(name)}; add "
-                    f"more of the fields {fields}"
+                    f"{save.shown}: two files of {whose} would both be named {shown(name)}. "
+                    f"Use more of the fields {fields} in the file name"
                 )
             taken[name] = number
             row.append(name)

@@ -361,7 +361,7 @@ def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise UsageError(
                 f"--scheduler {scheduler:.120}: no Dask scheduler answers at this address"
-                + (", or it rejects these certificates" if tls else "")
+                + (", or the scheduler rejects these certificates" if tls else "")
             ) from error
         with client:
             yield client

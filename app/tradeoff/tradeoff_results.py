@@ -364,7 +364,7 @@ class PointEvaluator:
             if name == "seed" and getattr(module, "seed_mode", "") == "automatic":
                 lines.append(
                     f"{node}: seed is varied, but seed_mode = automatic ignores seed, so all "
-                    f"points have the same noise; set {node}.seed_mode to typed"
+                    f"points have the same noise. Set {node}.seed_mode to typed"
                 )
         return tuple(dict.fromkeys(lines))
 

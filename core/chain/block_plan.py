@@ -84,7 +84,7 @@ def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
         f"{_what(recipe)} cannot run in blocks, and the whole picture of {shape[0]} × {shape[1]} "
         f"samples does not fit in {amount_text(disk.memory_bytes)} of memory. Raise the memory "
         "limit, or leave the node out",
-        hint="raise the limit with --memory",
+        hint="raise the memory limit with --memory",
     )
     return error if recipe.node is None else error.at(recipe.node)
 

@@ -246,7 +246,7 @@ class Image:
         if self.interval_x_mrad is None or self.interval_y_mrad is None:
             raise DataError(
                 "the image has no sampling interval: set fov_x_deg and fov_y_deg on the node that "
-                "reads it"
+                "reads the image"
             )
         return Grid(self.rows, self.columns, self.interval_x_mrad, self.interval_y_mrad)
 

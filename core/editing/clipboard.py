@@ -200,7 +200,7 @@ def pasted_values(
             except ImagechainError as error:
                 left_out.append(error.message)
     if not steps:
-        raise NetworkError(f"no value fits {named(names)}: {'; '.join(left_out[:3])}")
+        raise NetworkError(f"no copied value fits {named(names)}: {'; '.join(left_out[:3])}")
     return together(steps, f"Paste values on {named(names)}"), tuple(dict.fromkeys(left_out))
 
 

@@ -103,7 +103,7 @@ def check_plain(value: Any, what: str) -> None:
     except (TypeError, ValueError):
         raise NetworkError(
             f"{shown(what)} cannot be {value!r:.80}: only finite numbers, strings, true, false, "
-            "null, and lists and objects of them can be saved"
+            "null, and lists and objects of these values can be saved"
         ) from None
 
 

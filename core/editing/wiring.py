@@ -119,7 +119,7 @@ def declared(network: Network, library: Library, name: str) -> Declaration | Non
 
 def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:
     names = [candidate.name for candidate in ports]
-    listed = f"its {side}s are {', '.join(names)}" if names else "it has none"
+    listed = f"the {side}s are {', '.join(names)}" if names else "it has none"
     return f"{shown(node)} has no {side} {shown(port)}{close(port, names) or f': {listed}'}"
 
 

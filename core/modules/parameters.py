@@ -251,7 +251,7 @@ def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[
     wrong = [name for section in sections for name in section.mentioned() if name not in parameters]
     wrong += [name for name, places in placed.items() if places > 1]
     if wrong:
-        allowed = f"{', '.join(parameters)}, once each"
+        allowed = f"{', '.join(parameters)}, each only once"
         raise TypeError(
             "unknown or repeated parameters in the panel's sections: "
             f"{', '.join(wrong)}; allowed: {allowed}"
@@ -314,7 +314,9 @@ def checked(
     except Cancelled:
         raise
     except ImagechainError as error:
-        result = Caution(f"the check {check} could not run: {error.message}", "correct that first")
+        result = Caution(
+            f"the check {check} could not run: {error.message}", "correct this error first"
+        )
     except Exception as error:  # a fault of the method alone: network and other checks are sound
         fault = plug_in_error(error, node)
         what = fault.message if fault else with_place(error)

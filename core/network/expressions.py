@@ -139,7 +139,7 @@ FUNCTIONS: Mapping[str, tuple[Function, int | None, Units]] = {
     **{one.__name__: (one, 1, "keeps") for one in (abs, round, math.floor, math.ceil)},
     **{one.__name__: (one, None, "keeps") for one in (min, max)},
 }
-ALLOWED = "numbers, NODE.PARAMETER, + - * / ^ ( ) and " + ", ".join([*FUNCTIONS, "pi"])
+ALLOWED = f"numbers, NODE.PARAMETER, + - * / ^ ( ), pi and the functions {', '.join(FUNCTIONS)}"
 
 _SPACE = re.compile(r"\s*")
 _NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)

@@ -123,9 +123,10 @@ def _read_node(name: str, value: Any, where: str, level: int) -> Node:
     if not module:
         raise NetworkError(f"{where}.module must not be empty")
     if (module == MACRO) != ("macro" in value):
-        missing = f"has the module {MACRO} but" if module == MACRO else f"is not a {MACRO} but"
-        has = "no field macro" if module == MACRO else "has a field macro"
-        raise NetworkError(f"{where} {missing} {has}")
+        fault = f"is not a {MACRO} but has a field macro"
+        if module == MACRO:
+            fault = f"has the module {MACRO} but no field macro"
+        raise NetworkError(f"{where} {fault}")
     return Node(
         id=name,
         module=module,

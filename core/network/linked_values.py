@@ -25,7 +25,7 @@ class LinkError(ParameterError):
         self, parameter: Parameter, raw: object, why: str, *, node: str | None = None
     ) -> None:
         unit = parameter.param.unit
-        must = "" if why.startswith(_ONLY) else f"; its result must be {parameter.allowed()}"
+        must = "" if why.startswith(_ONLY) else f"; the result must be {parameter.allowed()}"
         text = expression_text(raw)
         super().__init__(parameter.name, text, parameter.allowed(), unit=unit, node=node)
         self.message = " ".join(
@@ -323,7 +323,9 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> expressions.Express
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")
-        raise expressions.ExpressionError(f"{_ONLY}, but this one is {what}: {parameter.allowed()}")
+        raise expressions.ExpressionError(
+            f"{_ONLY}, but this parameter is {what}: {parameter.allowed()}"
+        )
     return expressions.parse_expression(text)
 
 

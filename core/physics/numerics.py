@@ -209,7 +209,8 @@ def brent_root(function: Callable[[float], float], *, low: float, high: float) -
         return before
     if at_best != 0.0 and (at_before > 0.0) == (at_best > 0.0):
         allowed = (
-            f"the function must change sign from low to high; it is {at_before:g} and {at_best:g}"
+            "the function must change sign from low to high; its values there are "
+            f"{at_before:g} and {at_best:g}"
         )
         raise ParameterError("low, high", (low, high), allowed)
     other, at_other = before, at_before  # the zero lies between `best` and `other`

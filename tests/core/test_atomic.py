@@ -126,7 +126,7 @@ def test_refuses_what_is_no_file(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     cases = {
         "": "path is empty",
-        str(tmp_path): "it is a folder",
+        str(tmp_path): "path is a folder",
         f"{tmp_path}/new/": "names a folder",
         str(tmp_path / "none" / "a.txt"): "there is no folder",
         str(tmp_path / "pipe"): "not a regular file",

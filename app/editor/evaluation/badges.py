@@ -14,10 +14,9 @@ from core.network.network import Network
 
 DISABLED = "disabled: the node passes its input, if any, through"
 STALE = (
-    "not updated: shows the result from before your last changes; choose Generate Image to "
-    "update it"
+    "not updated: the result is from before your last changes; choose Generate Image to update it"
 )
-IDENTITY = "skipped: has no effect with these settings"
+IDENTITY = "skipped: the node has no effect with these settings"
 _SHOWN_SKIPS = ("mirrored_edges", "pupil_centre", "folded", "region")
 
 

@@ -89,7 +89,7 @@ class PanelHead(QWidget):
         bar.row.insertWidget(1, self.name, 3)
         about = "Keep this panel open when another node is selected"
         self.pin = bar.add_button("pin", "Pin", about, checkable=True)
-        about = "Save these parameters as a preset, or load one"
+        about = "Save these parameters as a preset, or load a preset"
         self.sets = bar.add_button("sets", "≡", about)
         self.help = bar.add_button("help", "?", "What this module does", checkable=True)
         self.help.setVisible(bool(text))

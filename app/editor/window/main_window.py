@@ -421,7 +421,10 @@ class MainWindow(QMainWindow):
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
         if alike := self.session.selected_alike:
-            text = f"{len(alike)} nodes of the same module are selected: a new value applies to all"
+            text = (
+                f"{len(alike)} nodes of the same module are selected: a new value applies to all "
+                "of them"
+            )
             self.session.message.emit("note", text)
 
     def _follow_level(self) -> None:

@@ -326,8 +326,10 @@ def _checked(
     bulk = math.inf
     if side == "back":
         if thickness_um is None or not depletion < thickness_um < math.inf:
-            back = "a back-illuminated detector"
-            allowed = f"the thickness of {back} must be above depletion_um = {depletion:g}"
+            allowed = (
+                "the thickness of a back-illuminated detector must be above "
+                f"depletion_um = {depletion:g}"
+            )
             raise ParameterError("thickness_um", thickness_um, allowed, unit="µm")
         bulk = thickness_um - depletion
     return {"depletion_um": depletion, "diffusion_length_um": length, "bulk_um": bulk}

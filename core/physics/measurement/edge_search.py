@@ -246,7 +246,9 @@ def _settled(
         )
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
     if radius < _BENT_REACH * edge.reach:
-        return replace(edge, why_not=f"not straight: bends by {abs(edge.bend):.2g} samples")
+        return replace(
+            edge, why_not=f"not straight: the edge bends by {abs(edge.bend):.2g} samples"
+        )
     if fit.gap > _LARGEST_GAP:
         return replace(
             edge,
@@ -453,8 +455,8 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"one side of the edge is not level: its level still changes by "
-                f"{change / contrast:.0%} of the contrast at {reach} samples from the edge"
+                f"a side is not level: the level still changes by {change / contrast:.0%} of the "
+                f"contrast at {reach} samples from the edge"
             )
     seen = min(reach + _BEYOND, wide)
     place = np.arange(-seen, seen + 1)

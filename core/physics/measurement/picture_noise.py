@@ -208,7 +208,7 @@ def _measured(
         if part is not None and part.significant and part.sigma > sigma:
             remarks.append(
                 f"whole {name} differ by {part.sigma:.3g}, more than the noise of one sample; "
-                "this may be a pattern in the scene"
+                "the differences may be a pattern in the scene"
             )
     return PictureNoise(
         mean_level=mean,
@@ -229,14 +229,14 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     if falls:
         return (
             "the noise of the flattest areas falls towards high frequencies (low, middle and "
-            f"high frequencies have power {1 + structure.coarse:.2f} : "
-            f"{1 + structure.middle:.2f} : 1): the picture was blurred after the noise was "
+            f"high frequencies have power {1 + structure.coarse:.2f}:"
+            f"{1 + structure.middle:.2f}:1): the picture was blurred after the noise was "
             "added, or there is texture everywhere"
         )
     if structure.middle < -_WHITE - 3.0 * structure.middle_error:
         return (
             "the noise of the flattest areas rises towards high frequencies (middle and high "
-            f"frequencies have power {1 + structure.middle:.2f} : 1): the picture was sharpened, "
+            f"frequencies have power {1 + structure.middle:.2f}:1): the picture was sharpened, "
             "or a fine pattern covers it"
         )
     if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):

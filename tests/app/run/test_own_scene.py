@@ -218,7 +218,7 @@ def test_several_scenes_are_asked_about(fails, picture):
         ),
         (
             ("--scene", "cube.img", "--scene-unit", "W/m²/sr/µm", "--scene-band-um", 3, 5),
-            "its bands, 8 to 12 µm, do not overlap 3 to 5 µm",
+            "the bands of the file, 8 to 12 µm, do not overlap 3 to 5 µm",
         ),
     ],
 )

@@ -101,7 +101,7 @@ def test_outside_is_refused_unless_allowed(way, module, network, run, refused, t
     assert line.startswith("imagechain: out: cannot write ")
     assert str(target) in line
     assert OUTSIDE in line
-    assert f"--allow-writes-to {elsewhere} allows it" in line
+    assert f"--allow-writes-to {elsewhere} allows writing there" in line
     refused(net, "--allow-writes-to", tmp_path / "nets")
     words = ("--allow-writes-to", tmp_path / "nets", "--allow-writes-to", elsewhere)
     assert run("run", net, *words)[::2] == (0, "")
@@ -197,7 +197,7 @@ def test_an_output_folder_that_is_a_link_is_not_followed_unless_named(
     (tmp_path / "net-output").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
     line = refused(net)
     assert f"cannot write to net-output: it is a link to {tmp_path}/elsewhere" in line
-    assert "--output-dir net-output allows it" in line
+    assert "--output-dir net-output allows writing there" in line
     assert run("run", net, "--output-dir", "net-output")[0] == 0
     assert sorted(path.name for path in (tmp_path / "elsewhere").iterdir()) == OWN
 
@@ -237,7 +237,10 @@ def make_pipe(path):
 
 
 FOLDER = "the path is a folder; give a file name, for example one in that folder"
-PIPE = "the path is a named pipe (FIFO); allowed: a new name, or a regular file to replace"
+PIPE = (
+    "the path is a named pipe (FIFO), not a regular file; "
+    "allowed: a new name, or a regular file to replace"
+)
 BAD_TARGETS = {
     "a pipe": ("nets/a.tif", make_pipe, ("a.tif",), f"out: cannot write nets/a.tif: {PIPE}"),
     "an own folder": (

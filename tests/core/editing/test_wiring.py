@@ -325,7 +325,7 @@ def test_every_node_of_every_network_leaves_a_sound_one(shipped, library):
          "there is no node frame_graber; did you mean frame_grabber?"),
         ("init.magnitud", "detector.magnitude",
          "init has no output magnitud; did you mean magnitude?"),
-        ("init.magnitude", "picture.x", "picture has no input x: its inputs are image"),
+        ("init.magnitude", "picture.x", "picture has no input x: the inputs are image"),
         ("picture.curve", "scene.image", "scene has no input image: it has none"),
         ("charge.magnitude", "charge.magnitude", "charge cannot feed itself"),
         ("charge.magnitude", "aberration.magnitude",

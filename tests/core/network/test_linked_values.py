@@ -65,7 +65,7 @@ def test_one_line_says_what_is_wrong(text, part, document, small_library):
     (line,) = refusals(network, small_library)
     assert line.startswith("jitter: sigma_mrad = ")
     assert part in line
-    assert line.endswith("its result must be a number of at least 0 (mrad)")
+    assert line.endswith("the result must be a number of at least 0 (mrad)")
     assert len(line) < 400
 
 
@@ -99,7 +99,8 @@ def test_only_numbers_follow(place, allowed, document, small_library):
     network = linked(document, small_library, **{place: "init.near_m"})
     (line,) = refusals(network, small_library)
     assert (
-        "only a numeric parameter can follow other parameters, but this one is " + allowed in line
+        "only a numeric parameter can follow other parameters, but this parameter is " + allowed
+        in line
     )
 
 

@@ -194,7 +194,7 @@ def test_two_constituents(chain, tmp_path):
         ({"model": "visibility_km"}, {}, ("range_m is empty", "after a Camera")),
         ({"model": "extinction_per_km"}, {}, ("range_m is empty", "after a Camera")),
         ({"model": "modtran"}, {}, ("path is empty", "tape7")),
-        ({"path": "short.csv"}, {}, ("9 to 11 µm", "give a table that covers 8 to 12 µm")),
+        ({"path": "short.csv"}, {}, ("9 to 11 µm", "Give a table that covers 8 to 12 µm")),
         ({"path": "wrong.csv"}, {}, ("line 2", "transmission from 0 to 1")),
         ({"path": "none.csv"}, {}, ("none.csv: no such file",)),
         ({"transmission": 0.5}, {"unit": "K"}, ("'K'", "is a temperature", "To Radiance")),

@@ -120,7 +120,7 @@ def test_a_cube_of_reflectances(tmp_path):
         ({"cut_on_um": 1.2}, {}, ("cut_off_um = 0.9", "above cut_on_um = 1.2")),
         ({"illuminance_lux": 0}, {}, ("illuminance_lux = 0", "above 0 to 1e+09 or empty")),
         ({"sun_elevation_deg": 95}, {}, ("sun_elevation_deg = 95", "from 0 to 90")),
-        ({"path": "sun.csv"}, {}, ("0.6 to 1 µm", "give a table that covers 0.5 to 0.9 µm")),
+        ({"path": "sun.csv"}, {}, ("0.6 to 1 µm", "Give a table that covers 0.5 to 0.9 µm")),
     ],
 )
 def test_bad_input_is_one_clear_line(lit, tmp_path, params, read, words):

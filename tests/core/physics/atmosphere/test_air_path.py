@@ -131,7 +131,7 @@ def test_what_cannot_be_summed():
     with pytest.raises(ParameterError, match="visibility_km = 0"):
         extinction_of_visibility(visibility_km=0)
     short = AirPath(points=((8.5, 0.5), (13, 0.5)))
-    with pytest.raises(DataError, match=r"8.5 to 13 µm.*give a table that covers 8 to 12 µm"):
+    with pytest.raises(DataError, match=r"8.5 to 13 µm.*Give a table that covers 8 to 12 µm"):
         short.over_band(8, 12, source_K=300)
     haze = AirPath(extinction_per_km=1.0, angstrom_q=1.0, range_m=1.0)
     with pytest.raises(DataError, match=r"emits nothing from 0.4 to 0.7"):

@@ -354,7 +354,7 @@ def test_what_is_not_known_well_is_withheld_with_its_value():
     few = blurred(polygons(64, 72, (4000, 8000), seed=3), sigma=0.5)
     noise = noise_of_picture(picture=sensor.picture(few, seed=1))
     assert noise.sigma is None
-    assert "at 95 % confidence; allowed: at most 3%" in noise.sigma_reason
+    assert "at 95 % confidence; allowed uncertainty: at most 3%" in noise.sigma_reason
     more = blurred(polygons(240, 320, (4000, 6000), seed=3), sigma=0.5)
     noise = noise_of_picture(picture=sensor.picture(more, seed=1))
     assert noise.sigma is not None
