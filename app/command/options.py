@@ -289,7 +289,7 @@ def network_options(function: Function) -> Function:
             "change a parameter for this run; null clears it; may be repeated",
             partial(assignment, form="NODE.PARAM=VALUE"), many=True, to="settings"),
         option("--disable", "NODE",
-            "disable a node for this run: it passes its input through; may be repeated",
+            "disable a node for this run: the node passes its input through; may be repeated",
             many=True, to="disabled"),
         rare("--final", "NODE.PORT",
             "use this picture as the network's output, instead of the one marked in the file"),

@@ -304,7 +304,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: the sign has no effect on the edges; the value is positive here"
+            f"{fit.free[i].port}: the sign does not affect the edges, and a positive value is given"
             for i in fit.unsigned
             if i not in undetermined
         ),

@@ -116,12 +116,12 @@ def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
         f"{file.name}: {_GAMMA[file.gamma]}, but are treated as linear. If the camera applied a "
-        "gamma, the figures are wrong: use raw or linear samples"
+        "gamma curve, the figures are wrong: use raw or linear samples"
         for file in files
         if file.gamma and not file.is_lossy
     ]
     lines += [
-        f"{file.name}: {results.WITH_LOSS}; give a picture that the camera stored without loss"
+        f"{file.name}: {results.WITH_LOSS}. Give a picture that the camera stored without loss"
         for file in files
         if file.is_lossy
     ]

@@ -367,7 +367,8 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
     if len(response.levels) == 2:
         lines.append(
             "with two temperatures, SiTF is known only midway between them, and this value is "
-            "used for both temperatures. Measure three or more temperatures to see how SiTF changes"
+            "used for both temperatures. Give frames at three or more temperatures to see how SiTF "
+            "changes"
         )
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:

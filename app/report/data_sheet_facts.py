@@ -308,7 +308,7 @@ def _row(
 ) -> dict[str, Any]:
     where = f"published figure {number}"
     if not isinstance(entry, Mapping) or "figure" not in entry or "value" not in entry:
-        raise NetworkError(f"{where} must be an object with figure and value")
+        raise NetworkError(f"{where} must be an object with the fields figure and value")
     for name, value in entry.items():
         if name not in _FIELDS:
             raise NetworkError(f"{where} has an unknown field {name!r:.80}{close(name, _FIELDS)}")
@@ -320,7 +320,8 @@ def _row(
         return row | {"verdict": ABSENT}
     if not _is_number(row["value"]) or not _is_number(row["within"]) or row["within"] < 0:
         raise NetworkError(
-            f'{where} ({row["figure"]}): "value" and "within" must be numbers, "within" 0 or above'
+            f'{where} ({row["figure"]}): "value" must be a number, and "within" a number, '
+            "0 or above"
         )
     ours = _figure(evaluation, nyquist, row["from"], where)
     if not _is_number(ours):

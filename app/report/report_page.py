@@ -154,7 +154,7 @@ def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list
 
 def _interval(picture: dict[str, Any]) -> str:
     x, y = picture["interval_x_mrad"], picture["interval_y_mrad"]
-    return f" of {number(x)} × {number(y)} mrad" if x and y else ""
+    return f" (sample size {number(x)} × {number(y)} mrad)" if x and y else ""
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:

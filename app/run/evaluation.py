@@ -309,7 +309,7 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
     if frames is not None and frames > 1:
         raise UsageError(
             f"{frames} frames: a picture of {image.rows} × {image.columns} samples is "
-            "computed in blocks and can have only one frame. Ask for 1 frame, or run "
+            "computed in blocks and can have only one frame. Save 1 frame, or run "
             "again with another seed"
         )
     if not any(kind.matches(path) for kind in STREAMED):

@@ -60,7 +60,7 @@ _MERITS: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
     ),
     "dual_gain": (
         (("dynamic_range_dB",), "Dynamic range, joined"),
-        (("low_percent",), "From the low gain"),
+        (("low_percent",), "Samples from the low gain"),
     ),
     "image_quality": ((("gsd_m",), "GSD"), (("giqe5",), "NIIRS by GIQE 5")),
 }

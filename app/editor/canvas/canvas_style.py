@@ -54,7 +54,7 @@ class NodeFace:
 
     @property
     def tooltip(self) -> str:
-        state = " (disabled: passes its input through)" if self.disabled else ""
+        state = " (disabled: the node passes its input through)" if self.disabled else ""
         mark = "\nThe node's picture is marked as the network's output." if self.output else ""
         within = "\nDouble-click or press Enter to show the nodes inside." if self.macro else ""
         return f"{self.id} · {self.module}{state}\n{self.summary}{mark}{within}"

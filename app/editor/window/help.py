@@ -169,7 +169,7 @@ BESIDE_ACTIONS = (
     ("Mouse", "Move a region", "drag the region or a corner", "Esc cancels the drag"),
     (
         *("Mouse", "Move a wipe", "drag, or Ctrl+arrow"),
-        "Between A and B, or two wires; Shift: larger steps",
+        "The divider between A and B, or between two wires; Shift: larger steps",
     ),
     (
         *("Mouse", "Show another band", "drag the band's line, or PgUp"),
