@@ -408,8 +408,9 @@ def test_a_gain_of_no_kind_is_warned_of(tmp_path):
         ({"responsivity_A_per_W": 1.0}, "responsivity_um"),
         ({"responsivity_um": 4.0}, "responsivity_A_per_W"),
         ({"charge_gain": "avalanche", "charge_gain_factor": 0.5, "ionization_ratio": 0.1},
-         "at least 1 for avalanche"),
-        ({"charge_gain": "em_register", "charge_gain_factor": 0.5}, "at least 1 for em_register"),
+         "at least 1 for charge_gain = avalanche"),
+        ({"charge_gain": "em_register", "charge_gain_factor": 0.5},
+         "at least 1 for charge_gain = em_register"),
         ({**SILICON, "dark_doubling_K": 0.1}, "at least 0.3 for temperatures 30 K apart"),
     ],
 )  # fmt: skip
