@@ -38,8 +38,8 @@ def read_image(
     sensitivity. A cube gives one band or plane, by default the first; set `band` for another. With
     `bands` all, a cube with wavelengths in its header gives every band between `cut_on_um` and
     `cut_off_um`. Each band is in W/m²/sr/µm; photons are converted with their energy at the band's
-    wavelength. Optics and atmosphere then act on each band separately until a detector sums the
-    bands. The cube stays on disk.
+    wavelength. Optics and atmosphere act on each band separately until a detector sums the bands.
+    The cube stays on disk.
 
     An empty field of view is taken from the header. The first row of a FITS picture is at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
@@ -52,7 +52,7 @@ def read_image(
         2000, BMP, FITS, ENVI, HDR, plain text and others by content: a file name or empty; default
         empty
     band : int | Expression
-        band or channel, counted from 0: a whole number of at least 0; default 0
+        band or channel to read, counted from 0: a whole number of at least 0; default 0
     bands : Literal['one', 'all', 'luminance']
         one band, all bands of a spectral cube (each goes through the chain separately), or the
         luminance of a colour picture: one of one, all, luminance; default 'one'
@@ -108,15 +108,16 @@ def test_scene(
     ground. The airfield is seen from above and has straight roads, for use with Camera Geometry.
 
     `bands` divides the scene's band into spectral bands of equal width. Optics and atmosphere treat
-    each spectral band at its own wavelength until a detector sums the bands. Surfaces then have the
-    spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and glass, coarsely
-    sampled. Surfaces emit at their own temperature and reflect the sky. With `sun_elevation_deg`,
-    surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm. Targets are black in all
-    bands. With `emissivity` grey, every surface keeps a single emissivity; without sunlight, the
-    bands then add up to the picture for `bands` = 0. If `quantity` is reflectance, the samples are
-    surface reflectances, as input for Reflected Light. Shade and sky get the reflectance of a
-    sunlit surface that looks as bright. Targets then have `target_reflectance` and their background
-    has `background_reflectance`, at all wavelengths.
+    each spectral band at its own wavelength until a detector sums the bands. With `bands` above 0,
+    surfaces have the spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and
+    glass, coarsely sampled. Surfaces emit at their own temperature and reflect the sky. With
+    `sun_elevation_deg`, surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm.
+    Targets are black in all bands. With `emissivity` grey, every surface keeps a single emissivity;
+    without sunlight, the bands then add up to the picture for `bands` = 0. If `quantity` is
+    reflectance, the samples are surface reflectances, as input for Reflected Light. Shade and sky
+    get the reflectance of a sunlit surface that looks as bright. If `quantity` is reflectance,
+    targets have `target_reflectance` and their background has `background_reflectance`, at all
+    wavelengths.
 
     Parameters
     ----------
@@ -139,8 +140,8 @@ def test_scene(
         number of spectral bands of equal width; 0: a single band: a whole number from 0 to 4096;
         default 0
     emissivity : Literal['spectra', 'grey']
-        spectra of the surfaces, if there are bands: from their materials, or grey: one of spectra,
-        grey; default 'spectra'
+        spectra of the surfaces, used if bands is above 0: from the surfaces' materials, or grey:
+        one of spectra, grey; default 'spectra'
     quantity : Literal['radiance', 'reflectance']
         quantity of the samples: radiance, or reflectance for Reflected Light: one of radiance,
         reflectance; default 'radiance'
@@ -150,8 +151,8 @@ def test_scene(
     target_reflectance : float | Expression
         reflectance of a target, used if quantity is reflectance: a number from 0 to 1; default 0.15
     sun_elevation_deg : float | Expression
-        elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
-        0.0
+        elevation of the Sun, used if bands is above 0; 0: no Sun [deg]: a number from 0 to 90;
+        default 0.0
     temperature_K : float | Expression
         background temperature [K]: a number above 0; default 303.15
     delta_K : float | Expression
@@ -302,9 +303,9 @@ def init_trans(
         F number: a number of at least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
         obscuration: inner diameter of the aperture divided by its outer diameter; empty: from
-        Camera, or none: a number from 0 below 1 or empty; default empty
+        Camera, or no obscuration: a number from 0 below 1 or empty; default empty
     range_m : float | Expression | None
-        altitude or distance [m]: a number of at least 0 or empty; default empty
+        altitude, or distance to the scene [m]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
         horizontal fill factor; empty: 1: a number from 0 to 1 or empty; default 1.0
     fill_y : float | Expression | None
@@ -317,8 +318,8 @@ def init_trans(
         how the detectors collect the picture: line scanner, pushbroom line or staring array: one of
         line, push, array; default 'line'
     velocity_m_per_s : float | Expression
-        velocity of the platform or object; 0: from Camera's orbit, or none [m/s]: a number; default
-        0.0
+        velocity of the platform or object; 0: from Camera's orbit; without an orbit, no motion
+        [m/s]: a number; default 0.0
     scan_velocity_mrad_per_s : float | Expression
         scan velocity [mrad/s]: a number of at least 0; default 0.0
     edges : Literal['reflect', 'periodic']
@@ -360,9 +361,9 @@ def combine_pixels(
 
     Rows and columns left over at the bottom and right are dropped: 512 samples in blocks of 3 give
     170 pixels. Directly after Back Transform, if the factors divide the picture's size exactly, the
-    spectrum is folded instead. The mean of a block represents the pixel's averaging over its area.
-    After Detector MTF, which already averages over the pixel, use Sample Pixels instead. Source:
-    Tantalo 1996, section 4.1, fig. 4.6.
+    module folds the spectrum instead of combining samples. The mean of a block represents the
+    pixel's averaging over its area. After Detector MTF, which already averages over the pixel, use
+    Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -431,9 +432,9 @@ def anti_alias(
     No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
     Detector MTF. `box` is the centred mean of `factor` samples (for an even factor, the transfer
     function centres the mean). `gaussian` halves the contrast at the new Nyquist frequency.
-    `lanczos` is a sinc with its cutoff at this frequency and a three-lobe window. The frame is
-    mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon
-    1979 (Lanczos).
+    `lanczos` is a sinc with its cutoff at the new Nyquist frequency and a three-lobe window. The
+    frame is mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section
+    4.1; Duchon 1979 (Lanczos).
 
     Parameters
     ----------
@@ -581,9 +582,9 @@ def reflected_light(
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
-    starlight. The spectrum keeps its shape. Moonlight has nearly the spectrum of sunlight.
-    Starlight does not: airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4
-    µm. For starlight, give the spectrum of the night sky in `path`.
+    starlight. Scaling does not change the shape of the spectrum. Moonlight has nearly the spectrum
+    of sunlight. Starlight does not: airglow makes the night sky a thousand times brighter at 1.6 µm
+    than at 0.4 µm. For starlight, give the spectrum of the night sky in `path`.
 
     Sources: Lambert 1760; Kasten and Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar
     Energy 76, 423); nominal solar radius of the IAU, 2015 (black body); CIE 018:2019, V(λ); RCA
@@ -643,29 +644,29 @@ def atmospheric_path(
 ) -> Part:
     """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
-    `transmission`: a number, or a CSV of wavelength (µm) and transmission. `extinction_per_km`:
-    exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a
-    tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the path radiances; 10⁸/λ²
-    converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um, transmission,
-    path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L of a black
-    body at `air_K`.
+    `transmission`: a number, or a CSV of wavelength (µm) and transmission. `extinction_per_km`: the
+    transmission is exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times
+    (0.55/λ)^q. `modtran`: a tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the
+    path radiances; 10⁸/λ² converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um,
+    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L
+    of a black body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
     mid-latitude summer and the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are
     interpolated over height and ground range. With every second table left out as a test, a band's
     transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at nadir,
     from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
-    `atmosphere` to use this model.
+    `atmosphere` to use `modtran_tables`.
 
     A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
     the radiance of a black body. The black body's temperature is `source_K` if given, otherwise
     5800 K (sunlight) if the band begins below 2.5 µm, otherwise the picture's mean brightness
     temperature. In a spectral picture (`bands` of Read Image), each band is multiplied by its own
     transmission. Absorption and scattering both count as attenuation here; for the blur from
-    scattering, use Atmosphere MTF. When placed after this module, Figures of Merit scales the
-    transmission to each range with Beer's law at every wavelength. Two Atmospheric Path modules in
-    a row represent two constituents of the same air. Put the module after Camera to use Camera's
-    range and orbit; otherwise enter `range_m` here.
+    scattering, use Atmosphere MTF. A Figures of Merit module after this one scales the transmission
+    to each range with Beer's law at every wavelength. Two Atmospheric Path modules in a row
+    represent two constituents of the same air. Put the module after Camera to use Camera's range
+    and orbit; otherwise enter `range_m` here.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
@@ -737,11 +738,12 @@ def atmosphere_mtf(
     Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
     entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
     plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
-    number, or the scattering coefficient along the path. On a downward or upward path, this
-    coefficient falls exponentially with height. Absorption attenuates all frequencies equally and
-    does not blur: use Atmospheric Path. The blur is stronger looking up than looking down, because
-    the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and the aerosol
-    cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
+    number, or the scattering coefficient along the path. On a downward or upward path, the
+    scattering coefficient falls exponentially with height. Absorption attenuates all frequencies
+    equally and does not blur: use Atmospheric Path. The blur is stronger looking up than looking
+    down, because the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and
+    the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own
+    wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -831,13 +833,14 @@ def camera(
     Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
     there. Any two of focal length, F-number and aperture determine the third. An image without a
     sampling interval, or with the same field of view as the lens, 2·atan(Np/2f), gets its sampling
-    interval from the pixel angle on the axis; otherwise a wide field would be divided into equal
+    interval from the pixel angle on the axis, because a wide field must not be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
     neglected: in a low orbit it changes the speed by up to 7 % or the direction by up to 4°
-    (`yaw_deg` of TDI MTF), in a high orbit by more. Above 2000 km a warning states the error.
+    (`yaw_deg` of TDI MTF), in a high orbit by more. Above an altitude of 2000 km, a warning states
+    the error in speed.
 
     The obscuration blocks light: electrons, NETD and SNR use the open share of the aperture, 1 −
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
@@ -875,8 +878,8 @@ def camera(
         aperture diameter; empty: focal length divided by the F-number [mm]: a number of at least 0
         or empty; default empty
     obscuration_ratio : float | Expression
-        obscuration: inner diameter of the aperture divided by the outer: a number from 0 below 1;
-        default 0.0
+        obscuration: inner diameter of the aperture divided by its outer diameter: a number from 0
+        below 1; default 0.0
     t_number : float | Expression | None
         T-number: F-number of a lossless, unobscured lens that passes the same amount of light;
         empty: from F-number, obscuration and transmission: a number of at least 0 or empty; default
@@ -887,8 +890,8 @@ def camera(
     range_m : float | Expression | None
         distance to the scene [m]: a number of at least 0 or empty; default empty
     altitude_km : float | Expression | None
-        altitude of a circular orbit; empty: not on a satellite [km]: a number above 0 to 100000 or
-        empty; default empty
+        altitude of a circular orbit; empty: the camera is not on a satellite [km]: a number above 0
+        to 100000 or empty; default empty
     look_angle_deg : float | Expression
         angle of the line of sight off nadir [deg]: a number from 0 to 89; default 0.0
     look_direction : Literal['across', 'along']
@@ -948,8 +951,8 @@ def diffraction_mtf(
         aperture diameter; empty: from Camera, or focal length divided by the F-number [mm]: a
         number of at least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
-        obscuration: inner diameter divided by the outer; empty: from Camera, or none: a number from
-        0 below 1 or empty; default empty
+        obscuration: inner over outer diameter of the aperture; empty: from Camera, or no
+        obscuration: a number from 0 below 1 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
         default empty
@@ -963,15 +966,15 @@ def diffraction_mtf(
         temperature of the black body that weights the band; empty: the picture's mean temperature,
         or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and detector response, which also weights the light; empty: none: a
-        file name or empty; default empty
+        CSV of wavelength (µm) and detector response, which also weights the light; empty: no
+        response: a file name or empty; default empty
     wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
         auto: as many wavelengths as the tolerance requires; a number sets how many sample the band;
         1 uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32,
         48, 64; default 'auto'
     tolerance : float | Expression
-        largest OTF error allowed with auto; 0 stands for 1e-13, or 1e-10 with defocus, or 1e-6 with
-        a response of many points: a number from 0 to 1; default 0.0
+        largest OTF error allowed with auto; 0 means 1e-13, or 1e-10 with defocus, or 1e-6 with a
+        response of many points: a number from 0 to 1; default 0.0
     defocus_waves : float | Expression
         defocus at the rim, W20 [waves]: a number from -20 to 20; default 0.0
     rms_wavefront_waves : float | Expression
@@ -1014,10 +1017,10 @@ def exit_pupil(
     with vanes at 360°/n from +x.
 
     The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
-    aperture's radius. For a file this disc is the smallest circle around all samples above 1 % of
-    the largest. The circle is centred on the array if its radius then grows by at most one sample.
-    A `radius` that you enter is always centred on the array. The read-out `aperture_radius` gives
-    the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
+    aperture's radius. For a file, the disc is the smallest circle around all samples above 1 % of
+    the largest. The circle is centred on the array if centring increases its radius by at most one
+    sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
+    gives the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
     defocus and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border
     of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
     wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
@@ -1035,7 +1038,7 @@ def exit_pupil(
     size_y : int | Expression
         samples per column of the pupil array: a whole number from 2 to 8192; default 512
     radius : float | Expression | None
-        radius of the aperture; empty: 75, or for a file the radius of its enclosing circle
+        radius of the aperture; empty: 75, or for a file the radius of the pupil's enclosing circle
         [samples]: a number of at least 0 or empty; default empty
     obscuration_radius : float | Expression
         radius of the central obscuration [samples]: a number of at least 0; default 25.0
@@ -1046,16 +1049,16 @@ def exit_pupil(
     vane_width : float | Expression
         width of a vane [samples]: a number of at least 0; default 4.0
     path : str | PathLike[str] | None
-        amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the map: a
-        file name or empty; default empty
+        amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the wavefront
+        map: a file name or empty; default empty
     wavefront_path : str | PathLike[str] | None
         map of the wavefront error for the shape `file`, relative to the network file's folder: a
         file name or empty; default empty
     wavefront_unit : Literal['waves', 'rad', 'um', 'nm']
-        unit of the map: one of waves, rad, um, nm; default 'waves'
+        unit of the wavefront map: one of waves, rad, um, nm; default 'waves'
     map_wavelength_um : float | Expression | None
-        wavelength of a map in waves or rad; empty: from its header, else the middle of the band
-        [µm]: a number of at least 0 or empty; default empty
+        wavelength of a wavefront map in waves or rad; empty: from the map's header, else the middle
+        of the band [µm]: a number of at least 0 or empty; default empty
     defocus_waves : float | Expression
         defocus W20 at the rim [waves]: a number from -100 to 100; default 0.0
     zernike_waves : Sequence[float]
@@ -1124,8 +1127,8 @@ def exit_pupil_mtf(
         temperature of the black body that weights the band; empty: the picture's mean temperature,
         or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and detector response, which also weights the light; empty: none: a
-        file name or empty; default empty
+        CSV of wavelength (µm) and detector response, which also weights the light; empty: no
+        response: a file name or empty; default empty
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -1178,8 +1181,8 @@ def vignetting(
     coefficients : Sequence[float]
         c₁, c₂, …: factors of h², h⁴, …: a list of numbers from -1e+09 to 1e+09; default ()
     focal_length_mm : float | Expression | None
-        focal length, for image heights; empty: from Camera [mm]: a number of at least 0 or empty;
-        default empty
+        focal length, used if against is height_mm; empty: from Camera [mm]: a number of at least 0
+        or empty; default empty
 
     Notes
     -----
@@ -1212,15 +1215,16 @@ def distortion(
     per sample are misplaced by less than 1e-3 sample. The picture is not filtered: if
     `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion
     images points beyond the frame. Give the scene more samples at the same interval; the scene's
-    field is samples times interval, not the lens's 2·arctan. Set `width` and `height` to the
-    camera's samples. A warning gives the numbers needed. Beyond the scene, the outermost samples
-    are repeated. MTF and noise are valid on the axis, where nothing is stretched. Sources: Brown
-    1966; Kannala and Brandt 2006; OpenCV, camera calibration.
+    field of view is samples times interval, not 2·atan(Np/2f) as for a lens. Set `width` and
+    `height` to the camera's samples. A warning gives the required sizes. Beyond the scene, the
+    outermost samples are repeated. MTF and noise are valid on the axis, where nothing is stretched.
+    Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
 
     Parameters
     ----------
     model : Literal['brown', 'fisheye']
-        Brown–Conrady, or fisheye (f-θ): one of brown, fisheye; default 'brown'
+        model of the distortion, Brown–Conrady or fisheye (f-θ): one of brown, fisheye; default
+        'brown'
     k1 : float | Expression
         radial coefficient of r² or θ²: a number from -1e+06 to 1e+06; default 0.0
     k2 : float | Expression
@@ -1398,7 +1402,7 @@ def gaussian_mtf(
 ) -> Part:
     """Apply a Gaussian blur, for aberrations and other blur that no other module covers.
 
-    exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
+    The MTF is exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
 
     Parameters
     ----------
@@ -1460,7 +1464,7 @@ def mtf_file(
         mtf means radial: one of file, x, y, radial; default 'file'
     normalise : Literal['refuse', 'at_zero']
         treatment of an MTF that is not 1 at zero frequency: refuse the file, or divide the MTF by
-        that value: one of refuse, at_zero; default 'refuse'
+        its value there: one of refuse, at_zero; default 'refuse'
     field : int | Expression
         field position in a Zemax listing, counted from 0, skipping the diffraction limit: a whole
         number from 0 to 1000; default 0
@@ -1517,7 +1521,8 @@ def psf_file(
         picture of a point, relative to the network file's folder; empty: no blur: a file name or
         empty; default empty
     band : int | Expression | None
-        band or channel to use, counted from 0: a whole number of at least 0 or empty; default empty
+        band or channel to read, counted from 0: a whole number of at least 0 or empty; default
+        empty
     sample_pitch : float | Expression | None
         horizontal sampling interval of the file, in `pitch_unit`; empty: from the file: a number of
         at least 0 or empty; default empty
@@ -1528,11 +1533,11 @@ def psf_file(
         unit of both sampling intervals: µm at the focal plane, or mrad: one of um, mrad; default
         'um'
     focal_length_mm : float | Expression | None
-        focal length, used with µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
-        default empty
+        focal length, used if pitch_unit is um; empty: from Init & Trans [mm]: a number of at least
+        0 or empty; default empty
     centroid : Literal['kept', 'removed']
-        whether the picture shifts if the centroid is off the file's middle: one of kept, removed;
-        default 'kept'
+        a centroid off the file's middle: kept (it shifts the picture), or removed: one of kept,
+        removed; default 'kept'
     background : float | Expression
         background to subtract from every sample, in the file's unit: a number; default 0.0
     apply : Literal['multiply', 'filter_only']
@@ -1556,7 +1561,7 @@ def crosstrack_mtf(
 ) -> Part:
     """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
 
-    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
+    The MTF is sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
 
     Parameters
     ----------
@@ -1587,8 +1592,8 @@ def alongtrack_mtf(
 ) -> Part:
     """Smear along the track from the platform's forward motion while a sample is collected.
 
-    sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
-    width 134 of eq. 4.28 is in cycles/rad.
+    The MTF is sinc(b·eta) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
+    Erratum: the width 134 of eq. 4.28 is in cycles/rad.
 
     Parameters
     ----------
@@ -1600,8 +1605,8 @@ def alongtrack_mtf(
     integration_time_s : float | Expression
         integration time [s]: a number of at least 0; default 0.0
     range_m : float | Expression | None
-        altitude or distance; empty: from Init & Trans [m]: a number of at least 0 or empty; default
-        empty
+        altitude, or distance to the scene; empty: from Init & Trans [m]: a number of at least 0 or
+        empty; default empty
 
     Notes
     -----
@@ -1646,7 +1651,8 @@ def relative_motion_mtf(
     integration_time_s : float | Expression
         integration time [s]: a number of at least 0; default 0.0
     range_m : float | Expression | None
-        distance; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
+        distance to the scene; empty: from Init & Trans [m]: a number of at least 0 or empty;
+        default empty
     model : Literal['published', 'line']
         rectangle (eq. 4.31), or a straight smear: one of published, line; default 'published'
 
@@ -1666,8 +1672,9 @@ def jitter_mtf(
 ) -> Part:
     """Blur by random line-of-sight motion within one exposure (Gaussian).
 
-    exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
-    typical. Erratum: the thesis calls σ² the variance in µrad and gives σ in mrad.
+    The MTF is exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical
+    rms motion: 20 to 60 µrad). Erratum: the thesis calls σ² the variance in µrad and gives σ in
+    mrad.
 
     Parameters
     ----------
@@ -1675,7 +1682,7 @@ def jitter_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     sigma_mrad : float | Expression
-        rms motion per axis [mrad]: a number of at least 0; default 0.02
+        rms line-of-sight motion per axis [mrad]: a number of at least 0; default 0.02
 
     Notes
     -----
@@ -1835,11 +1842,11 @@ def charge_diffusion_mtf(
     Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²).
     Here, α is the absorption coefficient, d is depletion_um, L₀ is diffusion_length_um, and f is
     the frequency on the detector. For back illumination, the detector is assumed to be thinned,
-    with a passivated surface. Carriers are then generated mostly near the back and cross the
-    undepleted silicon (thickness_um minus depletion_um). If absorption_per_um is empty, the MTF is
-    averaged over the band of the cold filter or the picture, for silicon at 295 K. The average
-    assumes the same number of photons at all wavelengths and weights each wavelength by the
-    carriers generated. With front illumination, red and near-infrared light is blurred most,
+    with a passivated surface. Most carriers in a back-illuminated detector are generated near the
+    back and cross the undepleted silicon (thickness_um minus depletion_um). If absorption_per_um is
+    empty, the MTF is averaged over the band of the cold filter or the picture, for silicon at 295
+    K. The average assumes the same number of photons at all wavelengths and weights each wavelength
+    by the carriers generated. With front illumination, red and near-infrared light is blurred most,
     because it is absorbed deep in the silicon. With back illumination, blue light is blurred most.
     Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
     2015 (silicon).
@@ -1887,14 +1894,15 @@ def crosstalk(
     The kernel gives the shares of a pixel's signal that stay in the pixel and that leak into each
     neighbour. Enter 3 × 3 or 5 × 5 numbers that add up to 1, with semicolons between the rows. The
     kernel covers optical crosstalk, electrical crosstalk and interpixel capacitance. An asymmetric
-    kernel also shifts the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter
-    10; Moore, Ninkov and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
+    kernel also shifts the picture. To include this shift, connect `phase`. Sources: Holst and
+    Lomheim 2007, chapter 10; Moore, Ninkov and Forrest 2006, Optical Engineering 45, 076402
+    (interpixel capacitance).
 
     Parameters
     ----------
     kernel : str
-        shares of the signal: 3 × 3 or 5 × 5 numbers, rows separated by semicolons: a text; default
-        '0 0 0; 0 1 0; 0 0 0'
+        shares of a pixel's signal that stay or leak, as 3 × 3 or 5 × 5 numbers with semicolons
+        between the rows: a text; default '0 0 0; 0 1 0; 0 0 0'
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -2067,15 +2075,16 @@ def spectral_response(
     Parameters
     ----------
     shape : Literal['file', 'rectangle', 'gaussian']
-        shape of the response, or a file: one of file, rectangle, gaussian; default 'rectangle'
+        shape of the spectral response; file: read from the CSV file in path: one of file,
+        rectangle, gaussian; default 'rectangle'
     path : str | PathLike[str] | None
         CSV file of wavelength (µm) and response (0 to 1): a file name or empty; default empty
     centre_um : float | Expression | None
-        centre wavelength; empty: the middle of the picture's band [µm]: a number from 0 to 1000 or
-        empty; default empty
+        centre wavelength of the response; empty: the middle of the picture's band [µm]: a number
+        from 0 to 1000 or empty; default empty
     width_um : float | Expression | None
-        width (for a Gaussian, the full width at half maximum); empty: the picture's band [µm]: a
-        number from 0 to 1000 or empty; default empty
+        width of the response (Gaussian: full width at half maximum); empty: the picture's band
+        [µm]: a number from 0 to 1000 or empty; default empty
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
@@ -2101,8 +2110,8 @@ def microlens(
     """Darken the picture where the chief ray angle differs from the microlenses' design angle.
 
     The detector's data sheet gives the chief ray angle (CRA) for which the microlenses at the
-    corner are designed. The lens's data sheet gives the CRA of the lens. If the two angles are
-    equal, the picture does not change. A difference lowers the response: to half at
+    corner are designed. The lens's data sheet gives the CRA of the lens. If the CRAs of lens and
+    microlenses are equal, the picture does not change. A difference lowers the response: to half at
     `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
     picture, and the corner angles apply at the picture's corners. Only the chief ray counts: the
     response is not averaged over the cone of a fast lens. Put this module before Focal Plane, which
@@ -2118,8 +2127,8 @@ def microlens(
         chief ray angle that the microlenses at the corner are designed for [deg]: a number from -75
         to 75; default 0.0
     response : Literal['half_angle', 'file']
-        response versus angle: from half_response_deg, or measured: one of half_angle, file; default
-        'half_angle'
+        response versus angle: computed from half_response_deg, or a measured curve from a file: one
+        of half_angle, file; default 'half_angle'
     half_response_deg : float | Expression
         angle difference at which the response falls to half [deg]: a number from 0.1 to 90; default
         20.0
@@ -2210,18 +2219,18 @@ def focal_plane(
     the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
-    are in electrons before the gain. Read noise, wells and gain_e_per_dn refer to electrons after
-    the gain; with an EM register, full_well_e refers to electrons before the register. Values in
-    amperes include a gain within the pixel, as in a QWIP's data sheet; values in e-/s, DSNU and
-    Rule 07 do not. The setting gain_dB is 20·log10 of the camera's own gain. This gain divides
-    gain_e_per_dn, so the converter clips at fewer electrons.
+    are in electrons before the charge gain. Read noise, wells and gain_e_per_dn refer to electrons
+    after the charge gain; with an EM register, full_well_e refers to electrons before the register.
+    Values in amperes include a gain within the pixel, as in a QWIP's data sheet; values in e-/s,
+    DSNU and Rule 07 do not. The setting gain_dB is 20·log10 of the camera's own gain. The camera's
+    gain divides gain_e_per_dn, so the converter clips at fewer electrons.
 
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
-    sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
-    is the share of saturated pixels. If `units` is radiance, a bin is the mean of its pixels.
-    Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Leftover rows
-    and columns are dropped.
+    sums the digital numbers: read noise grows with the square root of the number of pixels, and
+    `saturated` is the share of saturated pixels. If `units` is radiance, a bin is the mean of its
+    pixels. Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch.
+    Leftover rows and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -2235,7 +2244,7 @@ def focal_plane(
     seed : int | Expression
         seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
-        integration time of one stage [s]: a number above 0 to 10000; default 0.001
+        integration time of one TDI stage [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
         number of TDI stages (time delay and integration): a whole number from 1 to 10000; default 1
     frames_averaged : int | Expression
@@ -2327,8 +2336,8 @@ def focal_plane(
         share of dead and hot pixels, some of them clustered [%]: a number from 0 to 100; default
         0.0
     binning : Literal['charge', 'digital']
-        sum the pixels' charge before read noise, or their digital numbers afterwards: one of
-        charge, digital; default 'charge'
+        quantity that binning sums: the pixels' charge before read noise, or their digital numbers:
+        one of charge, digital; default 'charge'
     binning_x : int | Expression
         number of pixels summed horizontally: a whole number from 1 to 1024; default 1
     binning_y : int | Expression
@@ -2345,8 +2354,8 @@ def focal_plane(
         digital number at zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
         0.0
     reference_radiance : float | Expression | None
-        spectral radiance for snr_at_reference; empty: none [W/m²/sr/µm]: a number of at least 0 or
-        empty; default empty
+        spectral radiance at which snr_at_reference is computed; empty: no snr_at_reference
+        [W/m²/sr/µm]: a number of at least 0 or empty; default empty
     units : Literal['dn', 'electrons', 'radiance']
         unit of the output; the picture is always digitized: one of dn, electrons, radiance; default
         'dn'
@@ -2406,7 +2415,7 @@ def microbolometer(
     is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
     delays changes in the scene. Leave `filter_frames` at 1 if the data sheet's NETD includes the
     filter. Finally, the picture is rounded to 2^bits levels between the radiances of range_low_K
-    and range_high_K, and clipped there.
+    and range_high_K, and clipped at these two radiances.
 
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
     2010, chapter 5 (filter).
@@ -2429,16 +2438,16 @@ def microbolometer(
         background temperature at which the NETD was measured [K]: a number from 1 to 10000; default
         300.0
     reference_integration_time_s : float | Expression | None
-        integration time at which the NETD was measured; empty: equal to the camera's time [s]: a
-        number from 0 to 1000 or empty; default empty
+        integration time at which the NETD was measured; leave both integration times empty if they
+        are equal [s]: a number from 0 to 1000 or empty; default empty
     f_number : float | Expression | None
         F-number of the camera; empty: from Init & Trans: a number from 0.1 to 1000 or empty;
         default empty
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     integration_time_s : float | Expression | None
-        integration time of the camera; empty: equal to the data sheet's time [s]: a number from 0
-        to 1000 or empty; default empty
+        integration time of the camera; leave both integration times empty if they are equal [s]: a
+        number from 0 to 1000 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: from the image's band [µm]: a number of at least 0 or empty;
         default empty
@@ -2455,11 +2464,11 @@ def microbolometer(
     bits : int | Expression
         bits of the output; 0: no rounding [bit]: a whole number from 0 to 24; default 0
     range_low_K : float | Expression | None
-        scene temperature at the lowest digital number, used with bits [K]: a number from 0 to 10000
-        or empty; default empty
+        scene temperature at the lowest digital number; needed if bits is above 0 [K]: a number from
+        0 to 10000 or empty; default empty
     range_high_K : float | Expression | None
-        scene temperature at the highest digital number, used with bits [K]: a number from 0 to
-        10000 or empty; default empty
+        scene temperature at the highest digital number; needed if bits is above 0 [K]: a number
+        from 0 to 10000 or empty; default empty
     corner_Hz : float | Expression
         corner frequency, where 1/f noise equals white noise; 0: no 1/f noise [Hz]: a number from 0
         to 1e+09; default 0.0
@@ -2555,8 +2564,8 @@ def dual_gain(
     Parameters
     ----------
     switch_level : float | Expression | None
-        sample value of high above which low is used, in the picture's unit; empty: never: a number
-        from 1e-12 to 1e+12 or empty; default empty
+        sample value of high above which low is used, in the picture's unit; empty: low is never
+        used: a number from 1e-12 to 1e+12 or empty; default empty
     blend_percent : float | Expression
         width of the transition below switch_level, as a share of switch_level [%]: a number from 0
         to 100; default 0.0
@@ -2671,7 +2680,8 @@ def frame_transfer_smear(
     line_transfer_time_s : float | Expression
         time to transfer one line [s]: a number from 0 to 1; default 0.0
     integration_time_s : float | Expression
-        exposure time, as on Focal Plane [s]: a number from 1e-09 to 1e+06; default 0.01
+        exposure time, equal to integration_time_s on Focal Plane [s]: a number from 1e-09 to 1e+06;
+        default 0.01
     passed : Literal['both', 'above', 'below']
         illuminated rows that a packet passes: on both sides of its pixel, only above or only below:
         one of both, above, below; default 'both'
@@ -2822,12 +2832,14 @@ def poisson_noise(
         standard deviation of the Gaussian that weights the local mean [px]: a number of at least 0;
         default 5.0
     percent : float | Expression
-        fraction of the local mean [%]: a number of at least 0; default 1.0
+        mean of the Poisson deviate, as a fraction of the local mean [%]: a number of at least 0;
+        default 1.0
     photons_per_unit : float | Expression | None
-        photons per unit of radiance, for `photon`: a number of at least 0 or empty; default empty
+        photons per unit of radiance; needed if mode is photon: a number of at least 0 or empty;
+        default empty
     mode : Literal['published', 'photon']
-        add a Poisson deviate, or replace the sample with one: one of published, photon; default
-        'published'
+        published: add a Poisson deviate to each sample; photon: replace the sample with a deviate:
+        one of published, photon; default 'published'
 
     Notes
     -----
@@ -2900,7 +2912,7 @@ def electronics_noise(
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     filter_transmission : float | Expression
-        transmission of the filter: a number above 0 to 1; default 1.0
+        transmission of the optical filter: a number above 0 to 1; default 1.0
     scan_mirror_rate_Hz : float | Expression | None
         rotation rate of the scan mirror; empty: scan velocity from Init & Trans [Hz]: a number of
         at least 0 or empty; default empty
@@ -2913,7 +2925,8 @@ def electronics_noise(
         SNR of the amplifier; empty: no amplifier noise: a number of at least 0 or empty; default
         empty
     snr_reference : Literal['mean', 'contrast']
-        signal that the SNR refers to: mean, or max − min: one of mean, contrast; default 'mean'
+        signal to which amplifier_snr refers: the picture's mean, or its maximum minus its minimum:
+        one of mean, contrast; default 'mean'
     gain_percent : float | Expression
         spread of the gain between detectors [%]: a number of at least 0; default 0.0
     bias_percent : float | Expression
@@ -2939,9 +2952,11 @@ def electronics_noise(
         bits per pixel; 0: no quantization [bit]: one of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
         13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64; default 0
     range_low : float | Expression | None
-        lowest level; empty: the picture's minimum [W/m²/sr]: a number or empty; default empty
+        lowest level of the quantizer; empty: the picture's minimum [W/m²/sr]: a number or empty;
+        default empty
     range_high : float | Expression | None
-        highest level; empty: the picture's maximum [W/m²/sr]: a number or empty; default empty
+        highest level of the quantizer; empty: the picture's maximum [W/m²/sr]: a number or empty;
+        default empty
     background_K : float | Expression | None
         background temperature; empty: brightness temperature of the picture's mean [K]: a number of
         at least 0 or empty; default empty
@@ -3015,7 +3030,7 @@ def noise_file(
     path : str | PathLike[str] | None
         noise file, relative to the network file's folder: a file name or empty; default empty
     band : int | Expression
-        band or channel, counted from 0: a whole number of at least 0; default 0
+        band or channel to read, counted from 0: a whole number of at least 0; default 0
     scale : float | Expression
         factor that converts the file to the picture's unit: a number; default 1.0
 
@@ -3048,9 +3063,9 @@ def noise_3d_source(
     frame. `corner_Hz` adds 1/f noise to each sample; at this frequency, 1/f noise and sigma_tvh
     have the same spectral density. The 1/f noise extends from 1/`longest_period_s` to half the
     frame rate, and any frame can be computed independently. All variance of the 1/f noise is
-    temporal. 3-D Noise analyses a limited number of frames, so it counts slower changes as fixed
-    pattern (vh). Without any component, the picture does not change. Sources: D'Agostino and Webb
-    1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    temporal. 3-D Noise analyses a limited number of frames, so it counts changes over longer times
+    as fixed pattern (vh). Without any component, the picture does not change. Sources: D'Agostino
+    and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
 
     Parameters
     ----------
@@ -3099,10 +3114,11 @@ def mtf_slices(
 ) -> Part:
     """Plot the MTF of each stage and of the total along a line, from zero to Nyquist.
 
-    Stages are evaluated only on that line, so the plot is fast. For a magnitude, the MTFs are
-    plotted, not the picture's spectrum; for a PTF, the phases and their sum. The plot ends at the
-    Nyquist frequency of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch,
-    is marked if Init & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
+    Stages are evaluated only on the plotted line, so the plot is fast. For a magnitude, the MTFs
+    are plotted, not the picture's spectrum; for a PTF, the phases and their sum. The plot ends at
+    the Nyquist frequency of the image's samples. The pixels' Nyquist frequency, half a cycle per
+    pitch, is marked if Init & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and
+    5.53.
 
     Parameters
     ----------
@@ -3145,22 +3161,22 @@ def measured_mtf(
     their distance from the edge. The derivative of the bin means is windowed, Fourier transformed,
     and corrected for the responses of the bins and of the derivative. Frequencies are measured
     along the edge's normal. `row_average` averages the rows, drops the flat ends and Fourier
-    transforms the derivative. The MTF is the modulus of this transform, divided by its largest
-    value; the response of the derivative, 0.64 at Nyquist, is not corrected for. Standard errors
-    are estimated by leaving out rows (jackknife).
+    transforms the derivative. The MTF of `row_average` is the modulus of the Fourier transform,
+    divided by its largest value; the response of the derivative, 0.64 at Nyquist, is not corrected
+    for. Standard errors are estimated by leaving out rows (jackknife).
 
-    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. This MTF
-    includes all stages from the source on and, for a test scene, the blur of the scene's samples,
-    which are means over their area. The blur of a scene from a file is unknown and not included; a
-    picture straight from a file has no expected MTF. Aliasing in `row_average` is not included.
-    `imagechain measure` finds the edges in pictures of real cameras. Source: ISO 12233:2023;
-    Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. The expected
+    MTF includes all stages from the source on and, for a test scene, the blur of the scene's
+    samples, which are means over their area. The blur of a scene from a file is unknown and not
+    included; a picture straight from a file has no expected MTF. Aliasing in `row_average` is not
+    included. `imagechain measure` finds the edges in pictures of real cameras. Source: ISO
+    12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
 
     Parameters
     ----------
     method : Literal['slanted_edge', 'row_average']
-        ISO 12233 for a slanted edge, or the thesis's method for a vertical edge: one of
-        slanted_edge, row_average; default 'slanted_edge'
+        method: ISO 12233 for a slanted edge, or the row average of Tantalo 1996 for a vertical
+        edge: one of slanted_edge, row_average; default 'slanted_edge'
     target : Literal['edge', 'line']
         feature in the region: an edge, or a line (its width counts as blur): one of edge, line;
         default 'edge'
@@ -3249,15 +3265,15 @@ def figures_of_merit(
     along y. The noise also depends on the scanning and is taken from the picture. One detector in
     place of n must scan n times as fast, which raises bandwidth_Hz by a factor of n and the noise
     by √n. With one detector (platform `line`), gain and bias errors leave no pattern. On `push`,
-    these errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f noise of
-    detector channels (σ_tv) is not simulated.
+    gain and bias errors cause σ_h, which masks vertical bars; on `array`, they cause σ_vh. The 1/f
+    noise of detector channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm is formed by reflected light, which has no
-    temperature. Use Image Quality for such a picture. If the scene is hot enough to emit in the
-    band, enter its temperature in `background_K`. All figures in K are apparent values at the
-    camera, after the atmosphere, for the background's apparent temperature. The apparent ΔT at a
-    range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent ΔT follows from the
-    path's τ(R) at each wavelength, weighted by dL/dT.
+    temperature. Use Image Quality for a picture formed by reflected light. If the scene is hot
+    enough to emit in the band, enter its temperature in `background_K`. All figures in K are
+    apparent values at the camera, after the atmosphere, for the background's apparent temperature.
+    The apparent ΔT at a range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent
+    ΔT follows from the path's τ(R) at each wavelength, weighted by dL/dT.
 
     Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
     resolved is the one at which the target's apparent ΔT equals the 2-D MRTD.
@@ -3266,7 +3282,7 @@ def figures_of_merit(
     sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
     threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
     threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
-    the eyeball and the eye's visual channel at that frequency. `flir92` includes fixed patterns.
+    the eyeball and the eye's visual channel at each frequency. `flir92` includes fixed patterns.
     The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
     target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
     tracked vehicles; this value could not be checked.
@@ -3279,8 +3295,8 @@ def figures_of_merit(
     Parameters
     ----------
     model : Literal['ratches_1976', 'flir92']
-        temporal noise only, or three-dimensional noise with a sampling limit: one of ratches_1976,
-        flir92; default 'flir92'
+        MRTD model: temporal noise only (ratches_1976), or 3-D noise with a sampling limit (flir92):
+        one of ratches_1976, flir92; default 'flir92'
     scanning : Literal['automatic', 'parallel_scan', 'serial_scan', 'staring']
         how the picture is scanned; automatic: from Init & Trans's platform (line: serial, push:
         parallel, array: staring): one of automatic, parallel_scan, serial_scan, staring; default
@@ -3317,14 +3333,14 @@ def figures_of_merit(
         extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
         from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles for 50 % detection; use 1 with the MRTD in one direction: a number above 0 to 1000;
-        default 0.75
+        cycles across the target for 50 % detection; use 1 with the MRTD in one direction: a number
+        above 0 to 1000; default 0.75
     n50_recognition : float | Expression
-        cycles for 50 % recognition; use 4 with the MRTD in one direction: a number above 0 to 1000;
-        default 3.0
+        cycles across the target for 50 % recognition; use 4 with the MRTD in one direction: a
+        number above 0 to 1000; default 3.0
     n50_identification : float | Expression
-        cycles for 50 % identification; use 6.4 with the MRTD in one direction: a number above 0 to
-        1000; default 6.0
+        cycles across the target for 50 % identification; use 6.4 with the MRTD in one direction: a
+        number above 0 to 1000; default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
         TTP: contrast threshold from the eye and the MRTD, or the published threshold from MTF and
         noise: one of mrtd, system_contrast_threshold; default 'mrtd'
@@ -3342,8 +3358,8 @@ def figures_of_merit(
         TTP: magnification, angle on the display / angle in the scene; empty: the picture fills the
         display: a number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
-        longest range on the curve; empty: where detection becomes unlikely [km]: a number from 0 to
-        1e+06 or empty; default empty
+        longest range on the curve; empty: the range at which detection becomes unlikely [km]: a
+        number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -3365,7 +3381,7 @@ def noise_budget(
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
     propagated to the picture through all later filters, pixel combining and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` means the
-    patterns that stay the same from frame to frame, averaged over all sensors of this kind.
+    patterns that stay the same from frame to frame, averaged over all sensors of the same design.
     Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
     of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
     it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do
@@ -3377,8 +3393,8 @@ def noise_budget(
         frequency at which the blur is budgeted, as a fraction of the picture's Nyquist frequency
         [Nyquist]: a number above 0 to 1; default 0.5
     noise : Literal['all', 'temporal', 'fixed']
-        all noise, noise that changes from frame to frame, or fixed patterns: one of all, temporal,
-        fixed; default 'all'
+        noise in the budget: all noise, temporal noise (changes from frame to frame), or fixed
+        patterns: one of all, temporal, fixed; default 'all'
     show : Literal['share', 'amount']
         length of the bars: share in percent, or amount (standard deviation of the noise, −ln of the
         MTF for the blur): one of share, amount; default 'share'
@@ -3402,15 +3418,15 @@ def noise_3d(
     later transfer functions, pixel combining and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
     is subtracted, and unbiased estimates split the variance into the seven components. The
-    prediction is an average over all sensors of this kind, but only one pattern is measured. With
-    few rows or columns, the measured fixed components therefore scatter about the prediction. Noise
-    correlated between neighbouring samples also appears in σ tv and σ th. Rounding counts as noise.
-    With `path`, the frames of a file, for example from a camera, are measured instead of simulated
-    frames; they are read one at a time. Everything that stays the same from frame to frame,
-    including the scene, then counts as fixed pattern. Use frames of a uniform scene. If a picture
-    is also linked, its predicted noise is shown beside the measurement. Sources: D'Agostino and
-    Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
-    Components (unbiased estimates).
+    prediction is an average over all sensors of the same design; the measurement contains one
+    sensor's pattern. With few rows or columns, the measured fixed components therefore scatter
+    about the prediction. Noise correlated between neighbouring samples also appears in σ tv and σ
+    th. Rounding counts as noise. With `path`, the frames of a file, for example from a camera, are
+    measured instead of simulated frames; they are read one at a time. In a file, everything that
+    stays the same from frame to frame, including the scene, counts as fixed pattern. Use frames of
+    a uniform scene. If a picture is also connected, its predicted noise is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
@@ -3473,11 +3489,12 @@ def spatial_blur(
 
     The inputs are the same as for Back Transform. The impulse response is the inverse transform of
     all collected MTFs and PTFs. A separable response is applied in one pass along x and one along
-    y; any other is applied as a two-dimensional kernel. Complete kernels give the same result as
-    Back Transform, except for rounding. A truncated kernel has an error of at most `error_bound`
-    times the scene's largest deviation from its mean. The bound is the sum of the moduli of the
-    kernel values that are cut off. The picture's mean does not change. If a transfer function has
-    not fallen to zero at Nyquist, its kernel rings and cannot be both short and precise.
+    y; any other response is applied as a two-dimensional kernel. Complete kernels give the same
+    result as Back Transform, except for rounding. A truncated kernel has an error of at most
+    `error_bound` times the scene's largest deviation from its mean. The bound is the sum of the
+    moduli of the kernel values that are cut off. The picture's mean does not change. If a transfer
+    function has not fallen to zero at Nyquist, its kernel rings and cannot be both short and
+    precise.
 
     Two passes are faster than Fourier filtering only with short kernels on small frames: up to ±16
     samples on 128 × 128, and up to ±4 on 512 × 512. Two-dimensional kernels are always slower
@@ -3522,22 +3539,22 @@ def line_by_line(
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as the 1996
     model does (output `whole`). Line by Line filters each column at its own interval (output
     `image`). Factors along the scan use one interval for the whole frame; factors along the flight
-    use one interval per column. Pupils and other non-separable factors use both intervals. All
-    factors use angles at the sensor, as in the modules that supply them; frame edges and PTFs are
-    treated as in Back Transform. Separable factors are exact. Non-separable factors are
-    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
-    summed exactly for each interval (`direct`). Pushbroom scanners and arrays sample evenly, so
-    both outputs agree for them. The ground is assumed to be flat, and motion blur is assumed to
-    cover the same angle as at nadir.
+    use one interval per column. Pupils and other non-separable factors use the intervals along the
+    scan and along the flight. All factors use angles at the sensor, as in the modules that supply
+    them; frame edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
+    estimate of the error, or summed exactly for each interval (`direct`). Pushbroom scanners and
+    arrays sample evenly, so the outputs `image` and `whole` agree. The ground is assumed to be
+    flat, and motion blur is assumed to cover the same angle as at nadir.
 
-    When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
-    For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
-    largest error is 0.03 % of the picture's range for a field of 10°, 0.5 % for 30°, 1.1 % for 45°,
-    2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for these fields are 0.002, 0.02,
-    0.05, 0.1, 0.25 and 0.5 %. In the thesis's field of 30°, six-bit quantization hides the error.
-    Filtering line by line takes 1.3 to 4 times as long (`imagechain bench`, table scanning);
-    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
-    thesis leaves the comparison to later work.
+    When is one interval for the whole image good enough? The error of a single interval grows as 1
+    − cos(view angle). For the Inframetrics' blur of three samples on the built-in scene (network
+    `line_by_line`), the largest error is 0.03 % of the picture's range for a field of 10°, 0.5 %
+    for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for fields of
+    10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the thesis's
+    field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times
+    as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source:
+    Tantalo 1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3550,19 +3567,20 @@ def line_by_line(
         index of the scan line's sample at nadir, counted from 0; empty: from the look angle [px]: a
         number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
-        line spacing at nadir: the frame's interval, Init & Trans's velocity and scan rate (one line
-        per turn), or line_spacing_m: one of frame, flight, typed; default 'frame'
+        line spacing at nadir; frame: the frame's interval; flight: from velocity and scan rate on
+        Init & Trans, one line per turn; typed: line_spacing_m: one of frame, flight, typed; default
+        'frame'
     line_spacing_m : float | Expression | None
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
     altitude_m : float | Expression | None
         altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     method : Literal['nodes', 'direct']
-        non-separable factors: interpolated between a few sampling intervals, or summed exactly for
-        each interval: one of nodes, direct; default 'nodes'
+        how non-separable factors are computed: interpolated between a few sampling intervals
+        (nodes), or summed exactly for each interval (direct): one of nodes, direct; default 'nodes'
     nodes : int | Expression | None
-        number of intervals to interpolate between; empty: as many as the tolerance requires: a
-        whole number from 0 to 32 or empty; default empty
+        number of sampling intervals to interpolate between; empty: as many as the tolerance
+        requires: a whole number from 0 to 32 or empty; default empty
     tolerance : float | Expression
         largest interpolation error allowed in the transfer function: a number from 0 to 1; default
         1e-05
@@ -3629,11 +3647,11 @@ def camera_geometry(
         sampling interval of the scene down the picture; empty: equal to ground_interval_m [m]: a
         number of at least 0 or empty; default empty
     columns : int | Expression | None
-        samples per line; empty: as in the scene: a whole number from 1 to 65536 or empty; default
-        empty
+        samples per line; empty: the number in the scene: a whole number from 1 to 65536 or empty;
+        default empty
     rows : int | Expression | None
-        number of lines; empty: as in the scene: a whole number from 1 to 65536 or empty; default
-        empty
+        number of lines; empty: the number in the scene: a whole number from 1 to 65536 or empty;
+        default empty
     fov_x_deg : float | Expression | None
         field of view across the track; empty: columns × pitch / focal length [deg]: a number from 0
         below 180 or empty; default 20.0
@@ -3658,17 +3676,18 @@ def camera_geometry(
         heading, clockwise from straight down the picture [deg]: a number from -180 to 180; default
         0.0
     offset_x_m : float | Expression
-        distance of the camera to the right of the scene's centre [m]: a number; default 0.0
+        distance of the camera from the scene's centre, to the right in the picture [m]: a number;
+        default 0.0
     offset_y_m : float | Expression
-        distance of the camera below the scene's centre [m]: a number; default 0.0
+        distance of the camera from the scene's centre, down the picture [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
         interpolation between scene samples: constant, linear, or parabolic: one of area, bilinear,
         cubic; default 'area'
     strips : int | Expression
         number of strips per oblique footprint: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
-        footprints beyond the scene: an error (refuse), or fill_value (fill): one of refuse, fill;
-        default 'refuse'
+        if a footprint lies beyond the scene: report an error (refuse), or use fill_value (fill):
+        one of refuse, fill; default 'refuse'
     fill_value : float | Expression
         value beyond the scene, in the scene's unit: a number; default 0.0
 
@@ -3698,29 +3717,30 @@ def image_quality(
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     In the plane normal to the line of sight, the ground sample distance (GSD) is the picture's
-    sampling interval times the range. GIQE 3 uses this GSD. GIQE 4 uses the GSD on the ground:
-    GSD/√sin e, where e is the elevation of the line of sight seen from the target. GIQE 5 uses the
-    geometric mean of these two distances, GSD/(sin e)^¼. The relative edge response (RER) is the
-    rise of the edge response from half a sample before the edge to half a sample after it. The
-    overshoot H is the height of the edge response 1 to 3 samples beyond the edge. RER and H follow
-    from the chain's transfer functions; the SNR follows from the chain's signal and temporal noise.
-    No noise is drawn or measured. GSD, RER and H are geometric means over both directions; in GIQE
-    5 the worse RER counts twice. Connect the picture as the sensor samples it, before a frame
-    grabber interpolates it.
+    sampling interval times the range. GIQE 3 uses the GSD normal to the line of sight. GIQE 4 uses
+    the GSD on the ground: GSD/√sin e, where e is the elevation of the line of sight seen from the
+    target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
+    edge response (RER) is the rise of the edge response from half a sample before the edge to half
+    a sample after it. The overshoot H is the height of the edge response 1 to 3 samples beyond the
+    edge. RER and H follow from the chain's transfer functions; the SNR follows from the chain's
+    signal and temporal noise. No noise is drawn or measured. GSD, RER and H are geometric means
+    over both directions; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor
+    samples it, before a frame grabber interpolates it.
 
     With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
     it to radiance, the difference follows from the illumination and the atmosphere set in that
-    module. Otherwise the mean radiance is assumed to come from a surface of 15 % reflectance. The
-    SNR is then 8/15 of the mean signal divided by the noise, and a warning is shown. With `mean`,
-    the SNR is the mean signal divided by the noise.
+    module. If the scene is not in reflectance, the mean radiance is assumed to come from a surface
+    of 15 % reflectance: the SNR is 8/15 of the mean signal divided by the noise, and a warning is
+    shown. With `mean`, the SNR is the mean signal divided by the noise.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. GIQE 3
     and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
     visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
-    warning lists values outside these limits. The limits of GIQE 3 and 5 could not be checked.
+    warning lists values outside the limits of GIQE 4. The limits of GIQE 3 and 5 could not be
+    checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).

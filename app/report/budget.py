@@ -217,7 +217,8 @@ def _noise(noise: Fact) -> list[Block]:
     unit = f" ({noise['unit']})" if noise["unit"] else ""
     heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
     text = (
-        f"Predicted for {noise['port']} from the chain, averaged over all sensors of this kind. "
+        f"Predicted for {noise['port']} from the chain, averaged over all sensors of the same "
+        "design. "
         "Temporal noise changes from frame to frame; fixed patterns stay the same. "
         f"{_beside(noise)}"
     )

@@ -345,7 +345,7 @@ class NoiseOf(Recipe):
                 f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} samples "
                 f"must be computed in one piece, but {amount_text(work.blocks.disk.memory_bytes)} "
                 "of memory is not enough",
-                hint="raise the limit with --memory",
+                hint="raise the memory limit with --memory",
             )
         without = noise_free(picture)
         alone = [

@@ -115,7 +115,7 @@ def _typed(text: str) -> RadianceUnit | None:
     try:
         return radiance_unit(text)
     except DataError as error:
-        raise ParameterError("unit", text, error.message.partition("; ")[2]) from error
+        raise ParameterError("unit", text, error.message.partition("; allowed: ")[2]) from error
 
 
 def _of_typed(

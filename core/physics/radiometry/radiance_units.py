@@ -96,7 +96,7 @@ def radiance_unit(text: str) -> RadianceUnit | None:
     readings.discard(None)
     if len(readings) != 1:
         why = "can be read in two ways" if readings else "is not understood"
-        raise DataError(f"the unit {text!r:.80} {why}; understood: {UNDERSTOOD}")
+        raise DataError(f"the unit {text!r:.80} {why}; allowed: {UNDERSTOOD}")
     return readings.pop()
 
 

@@ -100,7 +100,7 @@ def test_photons_are_kept_when_asked_for_and_never_watts(tmp_path):
 @pytest.mark.parametrize(
     ("unit", "params", "kind", "words"),
     [
-        ("W/m2/sr/furlong", {}, FileError, "'W/m2/sr/furlong' is not understood; understood: W"),
+        ("W/m2/sr/furlong", {}, FileError, "'W/m2/sr/furlong' is not understood; allowed: W"),
         ("W/m2", {}, FileError, "'W/m2' is not understood"),
         ("", {"unit": "W/m2/sr/furlong"}, ParameterError, "unit = 'W/m2/sr/furlong'"),
         (
