@@ -334,9 +334,10 @@ class Fitted(NamedTuple):
 
 def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
     """A title in lines, in the largest font that fits and can be read; None if none does."""
-    divided = re.sub("([^_-]{4,}?)([^_-]{4,7})(?=[_-]|$)", "\\1-\n\\2", face.id)
-    for words in (face.id, divided):
-        text = re.sub("([_-])", "\\1\N{ZERO WIDTH SPACE}", words)
+    text = re.sub("([_-])", "\\1\N{ZERO WIDTH SPACE}", face.id)
+    for divide in (False, True):
+        if divide:
+            text = re.sub("([^_\N{ZERO WIDTH SPACE}-]{4,}?)(\\w{4,7})\\b", "\\1-\n\\2", text)
         size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
         while size * zoom >= _LEAST_PX:
             needed = style.metrics(size).boundingRect(QRectF(QPointF(), room), _CENTRED, text)

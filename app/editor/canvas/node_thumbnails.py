@@ -144,6 +144,13 @@ class ThumbnailItem(QGraphicsItem):
             high, wide = small.grey.shape
             grey = QImage(small.grey.data, wide, high, wide, QImage.Format.Format_Grayscale8)
             self._image = grey.copy()  # Qt's own: the array may go
+        else:
+            inner = self._box.adjusted(3, 3, -3, -3)
+            across = inner.left() + small.places * inner.width()
+            scale = inner.height() / ((small.high - small.low) or 1.0)
+            self._zero = inner.bottom() + small.low * scale
+            points = map(QPointF, across.tolist(), (self._zero - small.values * scale).tolist())
+            self._curve = QPolygonF(list(points))
 
     def boundingRect(self) -> QRectF:
         return self._box.adjusted(-1, -1, 1, 1)
@@ -160,23 +167,16 @@ class ThumbnailItem(QGraphicsItem):
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(box, self._image)
         else:
-            self._paint_curve(painter, self.small)
+            if self.small.low < 0:
+                painter.setPen(QPen(QColor(style.theme.line), 1.0))
+                zero, left, right = self._zero, box.left() + 3, box.right() - 3
+                painter.drawLine(QPointF(left, zero), QPointF(right, zero))
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(QPen(QColor(style.theme.curves[0]), 2.0))
+            painter.drawPolyline(self._curve)
         painter.setPen(style.border)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(box)
-
-    def _paint_curve(self, painter: QPainter, small: SmallCurve) -> None:
-        inner = self._box.adjusted(3, 3, -3, -3)
-        across = inner.left() + small.places * inner.width()
-        scale = inner.height() / ((small.high - small.low) or 1.0)
-        zero = inner.bottom() + small.low * scale
-        if small.low < 0:
-            painter.setPen(QPen(QColor(self.style.theme.line), 1.0))
-            painter.drawLine(QPointF(inner.left(), zero), QPointF(inner.right(), zero))
-        points = map(QPointF, across.tolist(), (zero - small.values * scale).tolist())
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(QColor(self.style.theme.curves[0]), 2.0))
-        painter.drawPolyline(QPolygonF(list(points)))
 
 
 def box_of(small: Small, width: float) -> QRectF:

@@ -81,6 +81,7 @@ class WindowLayout(QObject):
             beside = [*docks.viewers, *docks.tools, *docks.beside]
             if self._window.dockWidgetArea(docks.panels) == _Area.BottomDockWidgetArea:
                 beside.append(docks.panels)  # which would keep the whole band below the canvas
+                _seat_library(self._window, docks, _Area.RightDockWidgetArea, wide=True)
             shown = [dock for dock in beside if not (dock.isHidden() or dock.isFloating())]
         away, self._away = self._away, self._away + shown if empty else []
         for dock in shown if empty else away:
@@ -266,7 +267,8 @@ def _seat_library(
 ) -> None:
     """Put the library behind the panels where it would leave the chain too little of the width."""
     library, panels = docks.library, docks.panels
-    if not window.isVisible() or panels.isFloating() or library.isFloating():
+    seen = window.isVisible() and not panels.isHidden()
+    if not seen or panels.isFloating() or library.isFloating():
         return
     is_behind = library in window.tabifiedDockWidgets(panels)
     if not wide and not is_behind:
