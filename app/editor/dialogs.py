@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QFileInfo, Qt
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import (
     QDialog,
     QFileDialog,
+    QFileIconProvider,
     QMessageBox,
     QPushButton,
     QWidget,
@@ -19,12 +21,27 @@ from nodes.files.formats import PICTURES
 ROLE = QMessageBox.ButtonRole
 
 
+class _Icons(QFileIconProvider):
+    """Icons without a look into the files: the window waited for ever on one in /proc."""
+
+    def icon(self, of: QFileInfo | QFileIconProvider.IconType) -> QIcon:
+        kinds = QFileIconProvider.IconType
+        if isinstance(of, QFileInfo):
+            of = kinds.Folder if of.isDir() else kinds.File
+        return super().icon(of)
+
+    def type(self, info: QFileInfo) -> str:
+        return "Folder" if info.isDir() else f"{info.suffix()} file".lstrip()
+
+
 class FileDialog(QFileDialog):
     """Asks for files to read; Qt's own dialog, which looks alike on all systems."""
 
     def __init__(self, parent: QWidget, title: str, folder: str = "", kinds: str = "") -> None:
         super().__init__(parent, title, folder, kinds)
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
+        self._icons = _Icons()  # the dialog does not own it
+        self.setIconProvider(self._icons)
 
 
 def show_beside(window: QWidget, dialog: QDialog) -> None:

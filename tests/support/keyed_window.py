@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDockWidget, QTabBar
+from PySide6.QtWidgets import QApplication, QDockWidget, QFileDialog, QTabBar
 
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
@@ -19,6 +19,8 @@ from managed_window import Managed
 from nodes.library import standard_library
 
 TABS = 50  # more than there are widgets to visit
+SOON_S = 2.0
+IN_PROC = ("/proc/self/mine.json", "/proc/mine.json")
 
 
 def stray_tabs(folder):
@@ -39,6 +41,18 @@ def stray_tabs(folder):
     window.close_for_good()
     process_events(0.2)
     return {"found": len(found), "seen": seen}
+
+
+def saved_as(place, window, hands, to_canvas):
+    """What is said of a name typed letter by letter, which Qt completes from what is there."""
+    to_canvas()
+    hands.keys("ctrl+shift+s")
+    wait_until(lambda: window.findChild(QFileDialog, "file_dialog"), "Save As is open")
+    process_events(0.3)
+    hands.type(place)
+    hands.keys("Return")
+    wait_until(lambda: window.findChild(QFileDialog) is None, "it is closed", SOON_S)
+    return window.status.error
 
 
 def main(folder):
@@ -71,6 +85,7 @@ def main(folder):
         to_canvas()
     seen["changed by menus"] = window.isWindowModified()
 
+    seen["proc"] = [saved_as(place, window, hands, to_canvas) for place in IN_PROC]
     for name in ("trade_off", "measure", "fit"):
         window.actions_by_name[name].trigger()
     made.settle()
