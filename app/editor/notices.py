@@ -183,8 +183,11 @@ class StatusBar(QWidget):
         return self._of("information")
 
     def report(self, kind: str, text: str) -> None:
-        """Show a "note", "warning" or "error"."""
+        """Show a "note", "warning" or "error"; an empty one takes the last of its kind away."""
         severity: Severity = kind if kind in ("error", "warning") else "information"  # type: ignore[assignment]
+        if not text:
+            self._drop(severity)
+            return
         self._drop("information", severity if severity == "warning" else "error")
         self._said.append((severity, text))
         if severity == "information":

@@ -27,7 +27,7 @@ from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.widgets import filled
 from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
 from app.editor.window.background_runs import BackgroundRuns
-from app.editor.window.files import Drops, Files, Opened, PresetShelf
+from app.editor.window.files import Drops, Files, FileWatch, Opened, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList
 from app.editor.window.recent_files import DOCKS_VERSION, RecentMenu, Settings
@@ -99,6 +99,7 @@ class MainWindow(QMainWindow):
         after_open = file_actions[file_actions.index(self.actions_by_name["open"]) + 1]
         self.menus["&File"].insertMenu(after_open, self.recent_menu)
         self.autosaver = Autosaver(self.session, recovery, self)
+        self.file_watch = FileWatch(self.session, recovery, self)
         self._connect()
         self.set_theme(self.theme)
         self.resize(self.screen().availableSize() * 0.92)  # once it is not maximised
@@ -214,6 +215,7 @@ class MainWindow(QMainWindow):
         self.fitting.worker.close()
         self.help.handbook.close()
         self.autosaver.close()
+        self.file_watch.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
 
     def _build(self, library: Library) -> None:

@@ -1,4 +1,4 @@
-"""Two windows on one file: whoever saves second is asked."""
+"""Two windows on one file say so at once; whoever saves second is asked."""
 
 import json
 
@@ -82,3 +82,33 @@ def test_the_second_to_save_is_asked_and_nothing_is_written_before_the_answer(tw
         click(qtbot, one, reply)
     qtbot.waitUntil(lambda: not one.isVisible())
     assert modules(file)[-1] == "vibration_mtf"
+
+
+def test_both_windows_say_so_and_a_change_from_outside_is_said_by_itself(two, file, qtbot):
+    one, other = two
+    qtbot.waitUntil(lambda: "mine.json is also open" in one.status.warning)
+    qtbot.waitUntil(lambda: "has changed mine.json" in other.status.warning)  # by the first one
+    assert "changed" not in one.status.warning
+    for how in (write_in_place, replace):
+        one.files.save_to(file, over=True)
+        qtbot.waitUntil(lambda: "changed" not in one.status.warning)
+        assert f"saved {file}" in one.status.note
+        how(file)
+        qtbot.waitUntil(lambda: "another program has changed mine.json" in one.status.warning)
+    file.unlink()
+    qtbot.waitUntil(lambda: "has removed mine.json" in one.status.warning)
+    other.close_for_good()
+    one.files.save_to(file, over=True)
+    assert one.files.open_now(str(file))
+    qtbot.wait(500)
+    assert one.status.warning == ""
+
+
+def write_in_place(file):
+    file.write_text(file.read_text() + "\n")
+
+
+def replace(file):
+    new = file.with_name("new")
+    new.write_text(file.read_text() + " ")
+    new.replace(file)
