@@ -483,7 +483,19 @@ def dissolved(
 
     No wire is led past a node that is fed several of its type: which one is the user's to say.
     """
-    gone = set(names)
+    text = f"{verb} {named([shown(name) for name in names])}"
+    new, taking = _led_past(network, library, set(names)), remove_nodes(tuple(names), text)
+    return together((taking, rewire(add=new)), text) if new else taking
+
+
+def detached(network: Network, library: Library, names: Collection[str]) -> Operation:
+    """Take the wires between nodes and the others away, and lead them past as `dissolved` does."""
+    old = tuple(link for link in network.links if (link.source in names) != (link.target in names))
+    text = f"Detach {named([shown(name) for name in names])}"
+    return rewire(add=_led_past(network, library, set(names)), remove=old, label=text)
+
+
+def _led_past(network: Network, library: Library, gone: set[str]) -> tuple[Link, ...]:
     new = []
     for link in network.links:
         if link.source in gone and link.target not in gone:
@@ -491,9 +503,7 @@ def dissolved(
             past = Link(*start, link.target, link.input) if start is not None else None
             if past and past.source != past.target and misfit(network, library, past) is None:
                 new.append(past)
-    text = f"{verb} {named([shown(name) for name in names])}"
-    taking = remove_nodes(tuple(names), text)
-    return together((taking, rewire(add=tuple(new))), text) if new else taking
+    return tuple(new)
 
 
 def _origin(network: Network, library: Library, gone: set[str], end: Output) -> Output | None:

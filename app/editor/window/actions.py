@@ -31,7 +31,7 @@ from core.editing.operations import (
     together,
 )
 from core.editing.wire_dots import dots_of, moved_with_dots, straighten
-from core.editing.wiring import dissolved
+from core.editing.wiring import detached, dissolved
 from core.errors import ImagechainError
 
 Scope = Literal["application", "window", "canvas"]
@@ -95,6 +95,9 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _edit("delete", "&Delete",
           "Delete the selected nodes or wire; reconnect the chain around deleted nodes",
           "Del", "Backspace", scope="canvas"),
+    _selected("detach", "Detac&h",
+              "Disconnect the selected nodes and keep them; a chain is reconnected around them",
+              "Ctrl+Shift+X"),
     _edit("select_all", "Select &All", "Select every node", "Ctrl+A", scope="canvas"),
     _selected("rename", "Re&name", "Rename the selected node", "F2"),
     _selected("disable", "D&isable", "Make the selected nodes pass their input through unchanged",
@@ -198,7 +201,7 @@ BELOW_A_LINE = frozenset(
 
 NODE_MENU = (
     *("rename", "disable", "mark_output"),
-    *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
+    *("duplicate", "copy", "cut", "delete", "detach", "connect", "group", "ungroup"),
     "save_preset",
     *("copy_values", "paste_values"),
 )
@@ -209,7 +212,8 @@ CANVAS_MENU = ("add_module", "paste", "select_all", "arrange", "frame")
 
 
 EDITS = (
-    *("cut", "copy", "paste", "duplicate", "delete", "select_all", "disable", "mark_output"),
+    *("cut", "copy", "paste", "duplicate", "delete", "detach", "select_all", "disable"),
+    "mark_output",
     *("backdrop", "note", "ungroup", "frame", "arrange"),
 )
 """Those that are a method of `EditCommands` of that name."""
@@ -346,6 +350,11 @@ class EditCommands(QObject):
             session.do(rewire(remove=(link,)))
         else:
             self._canvas.menus.delete_backdrop()
+
+    def detach(self) -> None:
+        session = self._session
+        if session.selection:
+            session.do(detached(session.network, session.library, session.selection))
 
     def _take_out(self, taking: Operation) -> None:
         """Take the selected nodes out; parameters that follow them keep their values."""

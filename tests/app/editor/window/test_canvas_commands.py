@@ -12,7 +12,7 @@ from app.editor.canvas.canvas_style import TINTS, CanvasStyle
 from app.editor.theme import DARK, LIGHT
 from colour_sight import contrast
 from core.editing.backdrops import backdrops_of, nodes_on
-from window_hands import CTRL, KEY
+from window_hands import CTRL, KEY, SHIFT, WindowHands
 
 ALT, NONE = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.NoModifier
 
@@ -59,6 +59,15 @@ def test_keys_find_align_lay_out_and_heal(kodak):
         session.undo()
         assert links_of(kodak) == before
     assert '"detector"' in QGuiApplication.clipboard().text()
+    # Ctrl+Shift+X keeps it, with no wire of its own.
+    hand = WindowHands(kodak)
+    hand.select("detector")
+    press(kodak, KEY.Key_X, CTRL | SHIFT)
+    assert "detector" in session.network.nodes
+    assert not any("detector." in link for link in links_of(kodak))
+    assert "aberration.magnitude → charge.magnitude" in links_of(kodak)
+    press(kodak, KEY.Key_Z, CTRL)
+    assert links_of(kodak) == before
     # L lays out to the shape of the canvas.
     session.select([])
     kodak.actions_by_name["picture_beside"].trigger()
