@@ -275,8 +275,14 @@ class PlotViewer(Viewer):
         self.canvas.show_entries(self._shown(self.canvas.drawing))
 
     def _selected(self, names: tuple[str, ...]) -> None:
-        if names and not self.bar.pin.isChecked():
+        if self.bar.pin.isChecked():
+            return
+        if names:
             self.look_at_node(names[-1])
+        elif not self._lost and (self.port or "").rpartition(".")[0] in ("", self._node):
+            self._node = ""
+            self.look_at(None)
+            self._draw()
 
     def _follow_choices(self) -> None:
         self.bar.show_choices(self.port, self.angle_deg, self.parts, bare=bool(self._bare))

@@ -6,6 +6,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QStyle, QStyleOptionSlider
 
 from app.editor.viewers.picture.picture_bar import SPREAD_MS
+from panel_hands import handle_of
 from window_hands import KEY, WindowHands, place_in
 
 LEFT = Qt.MouseButton.LeftButton
@@ -60,9 +61,12 @@ def test_escape_gives_up_whatever_is_dragged(opened, idle):
     window.panels.ensureWidgetVisible(field)
     field.slider.setFocus()
     before = sigma()
-    dragged, after = held(field.slider, [beside_handle(field.slider)] * 2, sigma)
-    assert dragged != before
-    assert after == [before] * 3
+    handle = handle_of(field.slider)
+    by_handle = [handle + QPoint(by, 0) for by in (0, 20, 40, 60)]
+    for places in (by_handle, [beside_handle(field.slider)] * 2):
+        dragged, after = held(field.slider, places, sigma)
+        assert dragged != before
+        assert after == [before] * 3
     QTest.qWait(400)  # a press that is held goes on by itself
     assert sigma() == before
     # Its mark in the trade-off.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
+from PySide6.QtWidgets import QApplication, QFileDialog, QLabel, QLineEdit, QWidget
 
 from app.editor.window.files import Opened, shipped_copy
 from app.run.shipped import shipped_networks
@@ -61,6 +61,63 @@ def test_of_a_node_without_outputs_what_comes_into_it_is_shown(window, hand, idl
     hand.key(KEY.Key_2)
     idle(window)
     assert window.viewers.images[2].choices.port == "back.image"
+
+
+def test_a_deleted_node_leaves_its_input_and_errors_the_place_of_the_hint(window, hand, idle):
+    viewer, plot = window.viewers.images[1], window.viewers.plot
+    hand.select("back")
+    hand.key(KEY.Key_1)
+    idle(window)
+    assert viewer.choices.port == "back.image"
+    hand.focus()
+    hand.key(KEY.Key_Delete)
+    idle(window)
+    assert viewer.choices.port == "scene.image"
+    assert viewer.picture is not None
+    hand.key(KEY.Key_Z, CTRL)
+    idle(window)
+    assert viewer.choices.port == "back.image"
+    # A viewer that never showed a picture says why, where it said what to do.
+    link = next(link for link in window.session.network.links if link.source == "scene")
+    hand.click(hand.wire(link))
+    hand.key(KEY.Key_Delete)
+    hand.select("back")
+    hand.key(KEY.Key_2)
+    idle(window)
+    hint = next(label for label in window.viewers.images[2].findChildren(QLabel)
+                if label.isVisible() and len(label.text()) > 20)  # fmt: skip
+    assert "init" in hint.text()
+    assert "Choose a wire" not in hint.text()
+    # Curves go with their node, also where nothing is selected any more.
+    hand.focus()
+    hand.key(KEY.Key_Z, CTRL)
+    name = add(window, "mtf_slices", (900, 300))
+    window.canvas.frame_all()
+    hand.select(name)
+    idle(window)
+    assert plot.port == f"{name}.curve"
+    hand.select("scene")
+    idle(window)
+    assert plot.port is None
+    hand.select(name)
+    assert plot.port == f"{name}.curve"
+    hand.click(hand.at(-100, 500))
+    idle(window)
+    assert window.session.selection == ()
+    assert plot.port is None
+    assert plot.canvas.isVisible()  # the chain's
+
+
+def test_enter_in_the_name_field_gives_the_keyboard_back(window, hand):
+    hand.select("blur")
+    name = window.panels.panels["blur"].head.name
+    QTest.mouseClick(name, Qt.MouseButton.LeftButton)
+    hand.key(KEY.Key_A, CTRL)
+    hand.type("shake")
+    hand.key(KEY.Key_Return)
+    assert window.canvas.isAncestorOf(QApplication.focusWidget())
+    hand.key(KEY.Key_D)  # a key of the canvas
+    assert window.session.network.nodes["shake"].disabled
 
 
 def test_a_node_that_gives_curves_is_shown_among_the_curves(window, hand, idle):
