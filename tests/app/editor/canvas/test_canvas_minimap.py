@@ -53,14 +53,25 @@ def test_it_is_shown_while_something_is_out_of_sight_and_a_press_goes_there(chai
         assert not canvas.minimap.isVisible()
 
 
+def covered(canvas):
+    ground = canvas.view.mapToScene(canvas.minimap.geometry()).boundingRect()
+    return any(ground.intersects(node.frame()) for node in canvas.content.nodes.values())
+
+
+def test_a_node_dragged_under_it_drives_it_away(chain, canvas, hand):
+    for _ in range(20):
+        hand.wheel(hand.middle("jitter_50"), 120)
+    first = canvas.minimap.pos()
+    assert not covered(canvas)
+    hand.drag(hand.head("jitter_50"), canvas.minimap.geometry().center())
+    assert canvas.minimap.isVisible()
+    assert canvas.minimap.pos() != first
+    assert not covered(canvas)
+
+
 def test_it_covers_no_node_but_moves_to_a_free_corner_or_hides(chain, canvas):
     canvas.zoom_by(8.0)
     shown = [canvas.minimap.pos()]
-
-    def covered():
-        ground = canvas.view.mapToScene(canvas.minimap.geometry()).boundingRect()
-        return any(ground.intersects(node.frame()) for node in canvas.content.nodes.values())
-
     here = canvas.view.visible_rect()
     corners = [(here.right(), here.bottom()), (here.left(), here.bottom()),
                (here.right(), here.top()), (here.left(), here.top())]  # fmt: skip
@@ -69,7 +80,7 @@ def test_it_covers_no_node_but_moves_to_a_free_corner_or_hides(chain, canvas):
         chain.do(move_nodes({f"jitter_{number + 1}": place}))
         if number < 3:
             assert canvas.minimap.isVisible()
-            assert not covered()
+            assert not covered(canvas)
             shown.append(canvas.minimap.pos())
     assert not canvas.minimap.isVisible()
     assert len({at.toTuple() for at in shown}) == 4  # each of the corners in its turn

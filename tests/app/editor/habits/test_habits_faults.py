@@ -1,7 +1,9 @@
 """Faults of the hand that were mended: by real mouse, keys and drops."""
 
+import itertools
+
 import numpy as np
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -55,6 +57,22 @@ def test_a_picture_dropped_beside_the_canvas_replaces_nothing(window, hand, tmp_
     nodes = window.session.network.nodes
     assert [node.module for node in nodes.values()] == ["read_image"] * 2
     assert nodes[name].params["path"].endswith("one.npy")
+
+
+def test_files_dropped_together_spread_out(window, hand, idle, tmp_path):
+    for number in range(3):
+        np.save(tmp_path / f"{number}.npy", np.full((40, 60), number))
+    files = sorted(tmp_path.glob("*.npy"))
+    hand.drop_files(window.canvas.view.viewport(), hand.at(0, 0), files)
+    idle(window)
+    canvas, layout = window.canvas, window.session.network.layout
+    assert window.session.selection == tuple(layout)
+    frames = [QRectF(*layout[n], *size) for n, size in canvas.sizes_with_thumbnails().items()]
+    assert len(frames) == 3
+    assert all(
+        frame.height() > canvas.sizes()[n][1] for n, frame in zip(layout, frames, strict=True)
+    )
+    assert not any(one.intersects(two) for one, two in itertools.combinations(frames, 2))
 
 
 def test_new_leaves_no_empty_panel_and_no_names_of_the_last_sensor(window, idle):

@@ -51,11 +51,16 @@ def test_docks_keep_what_the_user_gives_them(window, idle, qtbot):
     assert window.panel_dock.width() == pytest.approx(1.2 * wide, abs=3)
     # At the least size no part covers another.
     window.resize(704, 463)
+    view = window.menus["&View"]
     for layout in ("canvas_first", "picture_below", "picture_beside"):
-        window.choose_layout(layout)
-        qtbot.wait(100)
+        view.popup(window.mapToGlobal(QPoint(0, 0)))
+        QTest.mouseClick(
+            view, LEFT, pos=view.actionGeometry(window.actions_by_name[layout]).center()
+        )
+        idle(window)
         docks = [dock for dock in window.findChildren(QDockWidget) if in_sight(dock)]
         assert len(docks) >= 2
-        for one, other in itertools.combinations(docks, 2):
+        for one, other in itertools.combinations([*docks, window.workbench.centralWidget()], 2):
             names = layout, one.objectName(), other.objectName()
             assert not one.geometry().intersects(other.geometry()), names
+            assert window.workbench.rect().contains(one.geometry()), names
