@@ -66,8 +66,8 @@ def _mtf_rows(
         of = f"frequency at which the {words} MTF is one half"
         for unit, per_sample, meaning in (
             ("cyc/sample", 1.0, f"{of}, from {many}"),
-            ("cyc/mrad", interval, f"{of}, in angle"),
-            ("cyc/mm", None if pitch_um is None else 1e-3 * pitch_um, f"{of}, on the detector"),
+            ("cyc/mrad", interval, f"{of}, in angle, from {many}"),
+            ("cyc/mm", pitch_um and 1e-3 * pitch_um, f"{of}, on the detector, from {many}"),
         ):
             if per_sample is not None:
                 error = None if curve.mtf50_sigma is None else curve.mtf50_sigma / per_sample
@@ -77,7 +77,7 @@ def _mtf_rows(
         value, error = (
             float(np.interp(NYQUIST, curve.frequency, of)) for of in (curve.mtf, curve.sigma)
         )
-        meaning = f"{words} MTF at the Nyquist frequency, including the pixel aperture"
+        meaning = f"{words} MTF at the Nyquist frequency, pixel aperture included, from {many}"
         rows.append((f"mtf_nyquist_{name}", with_error(value, error), "", meaning))
     return rows
 
@@ -128,6 +128,11 @@ def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
     return lines
 
 
+def exceeds_one(curve: MtfCurve, least: float) -> bool:
+    """Whether an MTF is above one by so much at least, and by more than its error."""
+    return bool(np.any(curve.mtf > 1.0 + np.maximum(_ABOVE_ONE * curve.sigma, least)))
+
+
 def remarks(measured: results.PictureMeasurement) -> list[str]:
     """What was measured of files with bands, and what could not be measured, and why."""
     lines = [f"measured from {file.name}: {file.taken}" for file in measured.files if file.taken]
@@ -142,7 +147,7 @@ def remarks(measured: results.PictureMeasurement) -> list[str]:
             continue
         if curve.mtf50 is None:
             lines.append(f"no {words} MTF50: the MTF does not fall to one half")
-        if np.any(curve.mtf > 1.0 + np.maximum(_ABOVE_ONE * curve.sigma, _LEAST_ABOVE)):
+        if exceeds_one(curve, _LEAST_ABOVE):
             lines.append(
                 f"warning: the {words} MTF exceeds 1: the picture was sharpened, and this is the "
                 "MTF of the sharpened picture"

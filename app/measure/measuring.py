@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.measure import picture_loading as loading
 from app.measure import picture_measurement as results
-from app.measure.measurement_text import in_words
+from app.measure.measurement_text import exceeds_one, in_words
 from core.errors import DataError, ParameterError
 from core.physics.measurement.edge_mtf import (
     LARGEST_ANGLE_DEG,
@@ -40,6 +40,7 @@ MOST_PREVIEWS = 4
 _PREVIEW_SAMPLES = 1400  # of a side
 _LARGEST = 1e60
 _WIDEST_UM = 10_000.0  # of a pixel
+_OVERSHOOT = 0.05  # of the MTF above one, that one edge alone does not prove
 
 
 @dataclass(frozen=True)
@@ -371,6 +372,11 @@ def pooled(
     together = pooled_mtf(edges=curves, axis=direction)
     if together is None:
         return None, _no_edge([edge for edge in edges if edge.direction == direction], direction)
+    if together.edges == 1 and exceeds_one(together, _OVERSHOOT):
+        return None, (
+            f"the only edge that would give this MTF overshoots (to {together.mtf.max():.2f}), and "
+            "no other edge confirms it"
+        )
     return together, ""
 
 

@@ -26,6 +26,21 @@ def gaussian_edge(
     return picture + noise * np.random.default_rng(seed).standard_normal(shape)
 
 
+HEADER = """ENVI
+samples = 64
+lines = 64
+bands = 1
+header offset = 0
+data type = 5
+interleave = bsq
+byte order = 0
+wavelength units = micrometers
+wavelength = {{ {centre} }}
+fwhm = {{ {width} }}
+fov_x = {fov}
+"""
+
+
 def blur_network(*, interval_mrad=0.1, size=64, **stages):
     """A chain with an ideal detector of square pixels and the given modules in series."""
     fov_deg = 2 * math.degrees(math.atan(size * interval_mrad / 2000))

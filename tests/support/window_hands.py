@@ -5,7 +5,7 @@ import time
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox
 
 from app.editor.window.files import Opened, shipped_copy
 from canvas_hands import CanvasHands
@@ -112,6 +112,15 @@ def answer(qtbot, window, button):
     box = window.findChild(QMessageBox, "save_changes")
     box.setObjectName("answered")
     QTest.mouseClick(box.button(button), Qt.MouseButton.LeftButton)
+
+
+def choose_file(button, path):
+    """Press a button that opens a file dialog, and enter a file's name there."""
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    dialogs = button.window().findChildren(QFileDialog)
+    line = next(one for one in dialogs if one.isVisible()).findChild(QLineEdit, "fileNameEdit")
+    line.setText(str(path))
+    QTest.keyClick(line, KEY.Key_Return)
 
 
 def place_in(plots, index, value):

@@ -8,7 +8,7 @@ import pytest
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import edges_in
 from core.network.file import parse_network
-from edge_truth import blur_network, gaussian_edge
+from edge_truth import HEADER, blur_network, gaussian_edge
 from nodes.library import standard_library
 
 
@@ -35,19 +35,6 @@ def test_zero_that_stands_for_an_empty_parameter_is_not_in_its_range():
 
 # --- pictures of other cameras ---
 
-HEADER = """ENVI
-samples = 64
-lines = 64
-bands = 1
-header offset = 0
-data type = 5
-interleave = bsq
-byte order = 0
-wavelength units = micrometers
-wavelength = {{ {centre} }}
-fwhm = {{ {width} }}
-fov_x = {fov}
-"""
 MWIR = 3.0, 5.0
 
 

@@ -9,7 +9,7 @@ from scipy import ndimage
 
 from app.handbook.example_figures import PAGES
 from app.measure.measurement_page import measurement_json, measurement_page
-from app.measure.measurement_text import refused_lines, remarks, with_error
+from app.measure.measurement_text import figure_rows, refused_lines, remarks, with_error
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
 from camera_scenes import box, turned
@@ -59,6 +59,16 @@ def test_an_mtf_above_one_is_called_that_of_a_sharpened_picture(taken):
     assert any(
         line.startswith("warning: the horizontal MTF exceeds 1: the picture was") for line in lines
     )
+
+
+def test_one_edge_that_overshoots_is_no_measurement():
+    camera = Camera(cutoff=1.2, jitter=0.3, gain_e_per_dn=50, read_e=30)
+    picture = take(half_plane(9.0, (60, 50), 3000, 9000), camera, rows=100, columns=120).picture
+    assert measured(picture).x.edges == 1
+    sharpened = measured(picture + 2.0 * (picture - ndimage.gaussian_filter(picture, 1.0)))
+    assert sharpened.x is None
+    assert sharpened.reason_x.startswith("the only edge that would give this MTF overshoots (to 1.")
+    assert not any(name.endswith("_x") for name, *_ in figure_rows(sharpened))
 
 
 @pytest.mark.parametrize("colour", ["green", "red"])

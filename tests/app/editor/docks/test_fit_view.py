@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.declared_text import FreeNumber
 from core.editing.operations import rename_node, set_parameter
-from edge_truth import blur_network, gaussian_edge
+from edge_truth import HEADER, blur_network, gaussian_edge
+from window_hands import choose_file
 
+LEFT = Qt.MouseButton.LeftButton
 INTERVAL_MRAD = 0.1
 SIGMA = 0.8  # samples
 FITTED, LOW, HIGH = 2, 5, 6  # columns
@@ -27,11 +30,17 @@ def files(tmp_path_factory):
         interval_mrad=INTERVAL_MRAD,
         blur=("gaussian_mtf", {"sigma_x_mrad": 0.05, "sigma_y_mrad": 0.08}),
     )
+    network["nodes"]["scene"]["params"] |= {"cut_on_um": 3.0, "cut_off_um": 5.0}
     (folder / "net.json").write_text(json.dumps(network), encoding="utf-8")
     picture = gaussian_edge(angle_deg=6.0, sigma=(SIGMA, 0.8), shape=(64, 64), noise=20.0, seed=5)
     np.save(folder / "edge.npy", picture)
     again = gaussian_edge(angle_deg=6.0, sigma=(SIGMA, 0.8), shape=(64, 64), noise=20.0, seed=6)
     np.save(folder / "edge_too.npy", again)
+    sharp = gaussian_edge(angle_deg=6.0, sigma=(0.02, 0.8), shape=(64, 64), noise=20.0, seed=5)
+    np.save(folder / "sharp.npy", sharp)
+    picture.astype("<f8").tofile(folder / "lwir.img")
+    fov = np.degrees(2.0 * np.arctan(64 * 2.0 * INTERVAL_MRAD / 2000.0))
+    (folder / "lwir.hdr").write_text(HEADER.format(centre=10.0, width=4.0, fov=fov))
     np.save(folder / "flat.npy", np.random.default_rng(1).normal(100.0, 1.0, (64, 64)))
     return folder
 
@@ -100,6 +109,32 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     right_click(window, "sigma_x_mrad", "fix")
     assert field.label.text() == field.title
     assert view.table.rowCount() == 0
+
+
+def test_buttons_warn_of_another_camera_and_offer_no_value_that_may_be_another(
+    fitting, files, qtbot
+):
+    window, view = fitting, fitting.fitting
+    right_click(window, "sigma_x_mrad", "free")
+
+    def fit(name):
+        choose_file(view.file, files / name)
+        assert view.name.text() == name
+        QTest.mouseClick(view.fit, LEFT)
+        qtbot.waitUntil(lambda: not view.worker.busy)
+        return " ".join(text for _, text in view.notices.left)
+
+    said = fit("lwir.img")
+    assert "was taken in the band 8 to 12 µm, but the chain covers 3 to 5 µm" in said
+    assert "A sample of lwir.img is 0.2 mrad across" in said
+    assert view.taking.isEnabled()
+    said = fit("sharp.npy")
+    assert "poorly determined" in said
+    assert view.status.title.text().startswith("0 of 1 parameters determined")
+    assert not view.taking.isEnabled()
+    before = window.session.document.network
+    QTest.mouseClick(view.taking, LEFT)
+    assert window.session.document.network is before
 
 
 def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, files, qtbot):

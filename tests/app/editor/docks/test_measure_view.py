@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtWidgets import QApplication
+from scipy.ndimage import gaussian_filter
 from scipy.special import erf
 
 from app.editor.docks.background_work import check_stop
@@ -19,7 +20,7 @@ from app.editor.docks.measure_view import MeasureView
 from app.measure.measurement_text import REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field
-from window_hands import show_small
+from window_hands import choose_file, show_small
 
 SIGMA = 0.8
 
@@ -51,10 +52,16 @@ def view(qtbot, session):
 
 @pytest.fixture
 def measured(view, qtbot, two_edges):
-    view.take_files((two_edges,))
+    choose_file(view.file, two_edges)
     assert view.stop.isEnabled()
     qtbot.waitUntil(lambda: view.measured is not None)
     return view
+
+
+def mtf_figures(view):
+    """What the table of figures calls those of the MTF."""
+    texts = [view.figures.item(row, 0).text() for row in range(view.figures.rowCount())]
+    return [text for text in texts if "MTF" in text]
 
 
 def click(qtbot, view, point):
@@ -68,13 +75,16 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert len(used) == 2
     both = view.measured.x
     assert both.edges == 2
+    assert len(mtf_figures(view)) == 2
+    assert all(text.endswith("from 2 edges") for text in mtf_figures(view))
     second = max(used, key=lambda place: view.measured.edges[place].found.x)
     found, canvas = view.measured.edges[second].found, view.canvas
     click(qtbot, view, canvas.mapFromScene(canvas.view.mapViewToScene(QPointF(found.x, found.y))))
     assert view.current == second
     assert f"edge {second + 1}" in view.status.title.text()
     assert view.table.currentItem().text(0) == str(second + 1)
-    qtbot.keyClick(view.canvas, Qt.Key.Key_Delete)
+    qtbot.mouseClick(view.remove, Qt.MouseButton.LeftButton)
+    assert all(text.endswith("from 1 edge") for text in mtf_figures(view))
     assert view.measured.x.edges == 1
     # A Gaussian has its MTF50 at √(ln 2 / 2) / (π σ).
     truth = math.sqrt(math.log(2.0) / 2.0) / math.pi / SIGMA
@@ -83,10 +93,11 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert view.remove.text() == "Use Edge Again"
     first = next(place for place in used if place != second)
     view.choose(first)
-    view.switch()
+    qtbot.keyClick(view.canvas, Qt.Key.Key_Delete)
+    assert mtf_figures(view) == []
     texts = [text for _, text in view.notices.left]
     assert "No horizontal MTF: 2 edges that would give this MTF are removed by you." in texts
-    view.switch()
+    qtbot.mouseClick(view.remove, Qt.MouseButton.LeftButton)
     view.choose(second)
     qtbot.keyClick(view.table, Qt.Key.Key_Space)
     assert view.measured.x.mtf50 == both.mtf50
@@ -95,6 +106,16 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert view.current == (second + 1) % len(view.measured.edges)
     click(qtbot, view, QPoint(3, 3))
     assert view.current == -1
+
+
+def test_one_edge_that_overshoots_gives_no_figure(view, qtbot, two_edges, tmp_path):
+    picture = np.load(two_edges)[:, :120]
+    np.save(tmp_path / "one.npy", picture + 2.0 * (picture - gaussian_filter(picture, 1.0)))
+    choose_file(view.file, tmp_path / "one.npy")
+    qtbot.waitUntil(lambda: view.measured is not None)
+    assert mtf_figures(view) == []
+    texts = [text for _, text in view.notices.left]
+    assert any("overshoots" in text and "no other edge confirms it" in text for text in texts)
 
 
 def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, two_edges):
