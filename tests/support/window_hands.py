@@ -2,13 +2,13 @@
 
 import time
 
-from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox
 
 from app.editor.window.files import Opened, shipped_copy
-from canvas_hands import CanvasHands
+from canvas_hands import PLAIN, CanvasHands
 from child_process import PATIENCE_S
 from core.editing.document import Document
 from core.editing.wiring import new_node
@@ -112,6 +112,15 @@ def answer(qtbot, window, button):
     box = window.findChild(QMessageBox, "save_changes")
     box.setObjectName("answered")
     QTest.mouseClick(box.button(button), Qt.MouseButton.LeftButton)
+
+
+def turn(widget, place=None, keys=PLAIN):
+    """Turn the wheel by a notch, at a place or in the middle."""
+    at = QPointF(widget.rect().center() if place is None else place)
+    none, phase = Qt.MouseButton.NoButton, Qt.ScrollPhase.NoScrollPhase
+    far = widget.mapToGlobal(at)
+    event = QWheelEvent(at, far, QPoint(), QPoint(0, 120), none, keys, phase, False)
+    QApplication.sendEvent(widget, event)
 
 
 def choose_file(button, path):

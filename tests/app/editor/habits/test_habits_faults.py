@@ -3,23 +3,12 @@
 import itertools
 
 import numpy as np
-from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
-from PySide6.QtGui import QWheelEvent
+from PySide6.QtCore import QRectF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
 
-from window_hands import CTRL, KEY, SHIFT, WindowHands, show_small
+from window_hands import CTRL, KEY, SHIFT, WindowHands, show_small, turn
 
 PLAIN = Qt.KeyboardModifier.NoModifier
-
-
-def turn(widget, keys):
-    middle = QPointF(widget.rect().center())
-    none = Qt.MouseButton.NoButton
-    place, by = widget.mapToGlobal(middle), QPoint(0, 120)
-    phase = Qt.ScrollPhase.NoScrollPhase
-    event = QWheelEvent(middle, place, QPoint(), by, none, keys, phase, False)
-    QApplication.sendEvent(widget, event)
 
 
 def test_a_number_goes_by_fine_and_coarse_steps(window, idle):
@@ -40,7 +29,7 @@ def test_a_number_goes_by_fine_and_coarse_steps(window, idle):
     keys = (PLAIN, SHIFT, CTRL)
     QTest.mouseClick(field.edit, Qt.MouseButton.LeftButton)
     up = [step(lambda k=k: QTest.keyClick(field.edit, KEY.Key_Up, k)) for k in keys]
-    turned = [step(lambda k=k: turn(field.edit, k)) for k in keys]
+    turned = [step(lambda k=k: turn(field.edit, keys=k)) for k in keys]
     one = up[0]
     assert one > 0
     assert up == turned == [one, round(one / 10, 9), round(one * 10, 9)]
