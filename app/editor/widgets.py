@@ -386,11 +386,23 @@ def show_or_hide(label: QLabel, text: str) -> None:
     label.setVisible(bool(text))
 
 
-def centred_hint(text: str, parent: QWidget) -> QLabel:
-    """What to do, in the middle of where nothing is shown yet."""
-    label = QLabel(text, parent, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
-    label.setMargin(parent.fontMetrics().height())
-    return label
+_HINT_LETTERS, _BESIDE = 72, 4  # of a line of a hint at most, and free beside it at least
+
+
+class Hint(QLabel):
+    """What to do, in the middle of where nothing is shown yet, in lines that are easy to read."""
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        painter, letter = QPainter(self), self.fontMetrics().averageCharWidth()
+        side = max(_BESIDE * letter, (self.width() - _HINT_LETTERS * letter) // 2)
+        painter.setPen(self.palette().color(self.foregroundRole()))
+        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+        painter.drawText(self.rect().adjusted(side, 0, -side, 0), flags, self.text())
+        painter.end()
+
+
+def centred_hint(text: str, parent: QWidget) -> Hint:
+    return Hint(text, parent, wordWrap=True)
 
 
 class CopiedTable(QTableWidget):

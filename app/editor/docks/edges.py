@@ -211,7 +211,6 @@ _FIT_HINT = (
     "Choose Pictures… or drop measured pictures here. To let the fit change a number, right-click "
     "it on a panel and choose Free for a fit. Then click Fit."
 )
-_CENTRED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap)
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Down: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_Up: -1}
 _ZOOMS = {Qt.Key.Key_Plus: 0.8, Qt.Key.Key_Equal: 0.8, Qt.Key.Key_Minus: 1.25}
 
@@ -241,8 +240,8 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
         self._preview: Preview | None = None
         self._current = -1
         self._all = True
-        self._hint = centred_hint(_HINT, self)
-        filled(QVBoxLayout(self), self._hint)
+        self.hint = centred_hint(_HINT, self)
+        filled(QVBoxLayout(self), self.hint)
         self.scene().sigMouseClicked.connect(self._clicked)
 
     def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
@@ -252,7 +251,7 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
         if measured is not None and measured.previews:
             preview = measured.previews[min(picture, len(measured.previews) - 1)]
         self._measured = measured
-        self._hint.setVisible(preview is None)
+        self.hint.setVisible(preview is None)
         self.setBackground(theme_of(self).surround)
         if preview is not self._preview:
             self._preview = preview
@@ -264,6 +263,9 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
                 self._image.setRect(QRectF(-0.5, -0.5, columns, rows))
             self.fit()
         self._draw()
+
+    def show_busy(self, busy: bool) -> None:
+        self.hint.setText("Measuring …" if busy else _HINT)
 
     def show_unused(self, on: bool) -> None:
         self._all = on
@@ -390,9 +392,12 @@ class SpreadChart(ChartWidget):
             "edge spread function",
         )  # fmt: skip
         self.edge: DrawnEdge | None = None
+        self.hint = centred_hint(_FIT_HINT, self)
+        filled(QVBoxLayout(self), self.hint)
 
     def show_edge(self, edge: DrawnEdge | None) -> None:
         self.edge = edge
+        self.hint.setVisible(edge is None)
         self.update()
 
     def numbers(self) -> str:
@@ -404,8 +409,6 @@ class SpreadChart(ChartWidget):
     def draw(self, painter: QPainter, area: QRectF) -> None:
         edge = self.edge
         if edge is None:
-            painter.setPen(QColor(self.theme.text))
-            painter.drawText(area, _CENTRED, _FIT_HINT)
             return
         reach = max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
         x = Axis(-reach, reach, "distance from the edge (samples)")

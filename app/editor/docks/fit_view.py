@@ -232,6 +232,7 @@ class FitView(WorkerView):
         self.name.setText(_NO_PICTURE if pictures is None else pictures_name(pictures))
         self.name.setToolTip("" if pictures is None else pictures_text(pictures))
         count = len(self._session.free.all)
+        self.table.setVisible(bool(count))
         self._show_buttons()
         if self.worker.busy:
             return

@@ -381,6 +381,7 @@ class MeasureView(WorkerView):
     def _show_buttons(self) -> None:
         edge, busy = self.edge, self.worker.busy
         self.stop.setEnabled(busy)
+        self.canvas.show_busy(busy)
         self.band.setEnabled(bool(self._files))
         self.write.setEnabled(self.measured is not None and not busy)
         self.fit.setEnabled(self.measured is not None)

@@ -266,7 +266,7 @@ class MainWindow(QMainWindow):
         self.tools: dict[str, tuple[QDockWidget, QWidget]] = {
             "trade_off": (self.viewers.tradeoff_dock, self.viewers.tradeoff.parameter),
             "history": (self.history_dock, self.history),
-            "fit": (self.fit_dock, self.fitting.table),
+            "fit": (self.fit_dock, self.fitting.file),
             "runs": (self.runs.dock, self.runs.view),
             "snapshots": (self.snapshots_dock, self.snapshots_view.list),
         }

@@ -54,6 +54,7 @@ def view(qtbot, session):
 def measured(view, qtbot, two_edges):
     choose_file(view.file, two_edges)
     assert view.stop.isEnabled()
+    assert view.canvas.hint.text() == "Measuring …"
     qtbot.waitUntil(lambda: view.measured is not None)
     return view
 
@@ -153,6 +154,17 @@ def test_work_is_stopped_and_shows_nothing(view, qtbot):
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert ended.wait(20)
     assert view.status.title.text() == "Stopped"
+    # What to do then stands clear of both sides.
+    hint, letter = view.canvas.hint, view.fontMetrics().averageCharWidth()
+    assert hint.text().startswith("Choose Measure Viewer")
+    for width in (400, 1000):
+        view.resize(width, 420)
+        image = hint.grab().toImage()
+        ground = image.pixel(0, 0)
+        inked = [x for x in range(image.width())
+                 if any(image.pixel(x, y) != ground for y in range(image.height()))]  # fmt: skip
+        assert min(inked[0], image.width() - 1 - inked[-1]) >= 4 * letter
+        assert inked[-1] - inked[0] <= 73 * letter
     assert not view.worker.busy
     assert view.measured is None
 
