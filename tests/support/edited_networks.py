@@ -24,7 +24,16 @@ from core.editing.operations import (
     set_parameter,
     together,
 )
-from core.editing.wiring import continued, dissolved, fitting, inserted, new_node, refusal, wired_to
+from core.editing.wiring import (
+    continued,
+    detached,
+    dissolved,
+    fitting,
+    inserted,
+    new_node,
+    refusal,
+    wired_to,
+)
 from core.modules.declaration import Library, declaration
 from core.network.expressions import quoted
 from core.network.file import format_network
@@ -149,7 +158,8 @@ def _remove(e: Editor) -> Operation | None:
 
 
 def _healed(e: Editor) -> Operation | None:
-    return dissolved(e.network, e.library, e.some()) if e.network.nodes else None
+    how = e.random.choice((detached, dissolved))
+    return how(e.network, e.library, e.some()) if e.network.nodes else None
 
 
 def _continued(e: Editor) -> Operation | None:

@@ -9,6 +9,7 @@ from core.editing.operations import add_nodes, keeping_values, remove_nodes, rew
 from core.editing.wiring import (
     Candidate,
     continued,
+    detached,
     dissolved,
     inserted,
     new_node,
@@ -268,6 +269,11 @@ def test_the_picture_is_that_of_the_disabled_nodes(shipped, library, gone):
         disabled = set_node_field(name, "disabled", True).apply(disabled)
     led_past = dissolved(small, library, gone).apply(small)
     assert not set(gone) & led_past.nodes.keys()
+    apart = detached(small, library, gone).apply(small)
+    assert apart.nodes == small.nodes
+    assert set(apart.links) - set(led_past.links) == {
+        link for link in small.links if {link.source, link.target} <= set(gone)
+    }
     one, other = (picture(n, library, "pixels.image") for n in (disabled, led_past))
     np.testing.assert_array_equal(one, other)
 
