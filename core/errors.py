@@ -58,6 +58,11 @@ def _rebuilt(kind: type[E], args: tuple[Any, ...], state: dict[str, Any]) -> E:
     return error
 
 
+def several(count: int, thing: str) -> str:
+    """A number of things in words: 1 edge, 2 edges."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
 class InputError(ImagechainError):
     """The input is at fault; the message states how to mend it."""
 

@@ -15,7 +15,7 @@ from app.command.results import Progress, say, show, written
 from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.process import Stop
-from core.errors import DataError, UsageError, in_line, shown
+from core.errors import DataError, UsageError, in_line, several, shown
 from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:
@@ -258,7 +258,7 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
         heads = [column.head for column in columns]
         return {"rows": [dict(zip(heads, row, strict=True)) for row in rows], "files": files}
 
-    done = in_line(f"{count} points in {seconds:.3g} s: {', '.join(files)}")
+    done = in_line(f"{several(count, 'point')} in {seconds:.3g} s: {', '.join(files)}")
     show(json, facts, done, *warned_points([row.warnings for row in result.rows]))
     if failed:
         row = failed[0]

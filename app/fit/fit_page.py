@@ -12,7 +12,7 @@ from app.measure.measurement_text import with_error
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.readout_tables import columns, number_text
-from core.errors import in_line
+from core.errors import in_line, several
 
 _CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
 
@@ -27,7 +27,8 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Heading(1, title),
         Text(
             # No-break spaces: what belongs together stays in one line.
-            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, {_CHI2}\N{NO-BREAK SPACE}"
+            f"{_fitted(result)}, {several(misfit.degrees, 'degree')} of freedom, "
+            f"{_CHI2}\N{NO-BREAK SPACE}"
             f"{short(result.chi2_per_degree)} (1 if the residuals are only noise).",
             "lead",
         ),
@@ -59,7 +60,7 @@ def _pictures(result: FitResult) -> list[Block]:
         Drawn(
             patches_png(result),
             "Patches of the picture, the same patches from the fitted network, and their "
-            "difference in units of the noise's standard deviation. Where the network is right, "
+            "difference in units of the noise's standard deviation. If the network is right, "
             "the difference is only noise; a pattern along the edge means that the network lacks "
             "an effect. Above each patch: the direction of the edge's normal.",
             "real and simulated patches",
@@ -301,7 +302,8 @@ def fit_text(result: FitResult) -> str:
     chi2 = result.chi2_per_degree
     lines = [
         f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  "
-        f"({result.fit.misfit.degrees} degrees of freedom; 1: the residuals are only noise)"
+        f"({several(result.fit.misfit.degrees, 'degree')} of freedom; "
+        "1: the residuals are only noise)"
     ]
     if isinstance(result.noise, NoiseComparison):
         how = "fitted too" if result.noise.fitted else "with the network's own noise"

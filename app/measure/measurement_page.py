@@ -74,7 +74,7 @@ def _edges(measured: PictureMeasurement) -> list[Block]:
         blocks.append(Drawn(drawn, caption, f"edges of {name}"))
     more = measured.picture_count - len(measured.previews)
     if more > 0:
-        blocks.append(Text(f"{more} more pictures are not drawn."))
+        blocks.append(Text(f"Pictures not drawn: {more} more."))
     return blocks
 
 

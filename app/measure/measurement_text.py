@@ -13,9 +13,9 @@ from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
     "tvh": "noise that is random from sample to sample and from frame to frame",
-    "t": "noise of whole frames, new in every frame",
-    "tv": "noise of whole rows, new in every frame",
-    "th": "noise of whole columns, new in every frame",
+    "t": "temporal noise of whole frames",
+    "tv": "temporal noise of whole rows",
+    "th": "temporal noise of whole columns",
 }
 _GAMMA = {
     "usual": "8-bit values in this format are usually gamma-encoded",

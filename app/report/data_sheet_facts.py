@@ -320,8 +320,8 @@ def _row(
         return row | {"verdict": ABSENT}
     if not _is_number(row["value"]) or not _is_number(row["within"]) or row["within"] < 0:
         raise NetworkError(
-            f'{where} ({row["figure"]}): "value" must be a number, and "within" a number, '
-            "0 or above"
+            f'{where} ({row["figure"]}): "value" must be a number, and "within" must be a '
+            "number of at least 0"
         )
     ours = _figure(evaluation, nyquist, row["from"], where)
     if not _is_number(ours):

@@ -17,7 +17,7 @@ from app.tradeoff import tradeoff_drawing as drawing
 from app.tradeoff.tradeoff_results import ROUNDING
 from app.tradeoff.values import Variation
 from core.atomic import write_bytes, write_text
-from core.errors import printable
+from core.errors import printable, several
 from nodes.files.formats import PNG
 
 MOST_FIGURES, MOST_ACROSS = 12, 8
@@ -213,7 +213,10 @@ def summary_page(result: StudyRows) -> str:
         rows = [(str(row.place + 1), row.error) for row in failed[:_MOST_FAILED]]
         if len(failed) > _MOST_FAILED:
             rows.append(("", f"and {len(failed) - _MOST_FAILED} more"))
-        blocks += [Heading(2, f"{len(failed)} points failed"), Grid(("point", "why"), rows)]
+        blocks += [
+            Heading(2, f"{several(len(failed), 'point')} failed"),
+            Grid(("point", "why"), rows),
+        ]
     lines = warned_points([row.warnings for row in result.rows])
     if lines:
         blocks += [Heading(2, lines[0].rstrip(":")), Grid(("warning",), [(x,) for x in lines[1:]])]

@@ -18,7 +18,7 @@ from app.run import readout_tables as tables
 from app.run.readout_tables import columns
 from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
 from app.tradeoff.values import Variation, is_number
-from core.errors import printable
+from core.errors import printable, several
 from nodes.files.common.file_format import CSV, JSON, PNG
 from nodes.files.common.table_cells import csv_lines
 
@@ -258,7 +258,7 @@ def table(results: Results, width: int | None = None) -> str:
 def failures(results: Results) -> list[str]:
     lines = [f"{place}: {reason}" for place, reason in results.failures()]
     if len(lines) > _MOST_REASONS:
-        lines[_MOST_REASONS - 1 :] = [f"and {len(lines) - _MOST_REASONS + 1} more gaps"]
+        lines[_MOST_REASONS - 1 :] = [f"and {several(len(lines) - _MOST_REASONS + 1, 'more gap')}"]
     return lines
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from core.chain.back_transformed import Delivered, DeliveredBands
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
+from core.errors import several
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.transfer.factors import Planar
@@ -155,10 +156,10 @@ class _Account:
         for key, region in self.parts if shares else ():
             if key == image.key:
                 alone = sum(share < 1 for share in shares)
-                made = f"{alone} of {len(shares)} steps computed only the samples needed"
+                made = f": {alone} of {len(shares)} steps computed only the samples needed"
                 text = (
                     f"{region.columns} × {region.rows} of {image.columns} × {image.rows} samples "
-                    f"were needed: {made if alone else 'the whole picture was computed'}"
+                    f"were needed{made if alone else ', but the whole picture was computed'}"
                 )
                 yield Skip(maker, "region", text, share=sum(shares) / len(shares))
 
@@ -183,7 +184,9 @@ class _Account:
         rank = recipe.rank(self.work)
         if rank is not None and rank.bound > 0.0:
             count, every = rank.shares.shape
-            text = f"{count} wavelengths were transformed to represent {every} bands"
+            text = (
+                f"transformed {several(count, 'wavelength')} to represent {several(every, 'band')}"
+            )
             yield Skip(maker, "wavelengths", text, bound=rank.bound, share=count / every)
         counted, left_out = recipe.spent(self.work)
         for stage in left_out:

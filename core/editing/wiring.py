@@ -119,8 +119,8 @@ def declared(network: Network, library: Library, name: str) -> Declaration | Non
 
 def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:
     names = [candidate.name for candidate in ports]
-    listed = f"the {side}s are {', '.join(names)}" if names else "it has none"
-    return f"{shown(node)} has no {side} {shown(port)}{close(port, names) or f': {listed}'}"
+    listed = f"its {side}s: {', '.join(names)}" if names else f"it has no {side}s"
+    return f"{shown(node)} has no {side} {shown(port)}{close(port, names) or f'; {listed}'}"
 
 
 # Wires that follow from what is done: partners, what fits, nodes put in and taken out.

@@ -165,12 +165,12 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
 
 MEANINGS = {
     "tvh": "noise that varies from sample to sample and from frame to frame",
-    "vh": "noise of single samples, the same in every frame",
-    "v": "noise of whole rows, the same in every frame",
-    "h": "noise of whole columns, the same in every frame",
-    "t": "noise of whole frames, different in every frame",
-    "tv": "noise of whole rows, different in every frame",
-    "th": "noise of whole columns, different in every frame",
+    "vh": "fixed noise of single samples",
+    "v": "fixed noise of whole rows",
+    "h": "fixed noise of whole columns",
+    "t": "temporal noise of whole frames",
+    "tv": "temporal noise of whole rows",
+    "th": "temporal noise of whole columns",
 }
 
 

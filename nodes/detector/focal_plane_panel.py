@@ -244,8 +244,8 @@ class FocalPlanePanel(SeededModule):
              "without dark_doubling_K, the dark current is known only at dark_reference_K"),
             ("responsivity_um", self.responsivity_A_per_W,
              "responsivity_A_per_W needs a wavelength"),
-            ("responsivity_A_per_W", self.responsivity_um, "responsivity_um is the wavelength "
-                                                           "of responsivity_A_per_W"),
+            ("responsivity_A_per_W", self.responsivity_um,
+             "responsivity_um is used only with responsivity_A_per_W"),
         ):  # fmt: skip
             if given and getattr(self, needed) is None:
                 raise ParameterError(needed, None, f"give a number, because {why}")

@@ -36,7 +36,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from core.errors import FileError
+from core.errors import FileError, several
 from nodes.files.common import table_cells
 
 Points = tuple[tuple[float, float], ...]
@@ -198,7 +198,7 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
             raise table_cells.line_refused(file, number, allowed)
         rows.append((place, passed, added))
     if len(rows) < 2:
-        raise FileError(f"{file}: {len(rows)} points; a spectrum needs at least 2")
+        raise FileError(f"{file}: {several(len(rows), 'point')}; a spectrum needs at least 2")
     return tuple((row[0], row[1]) for row in rows), tuple((row[0], row[2]) for row in rows)
 
 
@@ -244,7 +244,7 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         transmission.append((wavelength, min(passed, 1.0)))
         radiance.append((wavelength, added * 1e8 / wavelength**2))
     if len(transmission) < 2:
-        raise FileError(f"{file}: {len(transmission)} rows; a spectrum needs at least 2")
+        raise FileError(f"{file}: {several(len(transmission), 'row')}; a spectrum needs at least 2")
     return tuple(reversed(transmission)), tuple(reversed(radiance))
 
 

@@ -26,8 +26,8 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
     No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
-    Detector MTF. `box` is the centred mean of `factor` samples (for an even factor, the transfer
-    function centres the mean). `gaussian` halves the contrast at the new Nyquist frequency.
+    Detector MTF. `box` is the mean of `factor` samples, centred for even factors too. `gaussian`
+    halves the contrast at the new Nyquist frequency.
     `lanczos` is a sinc with its cutoff at the new Nyquist frequency and a three-lobe window. The
     frame is mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section
     4.1; Duchon 1979 (Lanczos).

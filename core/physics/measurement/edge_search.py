@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Matrix, Vector
+from core.errors import several
 from core.physics.measurement import found_edge, ridges
 from core.physics.measurement.spread_fit import SpreadFit, fit_spread
 
@@ -184,8 +185,7 @@ def _enough(used: int, examined: int) -> str:
     if used == 0:
         return f"not examined: none of the {examined} stronger edges can be used"
     return (
-        f"not examined: weaker than {examined} other edges ({used} of them usable), or too close "
-        "to them"
+        f"not examined: weaker than {several(examined, 'other edge')} ({used} usable), or too close"
     )
 
 

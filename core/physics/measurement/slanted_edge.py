@@ -264,7 +264,7 @@ def _edge_spread(
     if not count.all():
         raise DataError(
             f"at {abs(line.angle_deg):.3g}° every row samples the edge at the same distances, "
-            "so the edge cannot be supersampled. Turn the edge to 2° to 10°, or use more rows"
+            "so the edge cannot be supersampled. Rotate the edge by 2° to 10°, or use more rows"
         )
     mean = np.bincount(place, values, 2 * bins + 1) / count
     scatter = np.sqrt(np.bincount(place, (values - mean[place]) ** 2, 2 * bins + 1) / count)

@@ -66,7 +66,7 @@ def filtered_flicker(*, kept: float, band: FlickerBand) -> float:
     Source: the integral of |H|²/f over that of 1/f, |H(f)|² = (1 − a)²/(1 − 2a·cos(2πf/r) + a²)
     (Oppenheim and Schafer 2010, Discrete-Time Signal Processing, chapter 5).
     """
-    share = within("fraction that is kept", kept, 0.0, 1.0)
+    share = within("kept", kept, 0.0, 1.0)
     places, weights = np.polynomial.legendre.leggauss(32)
     octaves = np.linspace(log(band.low_Hz / band.high_Hz), 0.0, band.strata + 1)
     middles, half = (octaves[1:] + octaves[:-1]) / 2.0, (octaves[1] - octaves[0]) / 2.0

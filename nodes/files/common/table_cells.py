@@ -9,7 +9,7 @@ from functools import lru_cache, wraps
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from core.errors import FileError
+from core.errors import FileError, several
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -143,7 +143,7 @@ def point_rows(
         widths, rows = (len(numbers),), rows + 1
         yield number, numbers
     if rows < 2:
-        raise FileError(f"{file}: {rows} points; a {makes} needs at least 2")
+        raise FileError(f"{file}: {several(rows, 'point')}; a {makes} needs at least 2")
 
 
 def numbers_of(cells: Iterable[str]) -> tuple[float, ...] | None:

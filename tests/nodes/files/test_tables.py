@@ -211,7 +211,7 @@ def test_tape7(tmp_path, head, solar):
         (tape7(end=()), "ends without -9999."),
         (tape7(end=("  -9999.", *CARDS, HEAD)), "several MODTRAN runs"),
         (tape7(head=HEAD.replace("PTH THRML", "         ")), "0 columns are named PTH THRML"),
-        (tape7(rows=ROWS[:1]), "1 rows; a spectrum needs at least 2"),
+        (tape7(rows=ROWS[:1]), "1 row; a spectrum needs at least 2"),
         (tape7(rows=[ROWS[1], ROWS[0]]), "line 5.*a wavenumber above the previous one"),
         (tape7(rows=[(2000.0, 1.3, 0.0, 0.0), ROWS[1]]), "line 4.*TOT TRANS from 0 to 1"),
         (tape7(rows=[(2000.0, 0.3, -1e-7, 0.0), ROWS[1]]), "line 4.*radiance of at least 0"),
@@ -295,7 +295,7 @@ def test_csv_by_names_and_without(tmp_path):
         ("8,0.7,-0.5\n9,0.8,0.6\n", "path radiance of at least 0"),
         ("9,0.7,0.5\n8,0.8,0.6\n", "line 2.*above the previous one, 9"),
         ("8,0.7,0.5\n9,0.8,much\n", "line 2.*must be numbers"),
-        ("8,0.7,0.5\n", "1 points; a spectrum needs at least 2"),
+        ("8,0.7,0.5\n", "1 point; a spectrum needs at least 2"),
         ("8,0.7,nan\n9,0.8,0.6\n", "path radiance of at least 0"),
     ],
 )

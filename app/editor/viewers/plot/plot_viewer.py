@@ -65,7 +65,7 @@ from app.editor.widgets import (
 )
 from app.run.readout_tables import number_text
 from core.chain.wires import CurveData, TableData, TableRow
-from core.errors import UsageError
+from core.errors import UsageError, several
 from core.network.network import Network
 
 _LIST_SHARE = 0.36  # of the height, at most, for the legend
@@ -177,7 +177,7 @@ class PlotViewer(Viewer):
         elif isinstance(answer.value, CurveData):
             self.status.show_text(answer.value.title)
         else:
-            self.status.show_text(f"{len(answer.value.rows)} figures; Ctrl+C copies them")
+            self.status.show_text(f"{several(len(answer.value.rows), 'figure')}; Ctrl+C copies all")
 
     def follow(self, before: Network, after: Network) -> None:
         """Follow nodes that are renamed; a node that is restored is shown again."""
