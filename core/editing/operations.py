@@ -16,6 +16,7 @@ from core.modules.declaration import Declaration, Library
 from core.network.linked_values import naming, with_names
 from core.network.macro import (
     SEPARATOR,
+    End,
     checked_depth,
     declared_node,
     depth,
@@ -240,13 +241,14 @@ def _with_body(network: Network, node: Node, body: Network, moved: Mapping[str, 
         and (link.target != node.id or link.input in face.inputs)
     )
     changed = replace(changed, links=links, extra=extra)
-    shown_still = {
-        name: end
-        for name, end in outer.parameters.items()
-        if end[0] != node.id or end[1] in face.parameters
-    }
-    if len(shown_still) < len(outer.parameters):
-        changed = with_face(changed, replace(outer, parameters=shown_still))
+
+    def kept(end: End, still: Container[str]) -> tuple[End, ...]:
+        return (end,) if end[0] != node.id or end[1] in still else ()
+
+    sides = (partial(kept, still=s) for s in (face.inputs, face.outputs, face.parameters))
+    shown_still = outer.mapped(*sides)
+    if shown_still != outer:
+        changed = with_face(changed, shown_still)
     return changed
 
 

@@ -25,11 +25,12 @@ from core.editing.operations import (
     rename_node,
     set_parameter,
 )
+from core.editing.wiring import check_new_wires
 from core.errors import NetworkError
 from core.evaluation.work import Policy
 from core.network.file import format_network, parse_network
 from core.network.macro import expanded, unfolded
-from core.network.network import Link
+from core.network.network import Link, Network
 from core.network.validation import problems
 
 NOISY = ("kodak_kir310", "inframetrics", "poisson_two_panel", "noise_budget")
@@ -202,6 +203,15 @@ def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
     assert "inputs" not in network.nodes["camera"].macro.extra
     camera.undo()
     assert camera.text() == text
+
+
+def test_removing_deep_inside_takes_the_ports_of_every_macro_around_along(camera, library):
+    nested, outer = grouped(camera.network, library, ["camera"], "outer")
+    after = at_level((outer, "camera"), remove_nodes(("init", "pupil", "optics"))).apply(nested)
+    check_new_wires(Network(nodes=after.nodes), after, library)
+    assert not {"inputs", "outputs", "parameters"} & set(after.nodes[outer].macro.extra)
+    assert [link for link in nested.links if outer in (link.source, link.target)]
+    assert not [link for link in after.links if outer in (link.source, link.target)]
 
 
 def test_inside_of_what_is_no_macro(camera):
