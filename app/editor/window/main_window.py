@@ -337,6 +337,8 @@ class MainWindow(QMainWindow):
         viewers.add_compare_actions(compare)
         for widget in (self.snapshots_view.list, self.snapshots_view.figures):
             widget.addActions(compare)
+        looks = ("flip", "wipe", "frame", "minimap", "thumbnails")  # they change no network
+        self.panels.addActions(actions.of_names(looks))
         self.canvas.menus.fill(actions.of_names(NODE_MENU), actions.of_names(CANVAS_MENU))
         for name in ("minimap", "thumbnails"):
             actions[name].setChecked(True)

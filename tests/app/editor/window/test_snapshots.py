@@ -6,6 +6,7 @@ import weakref
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
@@ -14,7 +15,9 @@ from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import KeptPicture
 from core.editing.operations import set_parameter
 from region_hands import PictureHand
-from window_hands import CTRL, KEY, SHIFT, show_small
+from window_hands import CTRL, KEY, SHIFT, give_focus, show_small
+
+LEFT = Qt.MouseButton.LeftButton
 
 
 def plain_spot(one, other):
@@ -108,6 +111,33 @@ def test_k_flips_and_w_wipes_a_snapshot_and_the_picture_of_now(person, tmp_path)
     person.key(KEY.Key_W)
     person.idle()
     assert viewer.picture.other.samples is person.snapshots.results["blur.mtf"].samples
+
+
+def test_keys_of_pictures_work_in_a_panel_but_not_where_one_types(person):
+    window, names = person.window, person.viewer.canvas.names
+    window.session.select(["blur"])
+    person.keep()
+    panel = window.panels.panels["blur"]
+    number = panel.body.sections.field("sigma_x_mrad")
+    for part in (panel.head.below, number.slider, panel.head.auto, panel.head.disable):
+        if part is number.slider or part is panel.head.below:
+            QTest.mouseClick(part, LEFT, pos=part.rect().bottomLeft() + QPoint(3, -3))
+        else:
+            part.setFocus()
+        assert window.panels.isAncestorOf(QApplication.focusWidget()) or window.panels.hasFocus()
+        for wiped, key in ((False, KEY.Key_K), (True, KEY.Key_W)):
+            person.key(key)
+            assert names[0].isVisible()
+            assert person.viewer.canvas.wipe.isVisible() == wiped
+        person.key(KEY.Key_W)
+        assert not names[0].isVisible()
+    for edit in (panel.head.name, number.edit):
+        give_focus(edit)
+        edit.selectAll()
+        QTest.keyClicks(edit, "kwfmt")
+        assert edit.text() == "kwfmt"
+        assert not names[0].isVisible()
+        QTest.keyClick(edit, KEY.Key_Escape)
 
 
 def test_of_what_was_computed_nothing_else_is_held(person):
