@@ -156,8 +156,7 @@ class Adding:
         session = self._surface.session
         name, operation = added(self._surface, key, at)
         if session.do(operation):
-            session.select([name])
-            self._surface.view.make_visible(self._surface.content.nodes[name].frame())
+            show_new(self._surface, name)
 
     def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
         """Wire a new node to an end, so that its port is where the wire was drawn to."""
@@ -176,7 +175,7 @@ class Adding:
             session.message.emit("error", str(error))
             return
         if session.do(together((removing, operation), operation.text)):
-            session.select([name])
+            show_new(surface, name)
 
     def _disconnect_loose(self) -> None:
         if self._loose is not None:
@@ -276,6 +275,13 @@ def with_way_made(
     behind = reached(network.followers, {name}) - {name}
     places = made_way(network, sizes, name, network.layout[name], behind)
     pushed = {node: whole(QPointF(*at)) for node, at in places.items()}
+
+
+def show_new(surface: Surface, name: str) -> None:
+    """Select a new node, and pan so that all of it is seen."""
+    surface.session.select([name])
+    surface.view.make_visible(surface.content.nodes[name].frame())
+
     if not pushed:
         return operation
     grounds = following(network, pushed, sizes)  # else what is pushed leaves its backdrop
@@ -322,7 +328,7 @@ class Dropping:
         if module in session.library:
             _, name, operation = added_at(self._surface, module, point)
             if session.do(operation):
-                session.select([name])
+                show_new(self._surface, name)
                 self._surface.view.setFocus()
             return True
         if module.startswith(KEY):

@@ -162,9 +162,10 @@ class GraphView(NodeViewer):
         self._show()
 
     def make_visible(self, rect: QRectF) -> None:
-        """Pan, as little as needed, so that this part of the scene is seen."""
+        """Pan, as little as needed, so that this part of the scene is seen, or its upper left."""
         margin = _MARGIN / self.zoom
         shown = self.visible_rect().adjusted(margin, margin, -margin, -margin)
+        rect = QRectF(rect.topLeft(), rect.size().boundedTo(shown.size()))
         left, top = rect.left() - shown.left(), rect.top() - shown.top()
         right, below = rect.right() - shown.right(), rect.bottom() - shown.bottom()
         by = QPointF(min(left, 0.0) or max(right, 0.0), min(top, 0.0) or max(below, 0.0))

@@ -1,7 +1,7 @@
 """Wires drawn, moved, refused and taken away with the mouse."""
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QToolTip
 
 from core.editing.document import Document
@@ -156,6 +156,15 @@ def test_a_wire_on_empty_ground_lists_what_fits_and_wires_the_chosen(pair, canva
     # The port it was drawn to is where the wire ended.
     port = canvas.content.nodes["jitter_mtf"].ports["input", "magnitude"]
     assert (port.centre() - canvas.view.mapToScene(hand.at(300, 330))).manhattanLength() < 3
+
+
+def test_a_new_node_is_seen_whole_at_the_zoom_there_is(pair, canvas, hand):
+    zoom, corner = canvas.view.zoom, canvas.view.viewport().rect().bottomRight()
+    hand.drag(hand.port("scene", "image", "output"), corner - QPoint(8, 8))
+    hand.type("combine")
+    hand.key(Qt.Key.Key_Return)
+    assert canvas.view.zoom == zoom
+    assert canvas.view.visible_rect().contains(canvas.content.nodes["combine_pixels"].frame())
 
 
 def test_a_cut_takes_every_wire_it_crosses_in_one_step(pair, hand):
