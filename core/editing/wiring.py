@@ -307,6 +307,25 @@ def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candi
     return tuple(candidates)
 
 
+Bridge = tuple[Candidate, str, Candidate]
+"""A transform, its output that leads on, and the module behind it."""
+
+
+def bridged(library: Library, types: Collection[str]) -> Iterator[Bridge]:
+    """Modules that fit behind a transform of what a wire carries: a spectrum's, of an image."""
+    near = fitting(library, types, "input")
+    met = {one.module for one in near}
+    for kind in ("image", MAGNITUDE, PHASE):
+        if kind in types or PARTNER.get(kind) in types:
+            continue
+        giving = {one.module: one.port for one in fitting(library, (kind,), "output")}
+        transform = next((one for one in near if one.module in giving), None)
+        for taking in fitting(library, (kind,), "input"):
+            if transform is not None and taking.module not in met:
+                met.add(taking.module)
+                yield transform, giving[transform.module], taking
+
+
 def new_node(
     network: Network, library: Library, module: str, at: Point | None
 ) -> tuple[str, Operation]:
@@ -333,6 +352,38 @@ def wired_to(
         if between is not None and link in between.apply(grown).links:
             return name, together((adding, between), adding.text)
     return name, together((adding, _wired_along(grown, library, link, name)), adding.text)
+
+
+def transform_behind(network: Network, end: End, transform: Candidate) -> str:
+    """The node of a transform that an output leads to already; empty where there is none."""
+    onward = [link.target for link in network.links if (link.source, link.output) == end[:2]]
+    return next((n for n in onward if network.nodes[n].module == transform.module), "")
+
+
+def wired_behind(
+    network: Network, library: Library, end: End, bridge: Bridge, places: Sequence[Point | None]
+) -> tuple[str, Operation]:
+    """A new node wired to an output by a transform: one that is there already, else a new one."""
+    transform, output, candidate = bridge
+    steps: tuple[Operation, ...] = ()
+    between = transform_behind(network, end, transform)
+    if not between:
+        between, adding = wired_to(network, library, end, transform, places[0])
+        steps, network = (adding,), adding.apply(network)
+    start: End = (between, output, "output")
+    name, adding = wired_to(network, library, start, candidate, places[1])
+    network = adding.apply(network)
+    known, giving = (declared(network, library, one) for one in (name, between))
+    assert known is not None
+    assert giving is not None
+    taken = {link.input for link in network.links_into(name)}
+    beside = [  # where the network has several contexts, the transform's own
+        Link(between, entry.name, name, entry.name)
+        for entry in known.inputs
+        if entry.required and entry.name not in taken and giving.output(entry.name)
+    ]
+    text = f"Add {named([between, name])}" if steps else adding.text
+    return name, together((*steps, adding, rewire(add=beside)), text)
 
 
 def _wired_along(network: Network, library: Library, link: Link, node: str) -> Operation:

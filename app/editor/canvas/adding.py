@@ -1,6 +1,7 @@
 """The lists that add nodes and wires: search, what fits a loose wire, wiring by the keyboard."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from operator import itemgetter
 from typing import Any
@@ -21,14 +22,18 @@ from core.editing.backdrops import following
 from core.editing.layout import GAP_X, Point, free_places, made_way
 from core.editing.operations import Operation, move_nodes, rewire, together
 from core.editing.wiring import (
+    Bridge,
     Candidate,
     End,
     Side,
+    bridged,
     continued,
     fitting,
     inserted,
     new_node,
     refusal,
+    transform_behind,
+    wired_behind,
     wired_to,
 )
 from core.errors import ImagechainError
@@ -94,6 +99,11 @@ class Adding:
             )
             for candidate in fitting(surface.session.library, port.types, other)
         ]
+        if other == "input":
+            choices += [
+                self._remote_choice(end, bridge, point, loose)
+                for bridge in bridged(surface.session.library, port.types)
+            ]
         if loose is not None:
             choices.insert(0, Choice(f"Disconnect {loose}", self._disconnect_loose))
         elif not choices:
@@ -151,6 +161,16 @@ class Adding:
             tip=known.summary,
         )
 
+    def _remote_choice(
+        self, end: End, bridge: Bridge, point: QPointF, loose: Link | None
+    ) -> Choice:
+        transform, _, candidate = bridge
+        title = declaration(self._surface.session.library[transform.module]).title
+        wiring = partial(self._wire_behind, end, bridge, point, loose)
+        choice = self._module_choice(candidate.module, wiring, port=f"after {title}")
+        about = f"Takes a {candidate.port}, so {title} is put between.\n{choice.tip}"
+        return replace(choice, tip=about, remote=True)
+
     def add(self, key: str, at: Point) -> None:
         """Add a node at a point of the scene; with a node selected, wired on to that one."""
         session = self._surface.session
@@ -160,17 +180,30 @@ class Adding:
 
     def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
         """Wire a new node to an end, so that its port is where the wire was drawn to."""
+        at = self._place(end, candidate, point)
+        self._wire(loose, lambda network, library: wired_to(network, library, end, candidate, at))
+
+    def _wire_behind(self, end: End, bridge: Bridge, point: QPointF, loose: Link | None) -> None:
+        places = _two_places(self._surface, bridge, self._place(end, bridge[0], point))
+        self._wire(
+            loose, lambda network, library: wired_behind(network, library, end, bridge, places)
+        )
+
+    def _place(self, end: End, candidate: Candidate, point: QPointF) -> Point:
+        surface = self._surface
+        node = Node(local_key(candidate.module), candidate.module)
+        face = face_of(node, declaration(surface.session.library[candidate.module]), ())
+        side: Side = "input" if end[2] == "output" else "output"
+        corner = point - geometry_of(face, surface.content.style).ports[side, candidate.port]
+        return free_place(surface, candidate.module, (corner.x(), corner.y()))
+
+    def _wire(
+        self, loose: Link | None, wiring: Callable[[Network, Library], tuple[str, Operation]]
+    ) -> None:
         surface, session = self._surface, self._surface.session
         removing = rewire(remove=(loose,) if loose is not None else ())
-        node = Node(local_key(candidate.module), candidate.module)
-        face = face_of(node, declaration(session.library[candidate.module]), ())
-        side: Side = "input" if end[2] == "output" else "output"
-        ports = geometry_of(face, surface.content.style).ports
-        corner = point - ports[side, candidate.port]
-        at = free_place(surface, candidate.module, (corner.x(), corner.y()))
         try:
-            network = removing.apply(session.network)
-            name, operation = wired_to(network, session.library, end, candidate, at)
+            name, operation = wiring(removing.apply(session.network), session.library)
         except ImagechainError as error:
             session.message.emit("error", str(error))
             return
@@ -240,6 +273,12 @@ def _ports(network: Network, library: Library, name: str, side: str) -> tuple[Po
 Size = tuple[float, float]
 
 
+def show_new(surface: Surface, name: str) -> None:
+    """Select a new node, and pan so that all of it is seen."""
+    surface.session.select([name])
+    surface.view.make_visible(surface.content.nodes[name].frame())
+
+
 def size_of(surface: Surface, module: str) -> Size:
     known = declaration(surface.session.library[module])
     geometry = geometry_of(face_of(Node(module, module), known, ()), surface.content.style)
@@ -262,8 +301,36 @@ def added(surface: Surface, module: str, at: Point) -> tuple[str, Operation]:
         onward = continued(session.network, session.library, selected, module, beside)
         if onward is not None:
             return onward[0], _placed(surface, module, selected, *onward)
+        if (behind := _added_behind(surface, module, selected, beside)) is not None:
+            return behind
     point = free_place(surface, module, at)
     return new_node(session.network, session.library, module, point)
+
+
+def _added_behind(
+    surface: Surface, module: str, selected: str, at: Point
+) -> tuple[str, Operation] | None:
+    """A new node wired to the selected one by a transform; None where none leads to it."""
+    network, library = surface.session.network, surface.session.library
+    known = declared_node(network.nodes[selected], library)
+    for port in known.outputs if known is not None else ():
+        bridge = next((b for b in bridged(library, port.types) if b[2].module == module), None)
+        if bridge is None:
+            continue
+        end: End = (selected, port.name, "output")
+        if between := transform_behind(network, end, bridge[0]):
+            onward = continued(network, library, between, module, at)
+            return onward and (onward[0], _placed(surface, module, between, *onward))
+        places = _two_places(surface, bridge, free_place(surface, bridge[0].module, at))
+        return wired_behind(network, library, end, bridge, places)
+    return None
+
+
+def _two_places(surface: Surface, bridge: Bridge, first: Point) -> tuple[Point, Point]:
+    """Of a transform, and of the node behind it."""
+    transform, _, candidate = bridge
+    beside = first[0] + size_of(surface, transform.module)[0] + GAP_X, first[1]
+    return first, free_place(surface, candidate.module, beside)
 
 
 def with_way_made(
@@ -275,13 +342,6 @@ def with_way_made(
     behind = reached(network.followers, {name}) - {name}
     places = made_way(network, sizes, name, network.layout[name], behind)
     pushed = {node: whole(QPointF(*at)) for node, at in places.items()}
-
-
-def show_new(surface: Surface, name: str) -> None:
-    """Select a new node, and pan so that all of it is seen."""
-    surface.session.select([name])
-    surface.view.make_visible(surface.content.nodes[name].frame())
-
     if not pushed:
         return operation
     grounds = following(network, pushed, sizes)  # else what is pushed leaves its backdrop

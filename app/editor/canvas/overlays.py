@@ -49,7 +49,8 @@ class Choice:
     """An entry of the list: what is shown, and what is chosen by it.
 
     `detail` stands beside it, fainter; `words` it is also searched by, and `further` ones only if
-    no choice matches without them; `colour` is that of the mark before it.
+    no choice matches without them; `colour` is that of the mark before it. A `remote` one is only
+    offered if no other has the words.
     """
 
     text: str
@@ -59,10 +60,11 @@ class Choice:
     further: str = ""
     colour: str = ""
     tip: str = ""
+    remote: bool = False
 
 
 def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
-    """Choices with every word, first those that begin so; else those with the further words."""
+    """Choices with every word, first those that begin so; else remote ones, or by further words."""
     words = typed.casefold().split()
 
     def fits(choice: Choice, further: str = "") -> bool:
@@ -74,10 +76,13 @@ def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
         begins = text.startswith(word), any(part.startswith(word) for part in text.split())
         return next((n for n, met in enumerate((*begins, word in text)) if met), 3)
 
-    matches = [choice for choice in choices if fits(choice)]
-    if not matches:
-        return [choice for choice in choices if fits(choice, choice.further)]
-    return sorted(matches, key=rank) if words else matches
+    near, remote = ([one for one in choices if one.remote == far] for far in (False, True))
+    if not words:
+        return near
+    for group in (near, remote):
+        if matches := [choice for choice in group if fits(choice)]:
+            return sorted(matches, key=rank)
+    return [choice for choice in near if fits(choice, choice.further)]
 
 
 class ChoicePopup(QFrame):

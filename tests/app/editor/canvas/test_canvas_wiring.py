@@ -158,6 +158,36 @@ def test_a_wire_on_empty_ground_lists_what_fits_and_wires_the_chosen(pair, canva
     assert (port.centre() - canvas.view.mapToScene(hand.at(300, 330))).manhattanLength() < 3
 
 
+def test_a_wire_of_a_picture_reaches_a_module_of_spectra_by_the_transform(pair, canvas, hand):
+    for steps, new in enumerate(("init_trans", "")):
+        hand.drag(hand.port("scene", "image", "output"), hand.at(300, 330 + 60 * steps))
+        assert "Gaussian MTF" not in [canvas.popup.list.item(row).text() for row in range(9)]
+        hand.type("gauss")
+        (item,) = (canvas.popup.list.item(row) for row in range(canvas.popup.list.count()))
+        assert (item.text(), item.toolTip().splitlines()[0]) == (
+            "Gaussian MTF",
+            "Takes a magnitude, so Init & Trans is put between.",
+        )
+        hand.key(Qt.Key.Key_Return)
+        name = f"gaussian_mtf{'_2' * steps}"
+        assert pair.selection == (name,)
+        assert history(pair) == steps + 1
+        assert {one for one in pair.network.links if one.target in (name, new)} == {
+            *([link("scene.image", "init_trans.image")] if new else []),
+            link("init_trans.magnitude", f"{name}.magnitude"),
+            link("init_trans.context", f"{name}.context"),
+        }
+    assert len(pair.network.nodes) == 4 + 3
+    pair.undo()
+    # So it is by a search with the picture's node selected; then in the chain there is.
+    hand.click(hand.head("scene"))
+    hand.key(Qt.Key.Key_Tab)
+    hand.type("charge diffusion")
+    hand.key(Qt.Key.Key_Return)
+    assert link("init_trans.magnitude", "charge_diffusion_mtf.magnitude") in pair.network.links
+    assert link("charge_diffusion_mtf.magnitude", "gaussian_mtf.magnitude") in pair.network.links
+
+
 def test_a_new_node_is_seen_whole_at_the_zoom_there_is(pair, canvas, hand):
     zoom, corner = canvas.view.zoom, canvas.view.viewport().rect().bottomRight()
     hand.drag(hand.port("scene", "image", "output"), corner - QPoint(8, 8))
