@@ -6,7 +6,7 @@ All but `Cancelled` and `PlugInError` are faults of the input: the command ends 
 import difflib
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 from types import MappingProxyType
 from typing import Any, Self, TypeVar
@@ -87,7 +87,7 @@ def unit_of(name: str) -> str:
 class ParameterError(InputError):
     """A parameter whose value is not allowed: name, value, unit and range in one line.
 
-    Without a unit it is the one that the name ends in.
+    Without a unit it is the one that the name ends in. `also` names others that are empty too.
     """
 
     def __init__(
@@ -98,11 +98,16 @@ class ParameterError(InputError):
         *,
         unit: str | None = None,
         node: str | None = None,
+        also: Sequence[str] = (),
     ) -> None:
-        unit = unit_of(parameter) if unit is None else unit
+        unit = unit_of(parameter) if unit is None and not also else unit
+        self.parameters = (parameter, *also)
         rule = requirement(allowed)
         if value is None:
-            text = f"{parameter} is empty: {rule}" + (f" ({unit})" if unit else "")
+            verb = "are" if also else "is"
+            text = f"{listed(self.parameters)} {verb} empty: {rule}" + (
+                f" ({unit})" if unit else ""
+            )
         else:
             shown = _shown(value) + (f" {unit}" if unit else "")
             text = f"{parameter} = {shown} is not allowed: {rule}"
@@ -110,7 +115,12 @@ class ParameterError(InputError):
         self.parameter = parameter
         self.value = value
         self.allowed = allowed
-        self.unit = unit
+        self.unit = unit or ""
+
+
+def listed(names: Sequence[str]) -> str:
+    """``a, b and c``."""
+    return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
 
 
 _RANGE = re.compile(

@@ -9,7 +9,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from core.errors import ImagechainError, ParameterError
+from core.errors import ImagechainError, ParameterError, listed
 from core.modules.parameters import Parameter
 from core.network.expressions import ExpressionError, parse_expression, value_of
 
@@ -167,9 +167,9 @@ def error_text(error: ImagechainError, *, on_node: bool = False) -> str:
     """The error in one line: ``σ y of blur = -1 mrad is not allowed: …``."""
     text = error.message
     named = error.node is not None and not on_node
-    if isinstance(error, ParameterError) and text.startswith(error.parameter):
-        rest = text[len(error.parameter) :]
-        return f"{label_of(error.parameter)}{f' of {error.node}' if named else ''}{rest}"
+    if isinstance(error, ParameterError) and text.startswith(names := listed(error.parameters)):
+        labels = listed([label_of(name) for name in error.parameters])
+        return f"{labels}{f' of {error.node}' if named else ''}{text[len(names) :]}"
     return f"{error.node}: {text}" if named else text
 
 

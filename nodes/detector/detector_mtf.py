@@ -4,7 +4,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
-from nodes.shared.context_defaults import given
+from nodes.shared.context_defaults import check_given, given
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import ELECTRONICS, apart_from_context
@@ -25,11 +25,17 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
         ),
     )
 
-    detector_x_um: float | None = param(None, "horizontal detector pitch", low=0, slider=(1, 1000))
-    detector_y_um: float | None = param(None, "vertical detector pitch", low=0, slider=(1, 1000))
-    focal_length_mm: float | None = param(None, "effective focal length", low=0, slider=(10, 1000))
-    fill_x: float | None = param(None, "horizontal fill factor", (0, 1))
-    fill_y: float | None = param(None, "vertical fill factor", (0, 1))
+    detector_x_um: float | None = param(
+        None, "horizontal detector pitch; empty: from Init & Trans", low=0, slider=(1, 1000)
+    )
+    detector_y_um: float | None = param(
+        None, "vertical detector pitch; empty: from Init & Trans", low=0, slider=(1, 1000)
+    )
+    focal_length_mm: float | None = param(
+        None, "effective focal length; empty: from Init & Trans", low=0, slider=(10, 1000)
+    )
+    fill_x: float | None = param(None, "horizontal fill factor; empty: from Init & Trans", (0, 1))
+    fill_y: float | None = param(None, "vertical fill factor; empty: from Init & Trans", (0, 1))
 
     panel = (
         Section("", ("apply",)),
@@ -38,6 +44,7 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
+        check_given(self, context, "detector_x_um", "detector_y_um", "focal_length_mm")
         factors = separable(
             aperture_mtf,
             x={"effective_ifov_mrad": self.ifov_x_mrad("x", context)},

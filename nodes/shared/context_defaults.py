@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError
+from core.modules.declaration import Module
 from core.modules.parameters import Caution
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -16,6 +17,14 @@ def given(name: str, own: float | None, context: Context) -> float:
     if own is not None:
         return own
     return of_context(name, context, where="here or on Init & Trans")
+
+
+def check_given(module: Module, context: Context, *names: str) -> None:
+    """Refuse at once all parameters that neither the module nor Init & Trans has."""
+    empty = [n for n in names if getattr(module, n) is None and getattr(context, n) is None]
+    if empty:
+        wanted = f"give {'values' if empty[1:] else 'a value'} here or on Init & Trans"
+        raise ParameterError(empty[0], None, wanted, also=empty[1:])
 
 
 def of_context(name: str, context: Context, *, where: str = "on Init & Trans") -> float:

@@ -6,7 +6,7 @@ from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Badge, BadgeKind
 from core.chain.engine import Plan, PlannedNode
 from core.chain.skipped import Skip, is_neutral
-from core.errors import Cancelled, ImagechainError, UnconnectedError
+from core.errors import Cancelled, ImagechainError, ParameterError, UnconnectedError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Caution
 from core.network.macro import SEPARATOR
@@ -51,7 +51,7 @@ def badges(
     for error in met:
         node = error.node
         if node is not None and node in plan.nodes and not _fails(by_node.get(node)):
-            by_node[node] = Badge("error", error_text(error, on_node=True))
+            by_node[node] = _faulty(error)
             for name in _after(plan.network, node):
                 if not _fails(by_node.get(name)):
                     by_node[name] = Badge("incomplete", f"waiting for {node}")
@@ -115,7 +115,12 @@ def _of_error(network: Network, library: Library, name: str, error: ImagechainEr
         return Badge("incomplete", f"waiting for {error.node}")
     if isinstance(error, UnconnectedError):
         return Badge("incomplete", f"not connected: {_unconnected(network, library, name)}")
-    return Badge("error", error_text(error, on_node=True))
+    return _faulty(error)
+
+
+def _faulty(error: ImagechainError) -> Badge:
+    parameters = error.parameters if isinstance(error, ParameterError) else ()
+    return Badge("error", error_text(error, on_node=True), parameters)
 
 
 def _unconnected(network: Network, library: Library, name: str) -> str:

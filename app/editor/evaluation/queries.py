@@ -73,6 +73,7 @@ class Answer:
 class Badge:
     kind: BadgeKind
     text: str
+    parameters: tuple[str, ...] = ()  # those that an error is about
 
 
 @dataclass(frozen=True)

@@ -392,6 +392,9 @@ class NodePanel(QFrame):
         if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
             self.body.readouts.set_held_back(badge is not None and badge.kind == "stale")
 
+            for field in self.body.sections.fields:
+                field.mark_faulty(badge is not None and field.parameter.name in badge.parameters)
+
     def edit_name(self) -> None:
         self.folded = False
         self.head.name.setFocus(Qt.FocusReason.OtherFocusReason)

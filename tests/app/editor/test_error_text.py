@@ -4,6 +4,9 @@ from app.editor.declared_text import error_text, label_of
 from core.errors import DataError, ParameterError
 
 ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my blur")
+SEVERAL = ParameterError(
+    "detector_x_um", None, "give values", node="init", also=("detector_y_um", "fill_x")
+)
 
 
 def test_the_panels_label_and_the_nodes_name():
@@ -12,6 +15,7 @@ def test_the_panels_label_and_the_nodes_name():
         (ERROR, False, "σ y of my blur = -1.0 mrad is not allowed: must be at least 0"),
         (ERROR, True, "σ y = -1.0 mrad is not allowed: must be at least 0"),
         (empty, False, "Detector x of init is empty: give it here (um)"),
+        (SEVERAL, False, "Detector x, Detector y and Fill x of init are empty: give values"),
         (DataError("no samples", node="scene"), False, "scene: no samples"),
         (DataError("no samples", node="scene"), True, "no samples"),
     ):

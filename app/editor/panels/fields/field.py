@@ -73,6 +73,7 @@ class Field(QWidget):
     """One parameter on a panel. Holds no value of its own: it shows the document's."""
 
     lines_up = False  # whether its unit stands in one column with those of others
+    _faulty = False
 
     def __init__(
         self, parameter: Parameter, node: PanelNode, parent: QWidget | None = None
@@ -276,13 +277,18 @@ class Field(QWidget):
         self.show_value(self.value)
         self._mark_changed()
 
+    def mark_faulty(self, on: bool) -> None:
+        """Its name is red while the node's error is about it."""
+        self._faulty = on
+        self._mark_changed()
+
     def _mark_changed(self) -> None:
         label = self.marked_label()
         font = label.font()
         if font.bold() != self.changed:
             font.setBold(self.changed)
             label.setFont(font)
-        label.setForegroundRole(CHANGED if self.changed else TEXT)
+        label.setForegroundRole(ERROR if self._faulty else CHANGED if self.changed else TEXT)
 
     def marked_label(self) -> QWidget:
         return self.label
