@@ -26,6 +26,7 @@ from app.run.output import ANALYSIS, find_output, source_images
 from core.chain.engine import Plan
 from core.chain.wires import Curve, Image, Table
 from core.errors import ImagechainError
+from core.network.network import reached
 
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 
@@ -244,7 +245,8 @@ class FirstViews(QObject):
     """Follows what is opened.
 
     The final picture is looked at as soon as the network is planned. What stands beside it comes
-    with the end of that pass: a viewer of its own takes 0.1 s to make.
+    with the end of that pass: a viewer of its own takes 0.1 s to make. Then the first viewer
+    follows the end of the chain, until a person chooses what it shows.
     """
 
     def __init__(self, session: Session, evaluator: Evaluator, viewers: ViewerDocks) -> None:
@@ -274,6 +276,7 @@ class FirstViews(QObject):
             pictures, front = (pictures[0], f"{node}.{DIFFERENCE}"), 2
         if pictures:
             self._viewers.look_at(1, pictures[0])
+            self._viewers.images[1].by_hand = False
         curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
         self._beside = partial(self._look_beside, node, curves[:1], pictures[1:], front)
 
@@ -284,6 +287,22 @@ class FirstViews(QObject):
             self._viewers.images[1].canvas.viewport().repaint()  # before the others are made
             look, self._beside = self._beside, None
             look()
+        else:
+            self._follow_end()
+
+    def _follow_end(self) -> None:
+        """Move on to the end of the chain as it grows, unless a picture was chosen by hand."""
+        viewer, plan = self._viewers.images[1], self._evaluator.plan
+        if plan is None or viewer.by_hand or viewer.choices.compares or viewer.kept_side:
+            return
+        end, shown = next(iter(first_ports(plan)), None), viewer.choices.port
+        shown = plan.network.port_names.get(shown or "", shown)
+        if end is None or end == shown:
+            return
+        node = end.rpartition(".")[0]
+        if shown is None or node in reached(plan.network.followers, [shown.rpartition(".")[0]]):
+            viewer.look_at(end)
+            viewer.by_hand = False
 
     def _look_beside(
         self, node: str | None, curves: Sequence[str], pictures: Sequence[str], front: int

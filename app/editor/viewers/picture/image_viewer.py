@@ -81,6 +81,8 @@ class ImageViewer(Viewer):
         super().__init__(session, evaluator, f"image_viewer.{number}", parent)
         self.number = number
         self.window_actions: tuple[QAction, ...] = ()
+        self.by_hand = False
+        """Whether a person chose what it shows; else it follows the end of the chain."""
         self.choices = Choices()
         self.picture: Picture | None = None
         self._lost: Choices | None = None
@@ -101,7 +103,8 @@ class ImageViewer(Viewer):
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
-        self._lost = None
+        """Show a port; an empty text is nothing by choice, None is nothing yet."""
+        self._lost, self.by_hand = None, port is not None
         self._choose(port=port or None, mapping=self._mapping_of(port))
 
     def _mapping_of(self, port: str | None) -> Scale:
@@ -334,7 +337,7 @@ class ImageViewer(Viewer):
             self._follow_choices()
 
     def _show_for_region(self, port: str) -> None:
-        self._lost = None
+        self._lost, self.by_hand = None, True
         self._choose(port=port, mapping="linear", mode="alone")
 
     def _show_bands(self, picture: Picture | None) -> None:

@@ -241,7 +241,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             super().contextMenuEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrows move the probe, with Ctrl the wipe; +, -, 0, F, 1 zoom; Page: bands; R: region."""
+        """Arrows: probe, with Ctrl the wipe; +, -, 0, F, Home, 1: zoom; Page: bands; R: region."""
         key = Qt.Key(event.key())
         step = ARROWS.get(key)
         far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
@@ -260,7 +260,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         elif key == Qt.Key.Key_Minus:
             self.zoom_by(0.8)
             self.zoomed.emit()
-        elif key in (Qt.Key.Key_0, Qt.Key.Key_F, Qt.Key.Key_1):
+        elif key in (Qt.Key.Key_0, Qt.Key.Key_F, Qt.Key.Key_Home, Qt.Key.Key_1):
             (self.one_to_one if key == Qt.Key.Key_1 else self.fit)()
             self.zoomed.emit()
         else:
