@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction
+from PySide6.QtCore import QEvent, QObject, QRect, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QGuiApplication, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.editor.declared_text import flowing, says_more, tip
@@ -28,6 +28,31 @@ from core.network.network import Node
 
 _SHARE = 0.45  # of the panels' height, for an illustration at most
 _LEAST_LINES = 6  # that it is high at least
+_LINES = 4  # of what is wrong with the node
+_WIDEST = 10_000
+_WRAPPED = Qt.TextFlag.TextWordWrap | Qt.AlignmentFlag.AlignTop
+_FITTED = (QEvent.Type.LayoutRequest, QEvent.Type.Resize)
+_CLICK_MS = 250  # after which it is seen again whether a button is still down
+
+
+class Problem(ElidedLabel):
+    """What is wrong with the node, in up to four lines; the tooltip has all of it."""
+
+    def lines(self, width: int) -> tuple[str, int]:
+        """The text, cut where it needs more lines than there are, and its height."""
+        words, text = self._line.split(" "), self._line
+        room, most = QRect(0, 0, width, _WIDEST), _LINES * self.fontMetrics().lineSpacing()
+        while True:
+            height = self.fontMetrics().boundingRect(room, _WRAPPED, text).height()
+            if height <= most or len(words) == 1:
+                return text, min(height, most)
+            words.pop()
+            text = " ".join(words) + " …"
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        with QPainter(self) as painter:
+            painter.setPen(self.palette().color(self.foregroundRole()))
+            painter.drawText(self.rect(), _WRAPPED, self.lines(self.width())[0])
 
 
 class TitleBar(QWidget):
@@ -73,16 +98,20 @@ class PanelHead(QWidget):
     """Title, name, toggles, help and what is wrong; of a module, its group, and what it does.
 
     An illustration has a place of its own, in which also stands what is wrong: whatever is written
-    there moves nothing below. While it is folded away, the place is one line high.
+    there moves nothing below. While it is folded away, the place is one line high, and more once
+    what is wrong took more; it does not grow while a mouse button is down.
     """
 
     _badge: Badge | None = None
     _illustration: PreviewView | None = None
+    _room = 0, 0  # width of the place, and height that what is wrong has taken in it
     _most = 0  # dots that the illustration may be high
 
     def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._module, self._group = title, group
+        self._released = QTimer(self, singleShot=True, interval=_CLICK_MS)
+        self._released.timeout.connect(self._fit)
         self.bar = bar = TitleBar(title, self)
         self.name = labelled(TypeIn(bar, characters=10), "node_name", "name of the node")
         self.name.setToolTip(tip("Name of the node in this network"))
@@ -133,8 +162,9 @@ class PanelHead(QWidget):
         acts = (self.auto, self.generate, self.disable, self.output, self.fold_picture)
         buttons = filled(FlowLayout(across=4), *acts, margins=None)
         self.place = QWidget(below)
-        self.problem = ElidedLabel("problem", "Problem with the node", self.place)
+        self.problem = Problem("problem", "Problem with the node", self.place)
         self.problem.hide()
+        self.place.installEventFilter(self)
         self._stack = filled(QVBoxLayout(self.place), self.problem, spacing=2)
         parts = (self.text, self.more, self.name_problem, buttons, self.place)
         filled(QVBoxLayout(below), *parts, margins=(8, 2, 8, 0), spacing=4)
@@ -145,7 +175,6 @@ class PanelHead(QWidget):
     def illustrate(self, view: PreviewView, *, shown: bool) -> None:
         self._illustration = view
         self._stack.addWidget(view, 1)
-        self.place.installEventFilter(self)
         self.fold_picture.show()
         self.show_illustration(shown)
 
@@ -162,15 +191,22 @@ class PanelHead(QWidget):
         self._fit()
 
     def _fit(self) -> None:
-        height = line = self.fontMetrics().height()
-        view = self._illustration
+        line, view = self.fontMetrics().height(), self._illustration
+        if self.isVisible() and QGuiApplication.mouseButtons():
+            self._released.start()  # nothing moves under the mouse
+        else:
+            room = self.place.width(), max(line, self.problem.lines(self.place.width())[1])
+            self._room = max(room, self._room) if room[0] == self._room[0] else room
+            self.problem.setFixedHeight(self._room[1])
+        height = self._room[1]
         if view is not None and not view.isHidden():
-            height = view.height_within(max(self._most, _LEAST_LINES * line))
+            most = max(self._most, _LEAST_LINES * line)
+            height = max(height, view.height_within(most))
         self.place.setFixedHeight(height)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow an illustration that shows more than the last one."""
-        if watched is self.place and event.type() == QEvent.Type.LayoutRequest:
+        """Follow an illustration that shows more than the last one, and the width."""
+        if watched is self.place and event.type() in _FITTED:
             self._fit()
         return False
 
@@ -194,6 +230,7 @@ class PanelHead(QWidget):
         text = badge.text if badge is not None else ""
         self.problem.show_text(text, tip(text) if text else "")
         self.problem.setVisible(bool(text))
+        self._fit()
         self._colour()
 
     def changeEvent(self, event: QEvent) -> None:

@@ -66,6 +66,8 @@ class PanelArea(WheelScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        # A bar that comes and goes would move the buttons of the heads.
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOn)
         self._session = session
         self._evaluator = evaluator
         self.requests = Requests(self)
@@ -390,10 +392,9 @@ class NodePanel(QFrame):
     def set_badge(self, badge: Badge | None) -> None:
         self.head.set_badge(badge)
         if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
-            self.body.readouts.set_held_back(badge is not None and badge.kind == "stale")
-
             for field in self.body.sections.fields:
                 field.mark_faulty(badge is not None and field.parameter.name in badge.parameters)
+            self.body.readouts.set_held_back(badge is not None and badge.kind == "stale")
 
     def edit_name(self) -> None:
         self.folded = False

@@ -4,9 +4,10 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QToolButton
 
 from app.editor.evaluation.queries import Badge
+from app.editor.theme import ERROR
 from core.editing.operations import remove_nodes, set_node_field, set_parameter
 from panel_hands import LEFT, drop, field_of, panel_area, type_in, undo_to
 
@@ -142,6 +143,58 @@ def test_toggles_and_problems_stand_in_the_head(qtbot, session):
     QTest.mouseClick(head.help, LEFT)
     assert head.text.isVisible()
     assert head.text.text().startswith("Blur by random line-of-sight motion")
+
+
+def test_a_long_problem_is_broken_into_lines_and_moves_nothing_under_a_button(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "detector_mtf")
+    panel = area.panels["node"]
+    head, field = panel.head, panel.body.sections.field("apply")
+
+    def show(words):
+        area.set_badges({"node": Badge("error", " ".join(["number"] * words))})
+        qtbot.wait(40)
+        line = head.fontMetrics().lineSpacing()
+        return round(head.problem.height() / line), field.mapTo(area, QPoint(0, 0)).y()
+
+    nothing, (one, at) = show(0), show(2)
+    assert nothing == (one, at)
+    assert one == 1
+    QTest.mousePress(head.auto, LEFT)
+    assert show(12) == (1, at)
+    QTest.mouseRelease(head.auto, LEFT)
+    qtbot.waitUntil(lambda: field.mapTo(area, QPoint(0, 0)).y() > at)
+    lines, lower = show(12)
+    assert 1 < lines < 4
+    assert head.problem.lines(head.problem.width())[0].count("number") == 12
+    assert show(2)[1] == show(0)[1] == lower  # what was to be clicked stays
+    assert show(400)[0] == 4
+    assert head.problem.lines(head.problem.width())[0].endswith("number …")
+    assert head.problem.toolTip().count("number") == 400
+
+
+def test_help_leaves_the_buttons_of_the_head_in_place(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "gaussian_mtf")
+    panel = area.panels["node"]
+    area.resize(area.width(), panel.sizeHint().height() + 20)
+    parts = [panel.head.name, *panel.head.bar.findChildren(QToolButton)]
+    places = [one.geometry() for one in parts]
+    assert not area.verticalScrollBar().maximum()
+    QTest.mouseClick(panel.head.help, LEFT)
+    qtbot.waitUntil(lambda: area.verticalScrollBar().maximum() > 0)
+    assert [one.geometry() for one in parts] == places
+
+
+def test_parameters_that_an_error_is_about_are_marked(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "detector_mtf")
+    marked = ("detector_x_um", "focal_length_mm")
+    for parameters in (marked, ()):
+        area.set_badges({"node": Badge("error", "empty", parameters)})
+        for field in area.panels["node"].body.sections.fields:
+            role = field.marked_label().foregroundRole()
+            assert (role == ERROR) == (field.parameter.name in parameters)
 
 
 def test_pinned_panels_stay_open_below_and_are_closed(qtbot, session):
