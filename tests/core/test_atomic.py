@@ -185,10 +185,6 @@ with atomic_file(folder / "net.json") as half:
 """
 
 
-def names_of_leftovers(folder):
-    return sorted(path.name for path in folder.iterdir())
-
-
 def aged(path, days):
     moment = time.time() - days * 24 * 3600
     os.utime(path, (moment, moment))
@@ -208,29 +204,29 @@ def foreign(mark):
 def test_what_a_killed_process_leaves_is_gone_with_the_next_write(tmp_path):
     (tmp_path / "net.json").write_text("old")
     kill_program(LEAVING, str(tmp_path), says="written")
-    left = names_of_leftovers(tmp_path)
+    left = names(tmp_path)
     assert len(left) == 3
     assert all(name.startswith((".imagechain-", ".net.", "net.json")) for name in left)
     assert (tmp_path / "net.json").read_text() == "old"
     write_text(tmp_path / "other.txt", "new")
-    assert names_of_leftovers(tmp_path) == ["net.json", "other.txt"]
+    assert names(tmp_path) == ["net.json", "other.txt"]
 
 
 def test_what_a_living_process_needs_stays(tmp_path):
     (tmp_path / f"{FOLDER_PREFIX}{new_mark()}").mkdir()
     (tmp_path / f".net.{new_mark()}.json").touch()
-    before = names_of_leftovers(tmp_path)
+    before = names(tmp_path)
     for path in tmp_path.iterdir():
         aged(path, 400)
     sweep(tmp_path)
-    assert names_of_leftovers(tmp_path) == before
+    assert names(tmp_path) == before
 
 
 def test_a_number_given_to_another_process_does_not_keep_it(tmp_path):
     host, pid, start, rest = new_mark().split("-")
     (tmp_path / f"{FOLDER_PREFIX}{host}-{pid}-{int(start, 16) ^ 1:08x}-{rest}").mkdir()
     sweep(tmp_path)
-    assert names_of_leftovers(tmp_path) == []
+    assert names(tmp_path) == []
 
 
 def test_a_lock_that_is_held_keeps_it(tmp_path):
@@ -242,7 +238,7 @@ def test_a_lock_that_is_held_keeps_it(tmp_path):
     assert place.is_dir()
     lock.let_go()
     sweep(tmp_path)
-    assert names_of_leftovers(tmp_path) == []
+    assert names(tmp_path) == []
 
 
 @pytest.mark.parametrize("name", [foreign(dead(new_mark())), "0123456789ab"], ids=["marked", "old"])
@@ -254,7 +250,7 @@ def test_what_nobody_here_can_know_stays_for_a_month(name, tmp_path):
     assert place.is_dir()
     aged(place, ABANDONED_S / 24 / 3600 + 1)
     sweep(tmp_path)
-    assert names_of_leftovers(tmp_path) == []
+    assert names(tmp_path) == []
 
 
 def test_links_and_other_names_are_left_alone(tmp_path):
@@ -270,9 +266,9 @@ def test_links_and_other_names_are_left_alone(tmp_path):
     (folder / f"{FOLDER_PREFIX}{mark}0").mkdir()
     (folder / f"imagechain-{mark}").mkdir()
     (folder / f"net.{mark}.json").touch()
-    before = names_of_leftovers(folder)
+    before = names(folder)
     sweep(folder)
-    assert names_of_leftovers(folder) == before
+    assert names(folder) == before
     assert (kept / "work.txt").read_text() == "work"
 
 
@@ -284,8 +280,8 @@ def test_a_folder_that_is_swept_takes_nothing_along_that_it_links_to(tmp_path):
     (place / "link").symlink_to(tmp_path / "kept", target_is_directory=True)
     os.mkfifo(place / LOCK)  # opening it would wait
     sweep(tmp_path)
-    assert names_of_leftovers(tmp_path) == ["kept"]
-    assert names_of_leftovers(tmp_path / "kept") == ["work.txt"]
+    assert names(tmp_path) == ["kept"]
+    assert names(tmp_path / "kept") == ["work.txt"]
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may give files away")

@@ -405,15 +405,6 @@ def test_pages_of_notebooks_show_no_text_as_html(kodak):
     assert "data:image/png;base64," in made._repr_html_()
 
 
-def test_what_is_kept_cannot_be_written_over():
-    chain = ic.open("first_steps")
-    first = chain.run().image()
-    largest = first.max()
-    with pytest.raises(ValueError, match="cannot set WRITEABLE"):
-        first.setflags(write=True)
-    assert chain.run().image().max() == largest
-
-
 def test_a_part_finds_its_files_in_another_chain():
     there = ic.open("measured_lens")
     part = there.part("psf")

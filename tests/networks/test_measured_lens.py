@@ -40,8 +40,7 @@ def pupil():
 
 
 @pytest.mark.parametrize(
-    ("node", "error"),
-    [("psf", 0.016), ("table", 0.004), ("wavefront", 0.005)],
+    ("node", "error"), [("psf", 0.016), ("table", 0.004), ("wavefront", 0.005)]
 )
 def test_each_file_is_of_that_lens(lens, pupil, node, error):
     """Of the point's picture what 16 bits leave out, 1.3 %; else rounding and interpolation."""

@@ -11,13 +11,7 @@ import pytest
 from machine_tag import machine_tag
 from network_outputs import MTF, PICTURE, READOUTS, network_files
 from output_folders import first_difference
-from output_statistics import (
-    TOLERANCE,
-    differences,
-    hashes_of,
-    picture_statistics,
-    statistics_of,
-)
+from output_statistics import TOLERANCE, differences, hashes_of, picture_statistics, statistics_of
 from picture_table import disagreements, read_table, small_run
 
 NAME = "first_steps"

@@ -21,14 +21,6 @@ def edge_picture(angle_deg, sigma, size=(64, 64), phase=PHASE):
     return np.tensordot(weights, along, 1)
 
 
-def line_picture(angle_deg, sigma, size=(64, 64), phase=PHASE):
-    """A line of no width, blurred and averaged alike; what it emits is 1 per sample along it."""
-    away, cosine, weights = _distances(angle_deg, size, phase)
-    half = cosine / 2
-    along = (_step(away + half, sigma) - _step(away - half, sigma)) / cosine
-    return np.tensordot(weights, along, 1)
-
-
 def edge_mtf(frequency, angle_deg, sigma):
     """MTF of Gaussian and pixel along the edge's normal, cycles per sample."""
     angle = math.radians(angle_deg)

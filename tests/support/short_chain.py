@@ -24,10 +24,7 @@ def short_chain(folder, picture, modules, *, interval_mrad=1.0, init=(), precisi
         f"fov_{axis}_deg": fov_deg(size, interval_mrad)
         for axis, size in zip("yx", np.shape(picture), strict=True)
     }
-    nodes = {
-        "file": ("read_image", {"path": "in.npy", **fov}),
-        "init": ("init_trans", dict(init)),
-    }
+    nodes = {"file": ("read_image", {"path": "in.npy", **fov}), "init": ("init_trans", dict(init))}
     pictures = {}
     for key, params in modules:
         of_picture = declaration(LIBRARY[key]).input("image")

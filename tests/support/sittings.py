@@ -61,8 +61,10 @@ class Sitting:
         self.check()
 
     def step(self) -> None:
-        """Undo or redo."""
-        self.random.choice([self.document.undo, self.document.redo])()
+        """Undo, redo, or go to any place in the history."""
+        document = self.document
+        place = self.random.randint(0, document.last)
+        self.random.choice([document.undo, document.redo, lambda: document.go_to(place)])()
         self.check()
 
     def save(self, path=None) -> None:

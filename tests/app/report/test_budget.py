@@ -200,16 +200,6 @@ def test_noise_of_each_source_is_what_its_silence_takes_away(case, whole):
         assert each["share"] == pytest.approx(share, rel=0.05)
 
 
-def test_variances_add_up(whole):
-    _, budget_ = whole
-    assert sum(each["share"] for each in budget_["sources"]) == pytest.approx(1)
-    variances = [sigma**2 for sigma in sigmas(budget_).values()]
-    assert budget_["summed"] == pytest.approx(math.sqrt(sum(variances)), rel=1e-12)
-    # All at once in this picture: 65536 samples.
-    assert budget_["together"] == pytest.approx(budget_["summed"], rel=0.02)
-    assert budget_["together_mean"] == pytest.approx(0, abs=0.05 * budget_["summed"])
-
-
 def test_what_is_switched_off_or_elsewhere_is_no_source():
     document = network()
     off = document.with_node(
@@ -262,20 +252,3 @@ def test_gaussian_blurs_share_as_their_variances():
     }
     x, y = (math.exp(-n * one) * math.cos(math.pi / 8) for n in (10, 2))
     assert (found["mtf_x"], found["mtf_y"]) == pytest.approx((x, y), rel=1e-9)
-
-
-def test_detector_and_gaussian():
-    stages = (
-        ("a", "gaussian_mtf", {"sigma_x_mrad": 1.0, "sigma_y_mrad": 0.0}),
-        ("b", "detector_mtf", {"detector_x_um": 200, "detector_y_um": 100}),
-    )
-    found = told(evaluated(without_electronics(*stages)), "blur")
-    f = found["xi_cyc_per_mrad"]
-    gaussian = 2 * (math.pi * f) ** 2
-    across, along = (-math.log(math.sin(math.pi * w * f) / (math.pi * w * f)) for w in (4, 2))
-    shares = shares_of(found)
-    assert shares["Gaussian MTF"] == pytest.approx((gaussian / (gaussian + across + PAIRS), 0.0))
-    assert shares["Detector MTF"] == pytest.approx(
-        (across / (gaussian + across + PAIRS), along / (along + PAIRS))
-    )
-    assert all(math.copysign(1, value) == 1 for pair in shares.values() for value in pair)

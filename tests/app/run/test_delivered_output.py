@@ -9,32 +9,12 @@ from app.run.output import find_output, how_to_choose
 from app.run.transfer_chain import find_chain
 from core.chain.engine import Engine
 from core.errors import NetworkError
-from core.network.file import parse_network, read_network
+from core.network.file import parse_network
 from core.network.validation import problems
 from nodes.library import standard_library
 
 ROOT = Path(__file__).parents[3]
 LIBRARY = standard_library()
-# As the rule before marks took them.
-SHIPPED = {
-    "electronics.image": (
-        "camera_and_sensor figures_of_merit noise_budget ever_shipped/measured_mtf_1 "
-        "ever_shipped/pushbroom_banding_1"
-    ),
-    "back.image": "first_steps spatial_blur ever_shipped/first_steps_1",
-    "frame_grabber.image": (
-        "inframetrics kodak_kir310_1996 ever_shipped/inframetrics_1996_1 "
-        "ever_shipped/inframetrics_4 ever_shipped/kodak_kir310_1 ever_shipped/kodak_kir310_1996_3"
-    ),
-    "lines.image": "line_by_line",
-    "star_magnitude.image": (
-        "magnitude_of_one_phase_of_another ever_shipped/magnitude_of_one_phase_of_another_1"
-    ),
-    "photons.image": "poisson_two_panel ever_shipped/poisson_two_panel_2",
-    "clear_picture.image": "pupils ever_shipped/pupils_1 ever_shipped/pupils_2",
-    "photons.noise": "ever_shipped/poisson_two_panel_1",
-}
-BEFORE = [(name, port) for port, names in SHIPPED.items() for name in names.split()]
 
 
 def plan_of(document):
@@ -44,14 +24,6 @@ def plan_of(document):
 
 def shipped(name):
     return json.loads((ROOT / "networks" / f"{name}.json").read_text(encoding="utf-8"))
-
-
-@pytest.mark.parametrize(("name", "port"), BEFORE)
-def test_every_file_ever_shipped_delivers_what_it_did(name, port):
-    folder = "tests/networks" if "/" in name else "networks"
-    path = ROOT / folder / f"{name}.json"
-    plan = Engine(LIBRARY).plan(read_network(path, library=LIBRARY), folder=path.parent)
-    assert find_output(plan).port == port
 
 
 @pytest.mark.parametrize("name", sorted(p.stem for p in (ROOT / "networks").glob("*.json")))

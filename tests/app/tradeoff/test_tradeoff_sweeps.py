@@ -43,17 +43,6 @@ def column(points, name):
 # --- values ------------------------------------------------------------------------------------
 
 
-def test_ner_is_inverse_to_d_star(network):
-    values = [1e9, 1e10, 3e11, 1e13]
-    points, _ = swept(network, "electronics", "d_star", values, "electronics.ner")
-    # NEP = √(A·Δf)/D*, NER = NEP·G#/A, written out; G# of F/2 is 6.6806 at transmission 0.81.
-    area_cm2 = 30e-4**2
-    throughput = (1.0 + 4.0 * 2.0**2) / math.pi
-    for value, ner in zip(values, column(points, "electronics.ner"), strict=True):
-        nep = math.sqrt(area_cm2 * 1e4) / value
-        assert ner == pytest.approx(nep * throughput / area_cm2 * 1e4, rel=1e-12)
-
-
 def test_mtf_of_gaussians_at_nyquist_and_half_of_it(network):
     values = [0.0, 0.05, 0.3, 1.0]
     names = ("total.mtf_nyquist_x", "total.mtf_half_nyquist_x")
@@ -111,19 +100,6 @@ def test_an_mtf_is_told_without_any_picture(network):
 
 
 # --- gaps --------------------------------------------------------------------------------------
-
-
-def test_a_value_that_is_refused_leaves_a_gap_and_the_rest_goes_on(network):
-    names = ("total.mtf_nyquist_x", "electronics.ner")
-    points, _ = swept(network, "blur", "sigma_x_mrad", [-1.0, 0.5], *names)
-    assert points[0].figures == {}
-    assert set(points[0].reasons) == set(names)
-    assert (
-        "sigma_x_mrad = -1.0 mrad is not allowed: must be a number of at least 0"
-        in (points[0].reasons["electronics.ner"])
-    )
-    assert points[1].reasons == {}
-    assert set(points[1].figures) == set(names)
 
 
 def test_what_still_works_where_a_node_fails_is_told(network):

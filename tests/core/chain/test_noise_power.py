@@ -160,24 +160,6 @@ def test_of_a_pattern_and_scaled():
 # Spectra of filtered noise in cells, against the filter's power and one wave.
 
 
-def mean_power(sigma, nyquist, cells):
-    """Of exp(−4π²σ²f²), in each of the cells from 0 to Nyquist, in strips."""
-    f = (np.arange(200 * cells) + 0.5) / (200 * cells) * nyquist
-    return np.exp(-4 * np.pi**2 * sigma**2 * f**2).reshape(cells, 200).mean(axis=1)
-
-
-@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
-@pytest.mark.parametrize(("rows", "columns"), [(300, 257), (255, 400)])
-def test_behind_a_filter(work, axes, rows, columns):
-    power = NoisePower.white(rows, columns, 3.0).filtered(
-        work, BLUR, Grid(rows, columns, 1.0, 1.25), axes
-    )
-    found = spectrum_of([power], cells=20)
-    assert found.shape == (20, 20)
-    truth = 3.0 * np.outer(mean_power(0.4, 0.4, 20), mean_power(0.6, 0.5, 20))
-    np.testing.assert_allclose(found, truth, rtol=0.02)
-
-
 def test_of_a_pattern_of_one_frequency():
     """cos(2π·5·x/40) of 40 columns is wave 10 of 40: a quarter of Nyquist, in cell 2 of 8."""
     samples = np.tile(np.cos(2 * np.pi * 5 * (np.arange(40) + 0.5) / 40), (6, 1))

@@ -2,11 +2,8 @@
 
 import json
 import os
-from random import Random
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from app.run.shipped import shipped_networks
 from core.editing.document import Document, mark, rebased
@@ -245,23 +242,6 @@ def test_every_file_name_of_every_module(library, tmp_path):
 
 
 # Undo, redo, going to any position, the lines of the steps, and the modified mark.
-
-
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(seed=st.integers(0, 10**6))
-def test_every_position_gives_the_text_it_had(kodak, library, seed):
-    """Against the texts noted while the steps were done one by one."""
-    random, document = Random(seed), Document(kodak, library=library)
-    texts = [document.text()]
-    for number in range(random.randint(1, 8)):
-        document.do(set_network_field("name", f"name {number}"))
-        texts.append(document.text())
-    for _ in range(12):
-        position = random.randrange(len(texts))
-        document.go_to(position)
-        assert document.position == position
-        assert document.text() == texts[position]
-        assert document.modified == (position != 0)
 
 
 def test_lines_say_what_a_value_was_and_is(document):

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.macros import at_level, expose, group, hide, rename_exposed, ungroup
 from core.editing.operations import keeping_values, rename_node, set_node_field, set_parameter
@@ -193,15 +192,6 @@ def test_a_disabled_macro_still_gives_its_parameters(camera, library):
     assert "camera/optics" not in plain.network.nodes
     assert plain.value("electronics", "bias_percent") == before
     assert not problems(camera.network, library=library, unfinished=True)
-
-
-def test_copies_go_on_following(camera, library):
-    text = copied(camera.network, ["camera"], library)
-    (name,), step = pasted(text, camera.network, library)
-    after = step.apply(camera.network)
-    texts = [raw["expression"] for raw in after.nodes[name].params.values()]
-    assert f"{name}/aberration" in " ".join(texts)
-    assert "init.f_number * 2 / 1000" in texts
 
 
 def test_faults_name_the_node_inside_and_the_macro(camera, library):

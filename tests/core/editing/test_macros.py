@@ -8,14 +8,7 @@ import pytest
 from core.chain.engine import Engine
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
-from core.editing.macros import (
-    at_level,
-    expose,
-    group,
-    hide,
-    rename_exposed,
-    ungroup,
-)
+from core.editing.macros import at_level, expose, group, hide, rename_exposed, ungroup
 from core.editing.operations import (
     ABSENT,
     exposed_as,

@@ -74,35 +74,6 @@ def test_the_blocks_of_rows_leave_no_mark(monkeypatch, leans, factor_y, factor_x
     assert np.abs(filtered - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-def between(frame, at, axis):
-    """The trigonometric polynomial through the samples of an axis, at other places."""
-    size = frame.shape[axis]
-    number = np.fft.fftfreq(size, 1 / size)
-    waves = np.exp(2j * np.pi * np.outer(at, number) / size)
-    waves[:, 2 * np.abs(number) == size] = np.cos(np.pi * at)[:, None]
-    return np.tensordot(waves, np.fft.fft(frame, axis=axis), (1, axis)).real / size
-
-
-@pytest.mark.parametrize(("factor_y", "factor_x"), [(1, 3), (3, 1), (5, 3), (2, 3), (5, 6)])
-def test_thinning_takes_the_middles_of_blocks(factor_y, factor_x):
-    rows, columns = 30, 36
-    frame = np.random.default_rng(4).uniform(20, 60, (rows, columns))
-    work = Work(Policy(precision="double"), Store())
-    filtered = periodic_filter(
-        work,
-        periodic_spectrum(work, frame),
-        Product((BLUR, LATE)),
-        Grid(rows, columns, INTERVAL_X, INTERVAL_Y),
-        factor_x,
-        factor_y,
-        average=False,
-    )
-    fine = by_definition(frame, leans=False)
-    across = between(fine, np.arange(0, columns, factor_x) + (factor_x - 1) / 2, 1).T
-    expected = between(across, np.arange(0, rows, factor_y) + (factor_y - 1) / 2, 0)
-    assert np.abs(filtered - expected).max() <= 1e-12 * np.abs(expected).max()
-
-
 # Which transforms are in use: installed ones of Intel, else those of scipy.
 
 HAS_INTEL = find_spec("mkl_fft") is not None and find_spec("mkl") is not None
@@ -110,22 +81,6 @@ HAS_INTEL = find_spec("mkl_fft") is not None and find_spec("mkl") is not None
 
 def test_what_is_installed_is_chosen_and_told():
     assert fourier.backend() == ("mkl_fft" if HAS_INTEL else "scipy.fft")
-
-
-@pytest.mark.parametrize("shape", [(1, 2), (8, 9), (31, 16)])
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_the_transforms_are_those_of_the_definition(shape, dtype):
-    image = np.random.default_rng(3).normal(size=shape).astype(dtype)
-    down, across = (
-        np.exp(-2j * np.pi * (np.outer(np.arange(n), np.arange(n)) % n) / n) for n in shape
-    )
-    expected = (down @ image.astype(float) @ across)[:, : shape[1] // 2 + 1]
-    found = fourier.fourier().rfft2(image, workers=1)
-    rounding = 20 * np.finfo(dtype).eps * np.abs(expected).max()
-    assert found.real.dtype == dtype
-    assert np.abs(found - expected).max() < rounding
-    back = fourier.fourier().irfft2(found, s=shape, workers=1)
-    assert np.abs(back - image).max() < rounding
 
 
 def test_an_installation_that_does_not_load_is_done_without(monkeypatch):

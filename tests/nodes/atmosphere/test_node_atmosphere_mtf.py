@@ -37,16 +37,6 @@ def test_absorption_does_not_blur(view):
     assert told["optical_depth"] == 0.0
 
 
-def test_scattering_alone_is_the_optical_depth():
-    """Beyond the cutoff, of a thousandth of a cycle per mrad, the plateau exp(−0.7)."""
-    for absorbed in (0.0, 1.0):
-        mtf, told = run({**SCATTERING, "absorption_per_km": absorbed})
-        assert told["optical_depth"] == pytest.approx(0.7, rel=1e-15)
-        assert mtf[0, 0] == 1.0
-        rest = mtf.ravel()[1:]
-        np.testing.assert_allclose(rest, math.exp(-0.7), rtol=1e-14)
-
-
 @pytest.mark.parametrize("view", ["vertical", "up"])
 def test_depth_of_a_column(view):
     _, told = run({**SCATTERING, "scale_height_km": 1.2, "view": view}, 3000.0)

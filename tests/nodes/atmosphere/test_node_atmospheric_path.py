@@ -284,12 +284,6 @@ def bench(tmp_path_factory):
     return NodeBench(standard_library(), tmp_path_factory.mktemp("window"), nodes, links)
 
 
-def test_radiance_behind_it_has_its_own_emission(bench):
-    before = bench.value("scene.image")
-    found = bench.value("window.image")
-    np.testing.assert_allclose(found, TAU * before + (1 - TAU) * planck(WINDOW_K), rtol=1e-9)
-
-
 def test_in_front_and_inside_give_the_same_electrons(bench):
     """But for the scene's spectrum, which the sum in one band takes for that of one black body."""
     both = bench.readouts("in_front"), bench.readouts("inside")

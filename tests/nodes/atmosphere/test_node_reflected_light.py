@@ -47,11 +47,6 @@ def test_a_number(lit):
     )
 
 
-def test_no_sun_leaves_the_sky(lit):
-    bench = lit({"solar_irradiance": 0, "sky": 20})
-    np.testing.assert_allclose(bench.value("light.image"), SHARES * 20 * 0.4, rtol=1e-13)
-
-
 def test_the_sun_as_a_black_body_and_a_unit_of_percent(lit):
     bench = lit(
         {"sun_elevation_deg": 90, "sun": "black_body"}, samples=100 * SHARES, read={"unit": "%"}

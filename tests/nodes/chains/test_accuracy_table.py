@@ -11,7 +11,6 @@
 | fold then inverse against inverse then mean | 1e-13 | 1e-6 | `test_delivered_combining` |
 | reference values | 1e-12·abs + 1e-15 | | `tests/core/physics`, all of them: here |
 | OTF of half-moon, hinged, slit and spider | 1e-12 | | `test_pupil_geometric_otf`: 3e-14 |
-| the same, delivered | 1e-12 | 2e-6 | here |
 | sampled pupil, 512 across, and an estimate that covers | 1e-4 | | `test_pupil_sampled_otf` |
 | band radiance, dL/dT, brightness temperature | 1e-12 | | `tests/core/physics/test_planck` |
 | radiance in a scene | 1e-12 | 1e-7 | here |
@@ -26,17 +25,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from delivered_chains import MTF_ERROR, PRECISIONS, SHIFT_ERROR
-from module_defaults import DEFAULTS
+from delivered_chains import PRECISIONS, SHIFT_ERROR
 from node_bench import NodeBench
 from planck_truth import band_radiance
 from reference_cases import REFERENCE
 from short_chain import LIBRARY, short_chain
-from slow_reference.filtering import hermitian
-from slow_reference.pupil import geometric_otf
-
-BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0}
-
 
 # ---------------------------------------------------------------- shift
 
@@ -57,44 +50,6 @@ def test_centroid_is_the_mean_lag(tmp_path, transfers, efficiency, edges, precis
 
 
 # ---------------------------------------------------------------- pupils
-
-PUPILS = {
-    "half-moon": {"shape": "half_moon"},
-    "hinged": {"shape": "hinged", "slit_width": 3.5},
-    "slit": {"shape": "cassegrain_slit", "slit_width": 3.5},
-    "ring": {"shape": "cassegrain"},
-    "spider of 3": {"shape": "spider", "vanes": 3, "vane_width": 1.5},
-    "spider of 4": {"shape": "spider", "vanes": 4, "vane_width": 1.5},
-    "one vane": {"shape": "spider", "vanes": 1, "vane_width": 5.0, "obscuration_radius": 1.0},
-}
-
-
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("name", PUPILS)
-def test_geometric_pupils_delivered(tmp_path, name, precision):
-    pupil = {**DEFAULTS["exit_pupil"], "size_x": 32, "size_y": 32, "radius": 14.0,
-             "obscuration_radius": 4.5, **PUPILS[name]}  # fmt: skip
-    point = np.zeros((9, 12))
-    point[0, 0] = 1.0
-    interval, pitch_x, pitch_y = 0.45, 0.75, 0.5
-    size = {"size_x_cm": 3.2 * pitch_x, "size_y_cm": 3.2 * pitch_y}
-    optics = (("exit_pupil", pupil), ("exit_pupil_mtf", {**BAND, **size}))
-    bench, last = short_chain(
-        tmp_path,
-        point,
-        optics,
-        interval_mrad=interval,
-        init={"edges": "periodic"},
-        precision=precision,
-    )
-    found = np.fft.fft2(bench.value(last).astype(float))
-    expected = hermitian(
-        lambda xi, eta: geometric_otf(pupil, 10 * xi / pitch_x, 10 * eta / pitch_y) + 0j,
-        (np.longdouble(interval), np.longdouble(interval)),
-        point.shape,
-        "periodic",
-    )
-    assert np.abs(found - expected).max() <= MTF_ERROR[precision]
 
 
 # ---------------------------------------------------------------- radiometry

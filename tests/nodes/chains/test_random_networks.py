@@ -76,14 +76,7 @@ SETTINGS = settings(
 )  # fmt: skip
 
 
-@settings(SETTINGS, max_examples=examples(150))
-@given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
-def test_ordinary_parameters(folder, drawn, precision):
-    size, chain = drawn
-    run(chain, picture_of("scene", size), folder, precision)
-
-
-@pytest.mark.parametrize("kind", KINDS[1:])
+@pytest.mark.parametrize("kind", KINDS)
 @settings(SETTINGS, max_examples=examples(25))
 @given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
 def test_extreme_pictures(folder, kind, drawn, precision):

@@ -15,7 +15,7 @@ from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
 from delivered_chains import chain_network, scene
 from drawn_chains import SIZES, chains, ordinary
-from noise_bench import BAND, NOISY, network
+from noise_bench import NOISY, network
 from region_checks import LIBRARY, assert_parts, image_ports
 from small_networks import SHIPPED, small_network
 from thorough import examples
@@ -202,14 +202,6 @@ class TestAccount:
                 "needed"
             )
 
-    def test_of_a_picture_that_only_comes_whole(self, tmp_path):
-        document, _ = self.chain(tmp_path)
-        found = account(document, tmp_path, "file.image", Region(3, 5, 10, 4))
-        assert found["file"].share == 1
-        assert found["file"].text.endswith(
-            "40 × 20 samples were needed: the whole picture was computed"
-        )
-
     def test_of_steps_between(self, tmp_path):
         tail = [("periodic_noise", {"amplitude": 2}), ("poisson_noise", {"percent": 30})]
         document, last = self.chain(tmp_path, tail=tail)
@@ -220,13 +212,6 @@ class TestAccount:
         assert shares == {"tail0": 1, last: pytest.approx((1 + 40 / 800) / 2)}
         found = account(document, tmp_path, "tail0.image", region, Region(0, 0, 1, 1))
         assert found["tail0"].share == pytest.approx((40 + 1) / 2 / 800)
-
-    def test_of_deviates_by_blocks(self, tmp_path):
-        np.save(tmp_path / "in.npy", np.full((256, BLOCK // 64), 40.0))
-        document = network({**BAND, "d_star": 1e10})
-        found = account(document, tmp_path, "noise.detector_noise", Region(0, 0, 32, 8))
-        share = 32 * 8 / (256 * BLOCK // 64)
-        assert found["noise"].share == pytest.approx((1 / 4 + share) / 2)
 
     def test_nothing_of_what_was_there(self, tmp_path):
         document, last = self.chain(tmp_path)

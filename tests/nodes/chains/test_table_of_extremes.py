@@ -2,7 +2,7 @@
 
 Every row runs in single and in double precision. Further out, and in every combination that chance
 brings, nothing is NaN: `test_extreme_parameters` takes every parameter to the ends of its range,
-`test_random_chains` draws chains and pictures; near the ends of the formulas themselves,
+`test_random_networks` draws chains and pictures; near the ends of the formulas themselves,
 `tests/core/physics` compares with 30 to 60 digits.
 """
 
@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -97,14 +96,6 @@ ROWS = {
     # 0.15 mm over 10 µm are 0.015 cycles/mrad, the mirrored frame's first frequency is 1/26.
     "cutoff below the first frequency interval": Row(optics(0.02), mean_of_all),
     "no cutoff in sight": Row(optics(1e18), unchanged),
-    "no obscuration": Row(
-        optics(2.56, shape="cassegrain", obscuration_radius=0.0),
-        lambda picture, edges: ring(picture, edges, mpmath.mpf(0)),
-    ),
-    "obscuration of 1 - 1e-9": Row(
-        optics(2.56, shape="cassegrain", obscuration_radius=24 * (1 - 1e-9)),
-        lambda picture, edges: ring(picture, edges, mpmath.mpf(24 * (1 - 1e-9)) / 24),
-    ),
     "field of view of 1e-6 degrees": Row(
         detector(np.pi / 180e-3 * 1e-6 / 13, 2.3), averaged(2.3),
         interval_mrad=np.pi / 180e-3 * 1e-6 / 13,
@@ -114,35 +105,6 @@ ROWS = {
         interval_mrad=np.pi / 180e-3 * 170 / 13,
     ),
 }  # fmt: skip
-
-
-def ring(picture, edges, ratio):
-    """Overlap of two rings from four of discs, with 40 digits, on a picture of few frequencies."""
-
-    def overlap(lag):
-        with mpmath.workdps(40):
-            d = mpmath.mpf(float(lag)) / 24  # in radii
-
-            def lens(a, b):
-                if b == 0 or d >= a + b:
-                    return mpmath.mpf(0)
-                if d <= abs(a - b):
-                    return mpmath.pi * min(a, b) ** 2
-                one = mpmath.acos((d * d + a * a - b * b) / (2 * d * a))
-                two = mpmath.acos((d * d + b * b - a * a) / (2 * d * b))
-                heron = (a + b - d) * (d + a - b) * (d - a + b) * (d + a + b)
-                return a * a * one + b * b * two - mpmath.sqrt(heron) / 2
-
-            outer = mpmath.mpf(1)
-            shared = lens(outer, outer) - 2 * lens(outer, ratio) + lens(ratio, ratio)
-            return float(shared / (mpmath.pi * (1 - ratio**2)))
-
-    def transfer(xi, eta):
-        lags = 10 * np.hypot(xi, eta) / 0.4  # wavelength in µm, a pupil sample in mm
-        return np.vectorize(overlap)(lags) + 0j
-
-    one = np.longdouble(1)
-    return filtered(picture.astype(np.longdouble), transfer, (one, one), edges)
 
 
 EDGES = ["reflect", "periodic"]

@@ -55,17 +55,6 @@ def test_electrons_are_poisson_distributed_pixel_by_pixel(tmp_path):
     np.testing.assert_array_equal(bench.value("it.image"), electrons)
 
 
-def test_the_picture_in_radiance_is_the_scene(tmp_path):
-    quiet = {"integration_time_s": 1.0, "units": "radiance", "optics_K": 290,
-             "optics_transmission": 0.8}  # fmt: skip
-    scene = {"kind": "two_panel", "delta_K": 60}
-    bench = focal_plane_bench(tmp_path, quiet, scene=scene)
-    image = bench.value("it.image")
-    assert bench.port("it.image").unit == "W/m²/sr"
-    np.testing.assert_allclose(image, bench.value("scene.image"), rtol=2e-3)  # shot noise
-    assert bench.port("it.electrons").unit == "e-"
-
-
 def test_the_order_is_pattern_then_read_noise_then_well_then_numbers(tmp_path):
     """Fixed patterns multiply and add what was collected; the well cuts what was read."""
     params = {**CAMERA_SHEET, "prnu_percent": 2.0, "dsnu_e": 5000.0, "offset_dn": 100.0}

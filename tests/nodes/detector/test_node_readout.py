@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from core.chain.noise_power import NoisePower
-from core.errors import ParameterError
 from core.transfer.factors import Product
 from cube_files import centres, write_cube
 from linked_network import in_order, linked_network
@@ -189,17 +188,3 @@ def test_what_is_left_of_an_earlier_picture(tmp_path):
     assert "32 × 21" in str(bench.error("wrong"))
     assert "is in 'K' and the image is in 'W/m²/sr'" in str(bench.error("mixed"))
     assert "slow_percent = 30.0 % is not allowed" in str(bench.error("more"))
-
-
-@pytest.mark.parametrize(
-    ("module", "params"),
-    [
-        ("rolling_shutter", {"line_time_s": -1}),
-        ("frame_transfer_smear", {"integration_time_s": 0}),
-        ("blooming", {"full_well": -1}),
-        ("charge_trails", {"serial_efficiency": 0.4}),
-    ],
-)
-def test_what_no_detector_has_is_refused(module, params):
-    with pytest.raises(ParameterError, match=next(iter(params))):
-        standard_library()[module].build(params)

@@ -5,8 +5,6 @@ import pytest
 
 from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
-from core.physics.detector.focal_plane_array import low_gain_share
-from core.physics.optics.field import microlens_response
 from linked_network import linked_network
 from node_bench import NodeBench
 from nodes.library import standard_library
@@ -148,25 +146,6 @@ def test_the_joined_range_is_from_one_noise_to_the_other_saturation(tmp_path, lo
     assert [c.check for c in told if c.node == "dual" and c.check == "factor"] == [
         "factor"
     ] * warned
-
-
-def test_the_share_of_the_low_gain_is_a_ramp():
-    found = low_gain_share(high=[0, 50, 75, 100, 200], switch_level=100, blend=0.5)
-    np.testing.assert_allclose(found, [0, 0, 0.5, 1, 1])
-    with pytest.raises(ParameterError, match="blend"):
-        low_gain_share(high=1.0, switch_level=100, blend=1.5)
-
-
-def test_a_pixel_responds_by_the_angle_between_its_ray_and_its_microlens():
-    """At the corner 30° against 10°: half at 20°; half-way out by the tangents."""
-    how = {"corner": 0.2, "chief_ray_deg": 30, "matched_deg": 10, "half_response_deg": 20}
-    degrees = np.degrees(np.arctan(0.5 * np.tan(np.radians([30, 10]))))
-    expected = [1, 2.0 ** -(((degrees[0] - degrees[1]) / 20) ** 2), 0.5]
-    np.testing.assert_allclose(microlens_response(tangent=[0, 0.1, 0.2], **how), expected)
-    table = {"angles": (0.0, 10.0, 20.0), "values": (1.0, 0.8, 0.3)}
-    assert microlens_response(tangent=0.2, **how, **table) == pytest.approx(0.3)
-    with pytest.raises(ParameterError, match="chief_ray_deg"):
-        microlens_response(tangent=0.1, **{**how, "chief_ray_deg": 80})
 
 
 @pytest.mark.parametrize("measured", [False, True])

@@ -150,15 +150,6 @@ def test_packed_12_bit_tiff_keeps_its_own_numbers(tmp_path):
     assert read_band(tmp_path / "a.tif").tolist() == [[0x123, 0xABC]]
 
 
-def test_fits_scaling(tmp_path):
-    truth = np.array([[0, 1, 32768, 65535]])
-    stored = (truth - 32768).astype("i2")
-    (tmp_path / "a.fits").write_bytes(fits_bytes(stored, 16, BZERO=32768, BSCALE=1))
-    assert np.array_equal(read_band(tmp_path / "a.fits"), truth)
-    (tmp_path / "a.fits").write_bytes(fits_bytes(stored, 16, BZERO=10.5, BSCALE=0.25))
-    assert np.array_equal(read_band(tmp_path / "a.fits"), stored * 0.25 + 10.5)
-
-
 def radiance_hdr(rows, columns, pixel):
     head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {rows} +X {columns}\n".encode()
     return head + bytes(pixel) * (rows * columns)

@@ -112,8 +112,7 @@ def test_damage_is_one_line(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "how",
-    [{"chunks": (1, 4, 8)}, {"chunks": (3, 2, 2), "shards": (3, 4, 8)}, {"zarr_format": 2}],
+    "how", [{"chunks": (1, 4, 8)}, {"chunks": (3, 2, 2), "shards": (3, 4, 8)}, {"zarr_format": 2}]
 )
 @pytest.mark.parametrize("samples", [30, 1 << 20])
 def test_a_chunk_that_is_not_there_is_missing_samples(tmp_path, monkeypatch, how, samples):

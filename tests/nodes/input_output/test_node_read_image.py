@@ -11,6 +11,7 @@ import zarr
 from core.errors import DataError, FileError, ParameterError
 from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
+from picture_samples import envi as write_envi
 from small_library import library_of
 
 LIBRARY = library_of([ReadImage])
@@ -26,19 +27,7 @@ def picture(rows=6, columns=9, seed=1):
 
 def envi(folder, cube, **fields):
     """A bsq cube (bands, rows, columns) of doubles."""
-    (folder / "x.img").write_bytes(cube.astype("<f8").tobytes())
-    bands, rows, columns = cube.shape
-    lines = {
-        "samples": columns,
-        "lines": rows,
-        "bands": bands,
-        "data type": 5,
-        "interleave": "bsq",
-        "byte order": 0,
-        **{name.replace("_", " "): value for name, value in fields.items()},
-    }
-    text = "\n".join(["ENVI", *(f"{name} = {value}" for name, value in lines.items())])
-    (folder / "x.img.hdr").write_text(text)
+    write_envi(folder / "x.img", cube.transpose(1, 2, 0), "bsq", **fields)
 
 
 def test_reads_npy_scaled_with_interval(tmp_path):
@@ -176,12 +165,6 @@ def test_chunks_that_a_store_lacks_are_warned_of(tmp_path):
     assert bench.value("in.image").sum() == 3.0 * 30 * 40
     with pytest.raises(DataError, match="400 samples are not finite"):
         reading(tmp_path, path="a.zarr").value("in.image")
-
-
-def test_stated_band_of_a_plain_picture(tmp_path):
-    np.save(tmp_path / "a.npy", picture())
-    bench = reading(tmp_path, path="a.npy", cut_on_um=8.0, cut_off_um=12.0)
-    assert bench.port("in.image").band_um == (8.0, 12.0)
 
 
 @pytest.mark.parametrize(

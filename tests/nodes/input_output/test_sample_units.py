@@ -9,6 +9,7 @@ from core.errors import FileError, ParameterError
 from node_bench import NodeBench
 from nodes.files.formats import write_picture
 from nodes.input_output.read_image import ReadImage
+from picture_samples import envi
 from small_library import library_of
 
 LIBRARY = library_of([ReadImage])
@@ -21,20 +22,8 @@ def reading(folder, **params):
 
 def cube_in(folder, unit):
     """Two bands of 1 µm, 8 to 10 µm; no unit where it is empty."""
-    (folder / "x.img").write_bytes(CUBE.astype("<f8").tobytes())
-    lines = [
-        "ENVI",
-        "samples = 4",
-        "lines = 3",
-        "bands = 2",
-        "data type = 5",
-        "interleave = bsq",
-        "byte order = 0",
-        "wavelength = {8.5, 9.5}",
-        "fwhm = {1, 1}",
-        f"data units = {unit}" if unit else "",
-    ]
-    (folder / "x.img.hdr").write_text("\n".join(lines), encoding="utf-8")
+    fields = {"wavelength": "{8.5, 9.5}", "fwhm": "{1, 1}"} | ({"data_units": unit} if unit else {})
+    envi(folder / "x.img", CUBE.transpose(1, 2, 0), "bsq", **fields)
 
 
 @pytest.mark.parametrize(

@@ -61,21 +61,6 @@ def test_reference(planned, case, light):
     assert readouts["estimated_error"] <= 1e-13
 
 
-def test_one_wavelength_is_the_clear_exit_pupil(planned, tmp_path):
-    """The same aperture as a pupil array of 100 mm: the closed form of 1996."""
-    bench = planned({"wavelengths": 1, "obscuration_ratio": 0.4})
-    xi = np.linspace(0, 26, 40)
-    nodes = {
-        "scene": ("read_image", {"path": "in.npy", **FOV, **BAND}),
-        "init": ("init_trans", INIT),
-        "pupil": ("exit_pupil", {"shape": "cassegrain", "size_x": 64, "size_y": 64,
-                                 "radius": 25, "obscuration_radius": 10}),
-        "optics": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8}),
-    }  # fmt: skip
-    other = NodeBench(standard_library(), tmp_path, nodes)
-    assert np.abs(otf(bench, xi) - otf(other, xi)).max() <= 1e-14
-
-
 def test_the_cameras_aperture_and_obscuration(planned):
     camera = {"focal_length_mm": 400, "aperture_mm": 80, "obscuration_ratio": 0.25}
     xi = np.linspace(0, 30, 31)

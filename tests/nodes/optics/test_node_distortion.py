@@ -3,7 +3,6 @@
 import math
 import re
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -46,20 +45,6 @@ def test_each_ray_lands_where_it_is_looked_for(params):
     x, y = (part.ravel() for part in np.meshgrid(np.linspace(-0.5, 0.5, 41), [-0.31, 0.013, 0.4]))
     back = landed(params, *lens(params).undistorted(x, y))
     np.testing.assert_allclose(back, (x, y), atol=1e-14)
-
-
-def test_a_ray_by_mpmath():
-    with mpmath.workdps(30):
-
-        def off(u, v):
-            r2 = u * u + v * v
-            radial = 1 - mpmath.mpf(0.3) * r2 + mpmath.mpf(0.1) * r2**2
-            p = mpmath.mpf(0.002)
-            return [u * radial + 2 * p * u * v - 0.4, v * radial + p * (r2 + 2 * v * v) - 0.3]
-
-        u, v = mpmath.findroot(off, (0.4, 0.3))  # fmt: skip
-    found = Distortion("brown", (-0.3, 0.1, 0.0), (0.002, 0.0)).undistorted(0.4, 0.3)
-    np.testing.assert_allclose(found, (float(u), float(v)), rtol=1e-14)
 
 
 @pytest.mark.parametrize(("frequency", "amplitude"), [(0.03, 1e-7), (0.1, 5e-5), (0.15, 1e-3),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.ndimage import convolve
-from scipy.special import j1
 
 from command_line import run_here
 from core.network.file import format_network
@@ -87,25 +86,6 @@ def test_the_centroid_is_kept_or_removed(tmp_path):
     assert found["centre_y_mrad"] == pytest.approx(-2 * INTERVAL_MRAD)
     assert found["sum_of_samples"] == pytest.approx(24.0)
     assert found["file_nyquist_x"] == pytest.approx(10.0)
-
-
-def test_an_airy_disc_of_a_file_blurs_as_its_aperture(tmp_path):
-    """60 mm at 10 µm, 6 cyc/mrad, sampled three times as finely as the picture.
-
-    By the energy beyond the file's border, 2/(π·v) with v = 54, MTFs differ by 1.2 % at most.
-    """
-    pitch = INTERVAL_MRAD / 3
-    place = (np.arange(173) - 86) * pitch
-    v = np.pi * 6.0 * np.hypot(place[None, :], place[:, None])
-    v[86, 86] = 1e-9
-    np.save(tmp_path / "airy.npy", (2 * j1(v) / v) ** 2)
-    got = value(tmp_path, {"path": "airy.npy", "sample_pitch": pitch * FOCAL_LENGTH_MM}, "it.mtf")
-    xi, eta = np.fft.fftfreq(WIDTH, INTERVAL_MRAD), np.fft.fftfreq(HEIGHT, INTERVAL_MRAD)
-    s = np.minimum(np.hypot(xi[None, :], eta[:, None]) / 6.0, 1.0)
-    wanted = 2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s * s))
-    assert (wanted == 0).any()
-    np.testing.assert_allclose(got, wanted, atol=0.024)
-    assert np.abs(got - wanted).max() > 1e-4
 
 
 def test_micrometres_at_the_focal_plane_and_unequal_samples(tmp_path):

@@ -11,6 +11,8 @@ from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
 from nodes.transform.init_trans import InitTrans
+from picture_samples import envi
+from planck_truth import band_radiance
 
 LIBRARY = standard_library()
 INIT = {
@@ -98,22 +100,14 @@ class TestRadianceOfElectronics:
         """The unit is typed, so that Read Image has nothing to say; the band is typed here."""
         (caution,) = self.cautions(tmp_path, KELVIN)
         assert (caution.node, caution.check) == ("electronics", "radiance")
-        limit = planck(8.0, 12.0, 353.95) + (6.957e8 / 1.495978707e11) ** 2 * planck(8, 12, 5772.0)
+        limit = band_radiance(8.0, 12.0, 353.95) + (6.957e8 / 1.495978707e11) ** 2 * band_radiance(
+            8, 12, 5772.0
+        )
         assert caution.message == (
             f"the samples' mean, 290 W/m²/sr, exceeds {limit:.3g} W/m²/sr, the most that a surface "
             "on Earth can emit and reflect in 8 to 12 µm; the samples look like temperatures in "
             "kelvin"
         )
-
-
-def planck(cut_on_um, cut_off_um, kelvin):
-    """Band radiance by the midpoint rule, from Planck's law as written."""
-    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
-    edges = np.linspace(cut_on_um, cut_off_um, 20001) * 1e-6
-    wave = (edges[1:] + edges[:-1]) / 2
-    return np.sum(2 * h * c**2 / wave**5 / np.expm1(h * c / (wave * k * kelvin))) * (
-        edges[1] - edges[0]
-    )
 
 
 def image(header):
@@ -144,11 +138,8 @@ class TestFiles:
     )
     def test_one_band_of_a_cube(self, tmp_path, params, warned):
         """Unless it was chosen, or the bands are integrated."""
-        np.zeros((3, 4, 4), np.float32).tofile(tmp_path / "a.img")
-        header = "ENVI\nsamples = 4\nlines = 4\nbands = 3\ndata type = 4\ninterleave = bsq\n"
-        header += "byte order = 0\nwavelength units = um\n"
-        header += "wavelength = {1, 2, 3}\nfwhm = {1, 1, 1}\n"
-        (tmp_path / "a.hdr").write_text(header)
+        fields = {"wavelength_units": "um", "wavelength": "{1, 2, 3}", "fwhm": "{1, 1, 1}"}
+        envi(tmp_path / "a.img", np.zeros((4, 4, 3), np.float32), "bsq", **fields)
         found = {each.check: each for each in checks(tmp_path, path="a.img", unit="DN", **params)}
         assert ("one_band" in found) is warned
         if warned:

@@ -125,34 +125,6 @@ def test_fold_then_inverse_is_inverse_then_mean(tmp_path, size, factors, chain, 
     assert np.abs(folded - expected).max() <= FOLD_ERROR[precision] * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize(("size", "left"), [(512, 2), (32, 2), (11, 2)])
-def test_combining_by_three_crops(tmp_path, precision, size, left):
-    picture = scene(size, size)
-    tail = (("combine_pixels", {"factor_x": 3, "factor_y": 3}),)
-    found, plan = delivered(tmp_path, picture, ("blur",), precision, "reflect", tail)
-    fine, _ = delivered(tmp_path, picture, ("blur",), precision, "reflect")
-    kept = size - left
-    assert found.shape == (kept // 3, kept // 3)
-    expected = fine[:kept, :kept].reshape(kept // 3, 3, kept // 3, 3).mean(axis=(1, 3))
-    assert np.abs(found - expected).max() <= FOLD_ERROR[precision] * expected.max()
-    image = plan.output("tail0.image")
-    assert image.interval_x_mrad == pytest.approx(3 * INTERVAL_X, rel=1e-12)
-    assert image.interval_y_mrad == pytest.approx(3 * INTERVAL_Y, rel=1e-12)
-
-
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("factors", [(2, 3), (5, 4)])
-def test_sum_is_mean_times_samples(tmp_path, precision, factors):
-    found = {}
-    for mode in ("mean", "sum"):
-        values = {"factor_y": factors[0], "factor_x": factors[1], "mode": mode}
-        tail = (("combine_pixels", values),)
-        found[mode], _ = delivered(tmp_path, scene(24, 36), ("blur",), precision, tail=tail)
-    expected = found["mean"] * factors[0] * factors[1]
-    assert np.abs(found["sum"] - expected).max() <= 3e-7 * expected.max()
-
-
 def two_images(shape_a, shape_b, fov_b=1.0, late=False):
     rows, columns = shape_a
     fovs = {"fov_x_deg": fov_deg(columns, INTERVAL_X), "fov_y_deg": fov_deg(rows, INTERVAL_Y)}

@@ -62,39 +62,6 @@ def test_waves_between_samples(tmp_path, edges, ratio_x, ratio_y, offset, offset
     assert image.interval_y_mrad == pytest.approx(INTERVAL_Y * ratio_y, rel=1e-14)
 
 
-@pytest.mark.thorough(but=13)
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("edges", ["reflect", "periodic"])
-@pytest.mark.parametrize("chain", CHAINS)
-@pytest.mark.parametrize(("size", "ratios"), [((24, 35), (3, 5)), ((20, 23), (1, 3))], ids=str)
-def test_odd_whole_ratios_keep_samples(tmp_path, size, ratios, chain, edges, precision):
-    """The middle of an odd number of samples is one of them, whatever the edges and phases."""
-    tail = sampled(factor_y=ratios[0], factor_x=ratios[1])
-    found, _ = delivered(tmp_path, scene(*size), CHAINS[chain], precision, edges, tail)
-    fine, _ = delivered(tmp_path, scene(*size), CHAINS[chain], precision, edges)
-    expected = fine[ratios[0] // 2 :: ratios[0], ratios[1] // 2 :: ratios[1]]
-    expected = expected[: size[0] // ratios[0], : size[1] // ratios[1]]  # pixels that fit whole
-    assert np.abs(found - expected).max() <= FOLD_ERROR[precision] * np.abs(expected).max()
-
-
-@pytest.mark.thorough(but=8)
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("edges", ["reflect", "periodic"])
-@pytest.mark.parametrize("chain", CHAINS)
-def test_mean_of_a_pixels_points_is_its_mean(tmp_path, chain, edges, precision):
-    """Four phases a quarter of a pixel apart together are the samples of blocks of four."""
-    points = [
-        delivered(
-            tmp_path, scene(16, 24), CHAINS[chain], precision, edges,
-            sampled(factor_x=4, factor_y=4, offset=(x - 1.5) / 4, offset_y=(y - 1.5) / 4),
-        )[0]
-        for x in range(4) for y in range(4)
-    ]  # fmt: skip
-    mean = (("combine_pixels", {"factor_x": 4, "factor_y": 4}),)
-    expected, _ = delivered(tmp_path, scene(16, 24), CHAINS[chain], precision, edges, mean)
-    assert np.abs(np.mean(points, axis=0) - expected).max() <= FOLD_ERROR[precision] * 80
-
-
 def camera_network(folder, tail, *, edges="periodic", number=63, ratio=8, fill=1.0):
     """A wave just below the pixels' Nyquist frequency, seen through the detector alone."""
     size, interval = 128 * ratio, 0.01
@@ -213,26 +180,6 @@ def test_a_region_is_the_wholes(tmp_path, edges):
     region = Region(2, 5, 4, 11)
     part = Engine(LIBRARY).work(Policy()).part(plan.output("tail1.image").recipe, region)
     assert np.array_equal(part, whole[region.slices])
-
-
-@pytest.mark.thorough(but=19)
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("edges", ["reflect", "periodic"])
-@pytest.mark.parametrize("chain", CHAINS)
-@pytest.mark.parametrize(
-    ("size", "ratios"), [((24, 36), (2, 3)), ((20, 16), (4, 2)), ((6, 10), (6, 1))], ids=str
-)
-def test_folded_is_evaluated(tmp_path, size, ratios, chain, edges, precision):
-    """Blocks that divide the frame are folded; a hair off them each wave is evaluated."""
-    folded, _ = delivered(
-        tmp_path, scene(*size), CHAINS[chain], precision, edges,
-        sampled(factor_y=ratios[0], factor_x=ratios[1]),
-    )  # fmt: skip
-    beside, _ = delivered(
-        tmp_path, scene(*size), CHAINS[chain], precision, edges,
-        sampled(factor_y=ratios[0], factor_x=ratios[1], offset=1e-15),
-    )  # fmt: skip
-    assert np.abs(folded - beside).max() <= FOLD_ERROR[precision] * 80
 
 
 @pytest.mark.parametrize("axes", ["mirrored", "periodic"])

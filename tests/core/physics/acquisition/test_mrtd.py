@@ -121,23 +121,6 @@ class TestByHand:
         assert found[1] == pytest.approx(by_hand, rel=1e-5)
 
 
-def test_bars_and_gaps_differ_by_the_first_harmonic():
-    """Means of bars and gaps of a square wave of difference 1 filtered down to its harmonic."""
-    phase = (np.arange(100000) + 0.5) / 100000
-    wave = np.where(phase < 0.5, 1.0, 0.0)
-    harmonic = 2 * np.mean(wave * np.sin(2 * np.pi * phase)) * np.sin(2 * np.pi * phase)
-    difference = harmonic[phase < 0.5].mean() - harmonic[phase > 0.5].mean()
-    found = mrtd_ratches_K(
-        frequency=[1e-6, 2e-6],
-        mtf=[1, 1],
-        netd_K=1,
-        snr_threshold=1,
-        noise_bandwidth_cyc_per_mrad=1e-12,  # averaging over a width leaves all of it
-        detector_along_mrad=3.5e6,  # and over a length of one line
-    )
-    assert found[0] == pytest.approx(1 / difference, rel=1e-6)
-
-
 @pytest.mark.parametrize("direction", ["horizontal", "vertical"])
 def test_simulated_noise_of_seven_components(direction):
     """Bars of 12 × 84 samples less the gaps beside them, in noise drawn sample by sample."""
@@ -393,49 +376,11 @@ def blurred_mean(width, window, sigma):
     return float(np.mean(upper - lower) / 2)
 
 
-def sum_of_sinc_squared_of_mdtd(length, end):
-    x = np.pi * length * (np.arange(20000) + 0.5) * end / 20000
-    return float(np.sum((np.sin(x) / x) ** 2) * end / 20000)
-
-
-def test_inframetrics_by_hand():
-    """Serial scan, 8 to 12 µm: 30°/170 = 3.079993 mrad a sample, NETD 0.2 K, SNR 2.25, 6 frames.
-
-    Optics and aberration as one Gaussian of 0.5 mrad, detector 600 µm/130 mm·0.95 = 4.384615 mrad;
-    a target of 20 m at 402 m, 49.751244 mrad wide, and Nyquist at 0.5/3.079993 = 0.162338.
-    """
-    # Of the target's height its own square keeps 1 − E|x|/W in each direction, x where the blur
-    # puts the light. Of the detector's half width a = 2.1923077 and σ = 0.5, which it far exceeds,
-    # E|x| = a/2 + σ²/(2a) = 1.0961538 + 0.25/4.3846154 = 1.0961538 + 0.0570175 = 1.1531714 mrad;
-    # over 49.751244: 0.0231787, so 0.9768213; for both directions squared 0.9541799.
-    # Noise: N = B·W = 0.1623379·49.751244 = 8.0765128. E = 1/(2N) − 1/(2π²N²) − sin(2πN)/(4π³N³)
-    # + cos(2πN)/(4π⁴N⁴) = 0.0619079 − 0.0007766 − 0.0000071 + 0.0000005 = 0.0611247 for each.
-    share = sum_of_sinc_squared_of_mdtd(49.751244, 0.1623379) / 0.1623379
-    assert share == pytest.approx(0.0611247, abs=2e-7)
-    # 2.25·0.2/√6 = 0.1837117 K; times 0.0611247 (the root of both), over 0.9541799.
-    by_hand = 0.1837117 * 0.0611247 / 0.9541799
-    assert by_hand == pytest.approx(0.0117686, abs=1e-7)
-    frequency = np.arange(6001) * 0.0025
-    transfer = np.exp(-2 * np.pi**2 * 0.25 * frequency**2) * np.sinc(4.384615 * frequency)
-    found = mdtd_K(
-        size_mrad=[49.751244],
-        frequency=frequency,
-        mtf_x=transfer,
-        mtf_y=transfer,
-        noise=NoiseVariances(tvh=0.04),
-        snr_threshold=2.25,
-        noise_bandwidth_x_cyc_per_mrad=0.1623379,
-        noise_bandwidth_y_cyc_per_mrad=0.1623379,
-        frames=6,
-    )[0]
-    assert found == pytest.approx(by_hand, rel=5e-6)
-
-
 def test_components_of_noise():
     """Columns are averaged across alone, rows along alone, frames over time if they change."""
     noise = NoiseVariances(tvh=0.09, vh=0.04, v=0.0016, h=0.0009, t=5, tv=0.0064, th=0.0049)
-    share = sum_of_sinc_squared_of_mdtd(2, 4) / 4
-    across, along = share, sum_of_sinc_squared_of_mdtd(2, 1) / 1
+    share = sum_of_sinc_squared(2, 4) / 4
+    across, along = share, sum_of_sinc_squared(2, 1) / 1
     left = across * along * (0.09 / 6 + 0.04)
     left += across * (0.0049 / 6 + 0.0009) + along * (0.0064 / 6 + 0.0016)
     truth = 2.5 * math.sqrt(left) / (blurred_mean(2, 2, 0.1) * blurred_mean(2, 2, 0.3))
@@ -447,7 +392,7 @@ def test_window_of_the_image():
     """A Gaussian's equivalent width is 2·√π·σ; of a point, its mean over that is the blur's."""
     found = mdtd([0.002], sigma=1.0, window="image")[0]
     width = 2 * math.sqrt(math.pi)
-    share = sum_of_sinc_squared_of_mdtd(width, 4) / 4
+    share = sum_of_sinc_squared(width, 4) / 4
     truth = 0.180650 * share / blurred_mean(0.002, width, 1.0) ** 2
     assert found == pytest.approx(truth, rel=1e-5)
     # Where the blur covers 28 samples, one that averages over the target alone sees far less.
@@ -476,7 +421,7 @@ def test_a_spectrum_of_all_temporal_noise():
     )[0]
     x = (np.arange(200000) + 0.5) * 4 / 200000
     weight = 1 / (1 + (pole * x) ** 2)
-    one = sum_of_sinc_squared_of_mdtd(2, 4) / 4
+    one = sum_of_sinc_squared(2, 4) / 4
     share = np.sum(np.sinc(2 * x) ** 2 * weight) / np.sum(weight) * one
     truth = 2.5 * math.sqrt(0.04 / 6 * share + 0.01 * one * one)
     # Of a square without blur the sum to 80 cycles/mrad leaves out 0.3 % on each side.

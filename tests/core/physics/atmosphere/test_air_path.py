@@ -20,7 +20,6 @@ from core.physics.atmosphere.air_path import (
     transmission_at_ranges,
 )
 from planck_truth import band_radiance
-from reference_cases import CAMERA, reference_cases
 
 C2_UM_K = mpmath.mpf("14387.768775039338")  # hc/k
 C1_W_UM4 = mpmath.mpf("1.191042972397188e8")  # 2hc², W µm⁴/m²/sr
@@ -39,16 +38,6 @@ def planck_slope(um, kelvin):
 def mean(function, weight, breaks):
     top = mpmath.quad(lambda um: function(um) * weight(um), breaks)
     return float(top / mpmath.quad(weight, breaks))
-
-
-@pytest.mark.parametrize("case", reference_cases("transmission", file=CAMERA))
-def test_published_transmissions(case):
-    inputs = case["inputs"]
-    extinction = extinction_of_visibility(visibility_km=float(inputs["visibility_km"]))
-    air = AirPath(extinction_per_km=extinction, range_m=1000 * float(inputs["range_km"]))
-    band = air.over_band(0.4, 0.7, source_K=5800)
-    assert band.transmission == pytest.approx(float(case["expected"]["transmission"]), rel=1e-12)
-    assert band.path_radiance == 0.0
 
 
 @pytest.mark.thorough(but=5)
@@ -190,20 +179,6 @@ def test_a_black_body_in_a_band():
     passed = math.exp(-0.3 * relative_air_mass(elevation_deg=40))
     direct = SUN_SR * band_radiance(0.5, 0.9, 5800) * passed * math.sin(math.radians(40))
     assert light.over_band(0.5, 0.9) == pytest.approx(direct + math.pi * 12 * 0.4, rel=1e-12)
-
-
-def test_a_table_and_a_number():
-    points = ((0.4, 1000.0), (0.55, 1800.0), (0.8, 1200.0))
-    light = Sunlight(30, points=points)
-
-    def line(um):
-        low, high = (points[0], points[1]) if um < 0.55 else (points[1], points[2])
-        return low[1] + (high[1] - low[1]) * (um - low[0]) / (high[0] - low[0])
-
-    expected = float(mpmath.quad(line, [0.45, 0.55, 0.7])) / 2
-    assert light.over_band(0.45, 0.7) == pytest.approx(expected, rel=1e-13)
-    assert Sunlight(30, irradiance=900.0).over_band(0.4, 0.6) == pytest.approx(90.0, rel=1e-13)
-    assert Sunlight(0, irradiance=900.0).over_band(0.4, 0.6) == 0.0
 
 
 def test_the_eye_sees_the_published_sum_peak_and_freezing_platinum():

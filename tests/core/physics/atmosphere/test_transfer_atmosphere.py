@@ -42,41 +42,8 @@ def _assert_passive(mtf):
     assert mtf[0] == 1.0
 
 
-@pytest.mark.parametrize("alpha", [0.0, 0.5, 1.0])
-def test_fried_form(alpha):
-    mpf = mpmath.mpf
-    for rho in (1e-3, 0.7, 8.9):
-        with mpmath.workdps(30):
-            lag = mpf("10") * mpf(rho)
-            tilt = 1 - mpf(alpha) * mpmath.cbrt(lag / 90)
-            truth = mpmath.exp(mpf("-3.44") * (lag / 50) ** (mpf(5) / 3) * max(mpf(0), tilt))
-        got = fried_mtf(rho=rho, wavelength_um=10.0, fried_r0_m=0.05, aperture_mm=90.0, alpha=alpha)
-        assert got == pytest.approx(float(truth), rel=1e-14)
-
-
 def test_air_without_turbulence_is_exactly_one():
     np.testing.assert_array_equal(fried_mtf(rho=_RHO, wavelength_um=4.0, fried_r0_m=math.inf), 1.0)
-
-
-def test_aerosol_form_and_its_plateaus():
-    for level, plateau in (("none", 1.0), ("low", 0.99), ("moderate", 0.975), ("high", 0.955)):
-        depth = turbidity_optical_depth(level=level)
-        mtf = aerosol_mtf(rho=[0.0, 5e-4, 1e-3, 2.0], optical_depth=depth)
-        truth = [1.0, plateau**0.25, plateau, plateau]
-        np.testing.assert_allclose(mtf, truth, rtol=1e-15)
-
-
-def test_optical_depth_of_a_path():
-    ground = {"scattering_per_km": 0.3, "scale_height_km": 1.2}
-    level = path_optical_depth(**ground, path_m=402.0)
-    assert level == pytest.approx(0.3 * 0.402, rel=1e-15)
-    up = path_optical_depth(**ground, path_m=3000.0, view="vertical")
-    with mpmath.workdps(25):
-        truth = mpmath.quad(lambda h: mpmath.mpf(0.3) * mpmath.exp(-h / mpmath.mpf(1.2)), [0, 3])
-    assert up == pytest.approx(float(truth), rel=1e-15)
-    assert path_optical_depth(**ground, path_m=3000.0, view="up") == up
-    short = path_optical_depth(**ground, path_m=1e-9, view="vertical")
-    assert short == pytest.approx(0.3e-12, rel=1e-12)
 
 
 def test_standard_profile_has_its_name_giving_coherence_diameter():

@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from core.physics.measurement.edge_mtf import measure_edge, pooled_mtf
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import edge_samples
 from core.physics.measurement.ridges import spread_out
-from edge_pictures import edge_mtf, edge_picture
+from edge_pictures import edge_picture
 from edge_truth import gaussian_edge
-
-FREQUENCY = np.linspace(0.0, 0.5, 26)
 
 
 def noisy_edge(angle=5.0, sigma=0.6, low=48.0, contrast=8.0, noise=0.05, size=(90, 90)):
@@ -36,19 +33,6 @@ def test_one_edge_in_each_direction(turns):
     assert np.max(np.abs(samples.distance)) <= edge.reach
 
 
-def test_mtf_of_the_edge_found():
-    (edge,) = [edge for edge in find_edges(picture=noisy_edge()) if edge.used]
-    measured = measure_edge(picture=noisy_edge(), edge=edge, frequency=FREQUENCY)
-    truth = edge_mtf(FREQUENCY, 5.0, 0.6)
-    assert np.max(np.abs(measured.mtf - truth)) < 0.02
-    assert np.all(np.abs(measured.mtf - truth)[1:] < 4.0 * measured.sigma[1:])
-    assert measured.mtf50 == pytest.approx(np.interp(-0.5, -truth, FREQUENCY), abs=0.005)
-    across = pooled_mtf(edges=[measured], axis="x")
-    assert across is not None
-    assert across.edges == 1
-    assert pooled_mtf(edges=[measured], axis="y") is None
-
-
 def refused(picture, **settings):
     """Why the strongest candidate is not used; there must be none that is."""
     edges = find_edges(picture=picture, **settings)
@@ -66,26 +50,6 @@ def test_clipped_edge():
     assert find_edges(picture=noisy_edge(noise=0.0))[0].used
     assert refused(picture, clip_levels=(0.0, 56.0)).startswith("clipped: ")
     assert find_edges(picture=picture, clip_levels=(40.0, 60.0))[0].used
-
-
-@pytest.mark.parametrize(
-    ("noise", "limits", "words"),
-    [
-        (0.08, (48.8, 60.0), "of the samples on one side are at the limit"),
-        (0.24, (48.8, 55.2), "but the noise of the step is"),
-    ],
-)
-def test_edge_whose_ends_are_cut_off(noise, limits, words):
-    """Beyond the limits no noise is left, or nearly none; unlimited, the same edge is used."""
-    picture = noisy_edge(sigma=1.2, noise=noise)
-    assert words in refused(picture.clip(*limits))
-    assert find_edges(picture=picture)[0].used
-
-
-def test_photons_that_fade_towards_the_dark_are_not_cut_off():
-    """A step with no background has no noise beside it either."""
-    picture = np.random.default_rng(4).poisson(1000.0 * edge_picture(5.0, 0.6, (90, 90)).clip(0.0))
-    assert find_edges(picture=picture.astype(np.float64))[0].used
 
 
 def test_edge_along_the_columns_cannot_be_supersampled():

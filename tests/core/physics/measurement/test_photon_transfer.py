@@ -218,13 +218,6 @@ def stack(electrons, count, seed):
     return np.rint(signal / GAIN + OFFSET).clip(0, LAST_DN)
 
 
-def field_of_emva_figures(frames):
-    taken = FlatFrames(ROWS, COLUMNS)
-    for frame in frames:
-        taken.add(frame)
-    return taken.measured()
-
-
 @pytest.fixture(scope="module")
 def stacks():
     dark = stack(0.0, 40, 90)
@@ -234,9 +227,7 @@ def stacks():
 @pytest.fixture(scope="module")
 def curve_of_emva_figures(stacks):
     dark, lit = stacks
-    return photon_transfer(
-        levels=[field_of_emva_figures(frames) for frames in lit], dark=field_of_emva_figures(dark)
-    )
+    return photon_transfer(levels=[measured(frames) for frames in lit], dark=measured(dark))
 
 
 def split(frames):
@@ -278,8 +269,8 @@ def test_patterns_part_into_rows_columns_and_pixels(curve_of_emva_figures):
 
 def test_the_split_is_that_of_the_standard(stacks):
     dark, _ = stacks
-    measured = field_of_emva_figures(dark)
-    own = (measured.rows_dn2, measured.columns_dn2, measured.single_pixels_dn2)
+    made = measured(dark)
+    own = (made.rows_dn2, made.columns_dn2, made.single_pixels_dn2)
     assert own == pytest.approx(split(dark), rel=0.012)  # n for n − 1, of 96 rows
 
 
@@ -310,9 +301,7 @@ def test_a_dark_that_rounding_hides_counts_as_the_standard_has_it():
     dark = np.full((4, ROWS, COLUMNS), 7.0)
     lit = [np.random.default_rng(s).poisson(m, (4, ROWS, COLUMNS)) + 7.0 for s, m in
            enumerate((50, 200, 500))]  # fmt: skip
-    found = photon_transfer(
-        levels=[field_of_emva_figures(frames) for frames in lit], dark=field_of_emva_figures(dark)
-    )
+    found = photon_transfer(levels=[measured(frames) for frames in lit], dark=measured(dark))
     least = math.sqrt(0.24) * found.gain_e_per_dn + 0.5
     assert found.emva.sensitivity_threshold_e == pytest.approx(least, rel=1e-12)
     assert found.emva.saturation_capacity_e is None
@@ -321,9 +310,7 @@ def test_a_dark_that_rounding_hides_counts_as_the_standard_has_it():
 
 def test_without_dark_frames_what_needs_none_is_there(stacks):
     _, lit = stacks
-    found = photon_transfer(
-        levels=[field_of_emva_figures(frames) for frames in lit], offset_dn=OFFSET
-    ).emva
+    found = photon_transfer(levels=[measured(frames) for frames in lit], offset_dn=OFFSET).emva
     assert found.snr_max is not None
     assert (found.sensitivity_threshold_e, found.dynamic_range) == (None, None)
     assert (found.dsnu_row_e, found.prnu_row_percent) == (None, None)

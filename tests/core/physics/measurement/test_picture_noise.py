@@ -2,35 +2,50 @@
 
 import io
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import special
 
+from camera_scenes import box, turned
 from core.errors import DataError
 from core.physics.measurement.flat_blocks import variance_line
 from core.physics.measurement.picture_noise import SceneFrames, noise_of_picture
-from noisy_scenes import Sensor, blurred, polygons
+from oversampled_camera import Camera, digitized, sampled, true_sigma
+from oversampled_scene import Scene, Shape, render
 
 LEVELS = (4000, 200, 12_000, 1000, 25_000, 7000, 18_000, 600)
+CAMERA = Camera(gaussian=(0.5, 0.5), read_e=12.0, gain_e_per_dn=4.0, bits=14)
+NOISY = replace(CAMERA, read_e=40.0)
+
+
+def polygons(rows, columns, levels, seed=3):
+    """Electrons of overlapping turned rectangles behind the camera's blur."""
+    random, shapes = np.random.default_rng(seed), []
+    for level in levels[1:]:
+        angle, place = random.uniform(0, 180), random.uniform(0, 1, 2) * (columns, rows)
+        size = random.uniform(0.3, 0.7, 2) * min(rows, columns)
+        shapes.append(Shape(turned(box(*size), angle, place), level))
+    scene = Scene(background=levels[0], shapes=tuple(shapes))
+    return sampled(render(scene, rows, columns, fine=4, margin=8), CAMERA)
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return blurred(polygons(240, 320, LEVELS, seed=3), sigma=0.5)
+    return polygons(240, 320, LEVELS)
 
 
 def test_sigma_gain_and_read_noise_of_polygons(scene):
-    sensor = Sensor(gain=4.0, read_e=40.0)
-    noise = noise_of_picture(picture=sensor.picture(scene, seed=1))
-    truth = sensor.sigma(scene.mean())
+    noise = noise_of_picture(picture=digitized(scene, NOISY, 1))
+    truth = true_sigma(NOISY, scene.mean())
     assert noise.sigma == pytest.approx(truth, rel=0.03)
     assert abs(noise.sigma - truth) < 3 * noise.sigma_error
     assert noise.gain_e_per_dn == pytest.approx(4.0, rel=0.05)
     assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
     assert abs(noise.read_noise_dn - 10.0) < 3 * noise.read_noise_error
     assert noise.step == 1.0
-    expected = [sensor.sigma(4.0 * part.level) ** 2 for part in noise.levels]
+    expected = [true_sigma(NOISY, 4.0 * part.level) ** 2 for part in noise.levels]
     pulls = [
         (part.variance - truth) / part.variance_error
         for part, truth in zip(noise.levels, expected, strict=True)
@@ -40,13 +55,13 @@ def test_sigma_gain_and_read_noise_of_polygons(scene):
 
 
 def test_rows_and_columns(scene):
-    sensor = Sensor(rows=6.0, columns=3.0, bits=None)
-    noise = noise_of_picture(picture=sensor.picture(scene, seed=2))
-    assert noise.sigma == pytest.approx(sensor.sigma(scene.mean()), rel=0.03)
+    camera = replace(CAMERA, row_dn=6.0, column_dn=3.0, bits=None)
+    noise = noise_of_picture(picture=digitized(scene, camera, 2))
+    assert noise.sigma == pytest.approx(true_sigma(camera, scene.mean()), rel=0.03)
     for part, truth in ((noise.rows, 36.0), (noise.columns, 9.0)):
         assert part.significant
         assert abs(part.variance - truth) < 3 * part.variance_error
-    without = noise_of_picture(picture=Sensor().picture(scene, seed=2))
+    without = noise_of_picture(picture=digitized(scene, CAMERA, 2))
     assert not without.rows.significant
     assert not without.columns.significant
 
@@ -54,13 +69,13 @@ def test_rows_and_columns(scene):
 @pytest.mark.parametrize("wave", [(0.35, -0.27), (0.43, 0.36), (0.2131, 0.1)])
 def test_a_wave_all_over_the_picture(scene, wave):
     """A strong one leaves no noise to measure; a weak one does not change it."""
-    strong = Sensor(read_e=40.0, lines=((20.0, *wave),))
-    noise = noise_of_picture(picture=strong.picture(scene, seed=12))
+    strong = replace(NOISY, periodic=(20.0, *wave))
+    noise = noise_of_picture(picture=digitized(scene, strong, 12))
     assert noise.sigma is None
     assert "frequencies" in noise.sigma_reason
-    weak = Sensor(read_e=40.0, lines=((2.0, *wave),))
-    noise = noise_of_picture(picture=weak.picture(scene, seed=12))
-    assert noise.sigma == pytest.approx(weak.sigma(scene.mean()), rel=0.01)
+    weak = replace(NOISY, periodic=(2.0, *wave))
+    noise = noise_of_picture(picture=digitized(scene, weak, 12))
+    assert noise.sigma == pytest.approx(true_sigma(weak, scene.mean()), rel=0.01)
 
 
 def test_flat_areas_far_from_the_mean_level():
@@ -98,8 +113,7 @@ def test_no_noise_and_no_flat_area():
 
 
 def test_clipped_and_avoided_samples_do_not_count(scene):
-    sensor = Sensor(read_e=40.0)
-    picture = sensor.picture(scene, seed=7).clip(0, 5000)
+    picture = digitized(scene, NOISY, 7).clip(0, 5000)
     picture[:40, :40] += 300 * np.random.default_rng(8).standard_normal((40, 40))
     avoid = np.zeros(picture.shape, bool)
     avoid[:40, :40] = True
@@ -112,16 +126,16 @@ def test_clipped_and_avoided_samples_do_not_count(scene):
     assert nothing.sigma_reason == "no samples are left to measure"
 
 
-def box(picture, axis):
+def smeared(picture, axis):
     """Mean of a sample and the one before along an axis: noise that was blurred later."""
     return 0.6 * picture + 0.4 * np.roll(picture, 1, axis)
 
 
 def test_noise_blurred_after_it_arose(scene):
-    picture = Sensor(bits=None).picture(scene, seed=9)
-    along_rows = noise_of_picture(picture=box(picture, 1))
+    picture = digitized(scene, replace(CAMERA, bits=None), 9)
+    along_rows = noise_of_picture(picture=smeared(picture, 1))
     assert along_rows.sigma is None
-    both = noise_of_picture(picture=box(box(picture, 0), 1))
+    both = noise_of_picture(picture=smeared(smeared(picture, 0), 1))
     assert both.sigma is None
     doubled = picture.copy()
     doubled[1::2] = doubled[::2]
@@ -131,7 +145,7 @@ def test_noise_blurred_after_it_arose(scene):
 
 
 def test_noise_sharpened_after_it_arose(scene):
-    picture = Sensor(bits=None).picture(scene, seed=9)
+    picture = digitized(scene, replace(CAMERA, bits=None), 9)
     around = sum(np.roll(picture, step, axis) for step in (-1, 1) for axis in (0, 1))
     noise = noise_of_picture(picture=1.8 * picture - 0.2 * around)
     assert noise.sigma is None
@@ -141,7 +155,7 @@ def test_noise_sharpened_after_it_arose(scene):
 @pytest.mark.parametrize("cut", [(0, 0), (3, 5), (0, 6)])
 def test_compressed_by_jpeg(scene, cut):
     image = pytest.importorskip("PIL.Image")
-    picture = Sensor(gain=120.0, read_e=300.0).picture(scene, seed=14).clip(0, 255)
+    picture = digitized(scene, replace(CAMERA, gain_e_per_dn=120.0, read_e=300.0), 14).clip(0, 255)
     for quality, known in ((90, False), (60, False), (None, True)):
         numbers = picture
         if quality is not None:
@@ -314,11 +328,9 @@ def pulls_of(pictures, truth):
 
 @pytest.mark.parametrize("levels", [(4000, 1000, 9000, 2500)])
 def test_sigma_has_no_bias_and_errors_that_hold(levels):
-    clean = polygons(136, 176, levels, seed=3)
-    scene = blurred(np.asarray(clean, float), sigma=0.5)
-    sensor = Sensor(gain=4.0, read_e=40.0)
-    pictures = (sensor.picture(scene, seed=seed) for seed in range(40))
-    pulls = pulls_of(pictures, sensor.sigma(scene.mean()))
+    scene = polygons(136, 176, levels)
+    pictures = (digitized(scene, NOISY, seed) for seed in range(40))
+    pulls = pulls_of(pictures, true_sigma(NOISY, scene.mean()))
     # Standard errors of the mean and of the root mean square are 0.16 and 0.11.
     assert abs(pulls.mean()) < 0.4
     assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
@@ -350,13 +362,12 @@ def test_error_by_rounding_beyond_a_twelfth(sigma):
 
 
 def test_what_is_not_known_well_is_withheld_with_its_value():
-    sensor = Sensor(gain=4.0, read_e=40.0)
-    few = blurred(polygons(64, 72, (4000, 8000), seed=3), sigma=0.5)
-    noise = noise_of_picture(picture=sensor.picture(few, seed=1))
+    few = polygons(64, 72, (4000, 8000))
+    noise = noise_of_picture(picture=digitized(few, NOISY, 1))
     assert noise.sigma is None
     assert "at 95 % confidence; allowed uncertainty: at most 3%" in noise.sigma_reason
-    more = blurred(polygons(240, 320, (4000, 6000), seed=3), sigma=0.5)
-    noise = noise_of_picture(picture=sensor.picture(more, seed=1))
+    more = polygons(240, 320, (4000, 6000))
+    noise = noise_of_picture(picture=digitized(more, NOISY, 1))
     assert noise.sigma is not None
     assert noise.gain_e_per_dn is None
     assert "at 99 % confidence; allowed: at most 5%" in noise.gain_reason

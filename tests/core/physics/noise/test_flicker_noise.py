@@ -14,7 +14,6 @@ from core.physics.noise.flicker_noise import (
     photon_means,
     poisson_of_normal,
     published_means,
-    radiance_of_photons,
 )
 
 RATE = 30.0
@@ -127,13 +126,6 @@ def test_models_with_any_pattern(picture, shape):
         )
         assert single.dtype == np.float32
         np.testing.assert_allclose(single, truth, rtol=1e-6)
-
-
-def test_photons_and_back(picture):
-    means = photon_means(picture, photons_per_unit=5e4)
-    np.testing.assert_allclose(means, picture * 5e4, rtol=1e-15)
-    back = radiance_of_photons(means, photons_per_unit=5e4)
-    np.testing.assert_allclose(back, picture, rtol=1e-15)
 
 
 def test_rounding_below_zero_is_zero_and_more_is_refused(picture):

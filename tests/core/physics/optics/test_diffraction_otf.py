@@ -18,7 +18,6 @@ from core.physics.optics.diffraction_otf import (
 )
 from core.physics.optics.overlap_area import annular_otf, disc_overlap_fraction
 from core.physics.optics.polychromatic import Spectrum
-from reference_cases import CAMERA, reference_cases
 
 
 def shared_chords(v, w20, inner):
@@ -82,20 +81,6 @@ def test_defocus_is_the_pupils_autocorrelation(inner, w20):
     expected = np.array([float(shared_chords(v, w20, inner)) for v in ratio])
     found = annular_defocus_otf(frequency_ratio=ratio, w20_waves=w20, obscuration_ratio=inner)
     assert np.abs(found - expected).max() <= 1e-13 / (1 - inner**2)
-
-
-@pytest.mark.parametrize("case", reference_cases("polychromatic_mtf", file=CAMERA))
-def test_reference(case):
-    given = {name: float(value) for name, value in case["inputs"].items()}
-    found = diffraction_otf(
-        rho=given["xi_cyc_per_mrad"],
-        aperture=Aperture(given["aperture_mm"]),
-        cut_on_um=given["cut_on_um"],
-        cut_off_um=given["cut_off_um"],
-        weighting="photons",
-        temperature_K=given["source_K"],
-    )
-    assert float(found) == pytest.approx(float(case["expected"]["mtf"]), rel=1e-9)
 
 
 def over_band(aperture, rho, low, high, weight, bends=()):

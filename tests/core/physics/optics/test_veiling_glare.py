@@ -5,7 +5,6 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import quad
 
 from core.errors import ParameterError
 from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
@@ -22,11 +21,6 @@ def test_it_is_the_hankel_transform_of_the_spread(length, rho):
         )  # fmt: skip
     found = veiling_glare_mtf(rho=rho, share=0.2, length_mrad=length)
     assert float(found) == pytest.approx(0.8 + 0.2 * float(spread), rel=1e-9)
-
-
-def test_half_of_it_falls_within_the_named_radius():
-    inside = quad(lambda r: r * 2.0 / (r * r + 4.0) ** 1.5, 0, math.sqrt(3) * 2.0)[0]
-    assert inside == pytest.approx(0.5, rel=1e-12)
 
 
 def test_its_ends():

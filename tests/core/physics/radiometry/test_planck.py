@@ -200,12 +200,6 @@ def test_noise_equivalents(case):
     assert_equal(netd, expected["netd_K"])
 
 
-def test_system_and_amplifier():
-    assert ne.system_netd_K(amplifier_netd_K=3.0, detector_netd_K=4.0) == pytest.approx(5.0)
-    assert ne.amplifier_noise_radiance(reference_radiance=40.0, snr=4.0) == pytest.approx(10.0)
-    assert ne.amplifier_noise_radiance(reference_radiance=0.0, snr=4.0) == 0.0
-
-
 # The brightest surfaces of the Earth, by quadrature of Planck's law and the solar constant.
 
 SOLAR_CONSTANT_W_M2 = 1361.0  # nominal; Kopp and Lean 2011 measured 1360.8

@@ -25,23 +25,6 @@ def kernel(order, x):
     return ((-x / 2 + mpmath.mpf(5) / 2) * x - 4) * x + 2 if x < 2 else mpmath.mpf(0)
 
 
-@pytest.mark.thorough(but=12)
-@pytest.mark.parametrize("order", [0, 1, 3])
-@pytest.mark.parametrize("frequency", [0.0, 1e-4, 0.01, 0.0333, 0.0334, 0.1, 0.333, 0.5, 1.0, 2.7])
-def test_very_many_places_make_the_transform_of_the_kernel(order, frequency):
-    interval = 1.5
-    f = mpmath.mpf(frequency) * mpmath.mpf(interval)
-    ends = [0, 0.5] if order == 0 else [0, 1, 2]
-    expected = 2 * mpmath.quad(lambda x: kernel(order, x) * mpmath.cos(2 * mpmath.pi * f * x), ends)
-    found = interpolation_mtf(
-        frequency=[frequency], interval_mrad=interval, order=order, old=4000, new=4001
-    )[0]
-    assert found == pytest.approx(float(expected), abs=3e-7)
-    assert interpolation_mtf(
-        frequency=[0.0], interval_mrad=interval, order=order, old=4000, new=4001
-    )[0] == pytest.approx(1.0, rel=1e-13)
-
-
 @pytest.mark.thorough(but=11)
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize(
@@ -61,18 +44,6 @@ def test_places_of_few_samples(order, old, new):
     how = {"frequency": frequency, "interval_mrad": 1.0, "order": order, "old": old, "new": new}
     found = interpolation_mtf(**how) * np.exp(1j * interpolation_ptf(**how))
     assert found == pytest.approx(expected, abs=1e-12)
-
-
-@pytest.mark.parametrize("factor", [2, 4, 6, 16])
-def test_every_second_sample_is_a_shift_without_loss(factor):
-    """Samples 1, 3, 5 … of a wave, whose centres should be those of the pairs."""
-    interval, old = 0.7, 240
-    frequency = np.array([0.0, 0.01, 0.05, 0.3, 0.7])
-    how = {"frequency": frequency, "interval_mrad": interval, "order": 0}
-    how |= {"old": old, "new": old // factor}
-    np.testing.assert_allclose(interpolation_mtf(**how), 1.0, rtol=1e-14)
-    # A sample half an interval further on: exp(2πi·f·interval/2).
-    np.testing.assert_allclose(interpolation_ptf(**how), np.pi * frequency * interval, rtol=1e-12)
 
 
 @pytest.mark.parametrize("samples", [1, 2, 3, 8])

@@ -8,23 +8,15 @@ import pytest
 
 from core.errors import ParameterError
 from core.physics.numerics import sinc
-from core.physics.optics.veiling_glare import fwhm_to_sigma_mrad, gaussian_mtf
-from core.physics.sampling.detector_sampling import (
-    interval_mrad,
-    nyquist_cyc_per_mrad,
-)
 from core.physics.sampling.platform_motion import (
     WAVES,
     MotionSpectrum,
     between_exposures_mrad,
-    blur_mrad,
     exposure_mtf,
     line_intervals_mrad,
-    line_motion_mtf,
     motion_waves,
     scale_nodes_mrad,
     scale_weights,
-    scan_blur_mrad,
     vibration_mtf,
     vibration_otf,
     view_angles_rad,
@@ -38,11 +30,6 @@ def test_view_angles_are_equal_steps_about_nadir():
     found = view_angles_rad(columns=4, interval_mrad=200.0)
     np.testing.assert_allclose(found, [-0.3, -0.1, 0.1, 0.3], rtol=0, atol=1e-16)
     assert view_angles_rad(columns=1, interval_mrad=5e3) == [0.0]
-
-
-def test_a_scan_to_one_side_of_nadir():
-    found = view_angles_rad(columns=3, interval_mrad=200.0, look_angle_rad=0.5)
-    np.testing.assert_allclose(found, [0.3, 0.5, 0.7], rtol=0, atol=1e-16)
 
 
 def test_lines_close_up_with_the_range():
@@ -187,29 +174,6 @@ def test_sinc_is_exact_at_integers_and_infinity():
     np.testing.assert_array_equal(sinc([1.0, -2.0, 3e5, 1e20, np.inf, -np.inf]), 0.0)
 
 
-def test_smear_equals_the_mean_of_displaced_points():
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    bx, by, xi, eta = 0.8, -1.7, 2.3, 1.1
-    phase = 2.0 * np.pi * 0.5 * nodes * (bx * xi + by * eta)
-    truth = 0.5 * np.sum(weights * np.cos(phase))
-    got = line_motion_mtf(xi=xi, eta=eta, blur_x_mrad=bx, blur_y_mrad=by)
-    assert got == pytest.approx(truth, abs=1e-14)
-
-
-def test_half_maximum_lies_at_half_the_full_width():
-    sigma = fwhm_to_sigma_mrad(fwhm_mrad=0.3)
-    assert math.exp(-0.5 * (0.15 / sigma) ** 2) == pytest.approx(0.5, rel=1e-15)
-
-
-def test_gaussian_equals_the_transform_of_its_spread():
-    x = np.linspace(-6.0, 6.0, 4001)  # trapezoid on a Gaussian converges beyond rounding
-    spread = np.exp(-0.5 * (x / 0.5) ** 2)
-    for frequency in (0.1, 0.48892, 1.3):
-        truth = np.sum(spread * np.cos(2 * np.pi * frequency * x)) / np.sum(spread)
-        got = gaussian_mtf(frequency=frequency, sigma_mrad=0.5)
-        assert got == pytest.approx(truth, abs=2e-15)
-
-
 def _vibration_truth(size, periods):
     """Mean over the exposure by direct quadrature, a panel for each radian of phase."""
     panels = max(2, math.ceil(4.0 * periods * (1.0 + size)))
@@ -241,14 +205,3 @@ def test_whole_periods_give_the_signed_bessel_function(rate, time):
         frequency=[2.0], amplitude_mrad=0.2, vibration_frequency_Hz=rate, integration_time_s=time
     )
     assert mtf[0] == pytest.approx(float(mpmath.besselj(0, 0.8 * mpmath.pi)), rel=1e-13)
-
-
-def test_motion_widths():
-    assert blur_mrad(velocity_m_per_s=-4.0, time_s=0.5, range_m=1000.0) == -2.0
-    assert scan_blur_mrad(scan_velocity_mrad_per_s=500.0, dwell_time_s=0.002) == 1.0
-
-
-def test_sampling_of_a_detector():
-    interval = interval_mrad(fov_deg=30.0, samples=512)
-    assert nyquist_cyc_per_mrad(interval_mrad=interval) == pytest.approx(0.488924, abs=1e-6)
-    assert interval_mrad(fov_deg=1e-6, samples=512) > 0.0

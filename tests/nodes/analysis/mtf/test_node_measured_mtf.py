@@ -95,16 +95,6 @@ def test_only_the_region_counts(tmp_path):
     np.testing.assert_allclose(series.y, edge_mtf(series.x, 4, 1), atol=0.002)
 
 
-def test_row_average_reads_low_by_the_differences(tmp_path):
-    picture = edge_picture(0, 1.2, (40, 64)).T
-    engine, plan, work = measured(
-        tmp_path, picture, method="row_average", axis="cyc_per_pixel", direction="vertical"
-    )
-    series = engine.value(plan, "out.curve", work).series[0]
-    truth = edge_mtf(series.x, 0, 1.2) * np.sinc(series.x)
-    np.testing.assert_allclose(series.y, truth, atol=0.004)
-
-
 @pytest.mark.parametrize(
     ("params", "named"),
     [

@@ -72,18 +72,6 @@ def test_a_single_frame_is_refused(tmp_path):
     ]
 
 
-def test_the_literal_gain_error_is_refused(tmp_path):
-    engine, network = noisy_sensor(tmp_path, "gain")
-    network = network.with_parameter("electronics", "gain_model", "literal")
-    network = replace(
-        network,
-        nodes={**network.nodes, "noise": Node("noise", "noise_3d", {"frames": 4})},
-        links=(*network.links, Link.between("out.image", "noise.image")),
-    )
-    plan = engine.plan(network, folder=tmp_path)
-    assert "gain_model = literal multiplies the picture" in str(plan.errors()[0])
-
-
 KINDS = ("photons", "published photons", *SOURCES, "periodic")
 SENSORS, FRAMES_OF_EACH = 20, 10
 SETTINGS = {
@@ -148,22 +136,6 @@ def test_each_source_has_its_term(tmp_path):
     # 8 levels of noise stir a step of 80/63 fully: q²/12, less what interpolation averages.
     stirred = told["electronics", "quantization"].variances
     assert stirred.total == 0.0 or stirred.total < (80 / 63) ** 2 / 12
-
-
-def test_prediction_of_a_uniform_field_in_closed_form(tmp_path, monkeypatch):
-    """Unfiltered amplifier noise and gain of a uniform 30: σ = 30/SNR and 30 × 2 %."""
-    import noisy_sensors
-
-    monkeypatch.setattr(noisy_sensors, "scene", lambda: np.full((96, 120), 30.0))
-    quiet = {**noisy_sensors.QUIET, "use_mtf": False}
-    monkeypatch.setattr(noisy_sensors, "QUIET", quiet)
-    engine, network = noisy_sensor(tmp_path, "amplifier", "gain", resize=False)
-    image, work = picture_of(engine, network, tmp_path, 1)
-    found = work.value(NoiseOf(image)).total
-    assert found.sigma("tvh") == pytest.approx(30.0 / 40.0, rel=1e-9)
-    assert found.sigma("vh") == pytest.approx(30.0 * 0.02, rel=1e-6)
-    for name in ("t", "v", "h", "tv", "th"):
-        assert abs(found.sigma(name)) < 1e-6
 
 
 LIBRARY = standard_library()
