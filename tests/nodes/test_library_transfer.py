@@ -13,8 +13,8 @@ from battery_settings import EXAMPLES, NOT_PASSIVE, PUPILS, SETTINGS
 from core.chain.engine import Engine, Plan, transfer_plane
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
-from core.modules.parameters import plain
 from core.transfer.factors import Product
+from drawn_chains import drawn
 from library_battery import (
     APPLIED,
     DECLARED,
@@ -89,23 +89,6 @@ def test_transfer_functions_that_amplify(params, folder):
     check_transfer(planned("electronics_noise", params, folder), passive=False)
 
 
-def drawn_value(parameter) -> st.SearchStrategy[Any]:
-    """Values over the parameter's declared range, ordinary and extreme."""
-    low, high = parameter.param.low, parameter.param.high
-    if parameter.kind == "choice":
-        return st.sampled_from(parameter.choices)
-    if parameter.kind == "switch":
-        return st.booleans()
-    if parameter.kind == "integer":
-        return st.integers(int(low or 0), int(min(high or 10**6, 10**6)))
-    if parameter.kind == "number":
-        size = st.floats(-12, 12).map(lambda power: float(10.0**power)) | st.just(1.0)
-        signed = size if low is not None and low >= 0 else st.one_of(size, size.map(lambda v: -v))
-        fits = signed.filter(parameter._in_range)
-        return st.one_of(st.none(), fits) if parameter.empty else fits
-    return st.just(plain(parameter.default))
-
-
 @pytest.mark.parametrize("key", [k for k in FILTERS if k != "exit_pupil_mtf"])
 @settings(
     max_examples=examples(40),
@@ -115,7 +98,7 @@ def drawn_value(parameter) -> st.SearchStrategy[Any]:
 )
 @given(data=st.data())
 def test_transfer_functions_of_any_parameters(key, folder, data):
-    params = {p.name: data.draw(drawn_value(p), p.name) for p in DECLARED[key].parameters}
+    params = {p.name: data.draw(drawn(p, 12), p.name) for p in DECLARED[key].parameters}
     if key == "electronics_noise" and params["post_filter"] in ("highpass", "boost"):
         params["post_filter"] = "none"
     try:

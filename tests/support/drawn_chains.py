@@ -56,11 +56,6 @@ def ordinary(parameter: Parameter) -> st.SearchStrategy[Any]:
     return drawn(parameter, 3)
 
 
-def extreme(parameter: Parameter) -> st.SearchStrategy[Any]:
-    """Values over the whole range of the type."""
-    return drawn(parameter, 300)
-
-
 def drawn(parameter: Parameter, decades: int) -> st.SearchStrategy[Any]:
     low, high = AFFORDABLE.get(parameter.name, (parameter.param.low, parameter.param.high))
     if parameter.kind == "choice":

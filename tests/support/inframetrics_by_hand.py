@@ -129,25 +129,23 @@ def _default(builder, node, name):
 
 # Of the shipped network a part that has every kind of node, wire, field and page.
 KEPT = {
-    "scene": ("kind", "width"),
+    "scene": ("width",),
     "init": ("detector_x_um", "detector_y_um", "f_number", "focal_length_mm", "platform"),
-    "aberration": ("sigma_x_mrad",),
-    "jitter": ("sigma_mrad",),
     "detector": (),
+    "jitter": ("sigma_mrad",),
     "back": (),
     "electronics": ("material", "region", "scan_mirror_rate_Hz", "use_mtf"),
     "frame_grabber": (),
 }
 WIRES = (
-    "scene.image init.image, init.context aberration.context, init.context jitter.context, "
-    "init.magnitude aberration.magnitude, aberration.magnitude jitter.magnitude, "
+    "scene.image init.image, init.context jitter.context, init.magnitude jitter.magnitude, "
     "init.context detector.context, jitter.magnitude detector.magnitude, init.phase back.phase, "
     "detector.magnitude back.magnitude, init.context electronics.context, "
     "back.image electronics.image, electronics.image frame_grabber.image"
 )
 SIDE = 128
 COLUMNS = 4
-INSERTED = "jitter"  # dropped on the wire from `aberration` to `detector`
+INSERTED = "jitter"  # dropped on the wire from `init` to `detector`
 DROPPED_WIRE = ("electronics", "image", "frame_grabber", "image")  # its target added by its menu
 
 
@@ -290,7 +288,7 @@ class Builder(ValuesByHand):
         for link in self.wanted.links:
             if link not in by_menu + inserted and DROPPED_WIRE[2] not in (link.source, link.target):
                 self.connect(*_ends(link))
-        self.connect("aberration", "magnitude", "detector", "magnitude")
+        self.connect("init", "magnitude", "detector", "magnitude")
         self.drop_on_wire(INSERTED)
         self.wire_to_menu()
         for link in self.wanted.links:
@@ -319,7 +317,7 @@ class Builder(ValuesByHand):
         assert "magnitude" in self.window.status.error
 
     def drop_on_wire(self, name):
-        (link,) = [link for link in self.network.links if _ends(link)[0] == "aberration"]
+        link = Link("init", "magnitude", "detector", "magnitude")
         head = place_of_head(self.canvas, name)
         self.hands.drag(head, place_of_wire(self.canvas, link), hold=0.1)
         wait_until(

@@ -44,7 +44,8 @@ def choose(made, node):
     process_events(0.2)  # a second click would be a double-click
     made.hands.click(made.at(place_of_head(made.window.canvas, node)))
     wait_until(lambda: made.window.session.selection == (node,), f"{node} is selected")
-    made.settle()
+    process_events(0.1)
+    wait_until(lambda: made.window.evaluator.idle, "all is computed")
     return made.window.panels.panels[node]
 
 

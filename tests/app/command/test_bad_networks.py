@@ -65,18 +65,6 @@ def test_samples_not_finite(fails, write, small, tmp_path):
     assert "row 3, column 7" in line
 
 
-@pytest.mark.parametrize(
-    ("content", "told"),
-    [(None, "no such file"), (b"", "empty"), (b"\x93NUMPY\x01\x00v\x00{'de", "damaged")],
-)
-def test_input_file(content, told, fails, write, small, tmp_path):
-    if content is not None:
-        (tmp_path / "frame.npy").write_bytes(content)
-    read_image(small, "frame.npy")
-    write(small)
-    assert told in fails("run", "net.json")
-
-
 PLUG_IN = '''
 from imagechain.plug_in import Image, ImageOutput, Module
 

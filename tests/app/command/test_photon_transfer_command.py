@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
+from picture_samples import envi
+
 GAIN, READ_E, WELL_E, OFFSET = 3.0, 20.0, 30_000.0, 150.0
 LEVELS = (1000, 4000, 8000, 14_000, 20_000, 60_000)
 
@@ -32,11 +34,7 @@ def flats(tmp_path):
             first.save(tmp_path / f"{name}.tif", save_all=True, append_images=others)
             names.append(f"{name}.tif")
         else:
-            made.tofile(tmp_path / f"{name}.bsq")
-            (tmp_path / f"{name}.bsq.hdr").write_text(
-                "ENVI\nsamples = 80\nlines = 60\nbands = 30\ndata type = 12\n"
-                "interleave = bsq\nbyte order = 0\n"
-            )
+            envi(tmp_path / f"{name}.bsq", made.transpose(1, 2, 0), "bsq")
             names.append(f"{name}.bsq")
     np.save(tmp_path / "dark.npy", frames(0, 77))
     return names

@@ -8,8 +8,9 @@ import pytest
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import edges_in
 from core.network.file import parse_network
-from edge_truth import HEADER, blur_network, gaussian_edge
+from edge_truth import blur_network, gaussian_edge
 from nodes.library import standard_library
+from picture_samples import envi
 
 
 def edge(noise, seed=1):
@@ -47,10 +48,9 @@ def files(tmp_path):
         angle_deg=6.0, sigma=(0.6, 0.5), shape=(64, 64), levels=(1000, 4000), noise=20.0, seed=5
     )
     for name, centre, width in (("lwir", 10.0, 4.0), ("mwir", 4.0, 2.0), ("touching", 5.5, 1.0)):
-        picture.astype("<f8").tofile(tmp_path / f"{name}.img")
-        text = HEADER.format(centre=centre, width=width, fov=0.0)
-        text = text.replace("fov_x = 0.0\n", "")
-        (tmp_path / f"{name}.hdr").write_text(text, encoding="utf-8")
+        fields = {"wavelength": f"{{ {centre} }}", "fwhm": f"{{ {width} }}"}
+        data = picture.astype("f8")[..., np.newaxis]
+        envi(tmp_path / f"{name}.img", data, "bsq", wavelength_units="micrometers", **fields)
     np.save(tmp_path / "plain.npy", picture)
     return tmp_path
 

@@ -11,6 +11,7 @@ from scipy.integrate import quad
 
 from app.run.shipped import shipped_networks
 from nodes.files.read import read_info, read_pixels
+from picture_samples import envi
 
 TWO_SCENES = {"magnitude_of_one_phase_of_another": "building"}
 Y, X = np.mgrid[0:24, 0:32]
@@ -180,13 +181,9 @@ def test_the_field_of_view_of_a_camera_is_never_exceeded(imagechain, picture, tm
 def cube(tmp_path, unit="W/m^2/sr/um"):
     """Four bands from 8 to 12 µm, of 1, 2, 3, 4 W/m²/sr/µm times a picture."""
     bands = np.arange(1.0, 5.0)[:, None, None] * (1.0 + GREY / 255.0)
-    bands.astype("<f4").tofile(tmp_path / "cube.img")
-    header = (
-        "ENVI\nsamples = 32\nlines = 24\nbands = 4\ndata type = 4\ninterleave = bsq\n"
-        "byte order = 0\nwavelength units = Micrometers\nwavelength = {8.5, 9.5, 10.5, 11.5}\n"
-        "fwhm = {1, 1, 1, 1}\n"
-    )
-    (tmp_path / "cube.img.hdr").write_text(header + (f"data units = {unit}\n" if unit else ""))
+    fields = {"wavelength_units": "um", "wavelength": "{8.5, 9.5, 10.5, 11.5}"}
+    fields |= {"fwhm": "{1, 1, 1, 1}"} | ({"data_units": unit} if unit else {})
+    envi(tmp_path / "cube.img", bands.transpose(1, 2, 0).astype("f4"), "bsq", **fields)
     return "cube.img"
 
 

@@ -22,6 +22,15 @@ NETWORKS = {
 }
 
 
+def assert_same_bits(works, folder, *words):
+    """A run in memory and one in blocks write the same."""
+    for name, memory in (("a", "8GB"), ("b", BUDGET)):
+        done = works(*words, "--memory", memory, "--output-dir", name)
+        assert ("in blocks: " in done.stdout) == (name == "b")
+    for file in ("readouts.json", "mtf.csv", "final.png"):
+        assert (folder / "a" / file).read_bytes() == (folder / "b" / file).read_bytes()
+
+
 @pytest.mark.thorough(but=4)
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("name", NETWORKS)
@@ -33,11 +42,7 @@ def test_shipped_networks_to_the_bit(works, tmp_path, name, precision):
     ]
     edges = ["--set=init.edges=periodic"] if precision == "double" and "two_" not in name else []
     words = ["run", name, *sizes, *edges, "--precision", precision]
-    for folder, memory in (("a", "8GB"), ("b", BUDGET)):
-        done = works(*words, "--memory", memory, "--output-dir", folder)
-        assert ("in blocks: " in done.stdout) == (folder == "b")
-    for file in ("readouts.json", "mtf.csv", "final.png"):
-        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+    assert_same_bits(works, tmp_path, *words)
 
 
 @pytest.mark.parametrize("rows", [60, 1024])  # of few samples, surfaces are drawn once
@@ -66,11 +71,7 @@ def test_bins_and_multiplied_charge_of_a_focal_plane_to_the_bit(works, tmp_path,
     }  # fmt: skip
     words = [f"--set={name}={value}" for name, value in given.items()]
     words += ["--disable", "budget", "--disable", "merit"]  # these need whole pictures
-    for folder, memory in (("a", "8GB"), ("b", BUDGET)):
-        done = works("run", "mwir_camera", *words, "--memory", memory, "--output-dir", folder)
-        assert ("in blocks: " in done.stdout) == (folder == "b")
-    for file in ("readouts.json", "mtf.csv", "final.png"):
-        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+    assert_same_bits(works, tmp_path, "run", "mwir_camera", *words)
 
 
 def test_geometry_convolution_and_measurements(works, write, tmp_path):

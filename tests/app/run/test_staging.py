@@ -54,19 +54,6 @@ def test_a_failing_commit_takes_back_what_it_did(tmp_path, monkeypatch):
     assert (tmp_path / "a.txt").read_text() == "old"
 
 
-def test_keeps_permissions_and_follows_links(tmp_path):
-    real = tmp_path / "real.txt"
-    real.write_text("old")
-    real.chmod(0o640)
-    (tmp_path / "link.txt").symlink_to(real)
-    with Staging(tmp_path) as staging:
-        staging.write(tmp_path / "link.txt", partial(write_text, content="new"))
-        staging.commit()
-    assert (tmp_path / "link.txt").is_symlink()
-    assert real.read_text() == "new"
-    assert real.stat().st_mode & 0o777 == 0o640
-
-
 def test_refuses_what_it_may_not_write(tmp_path, monkeypatch):
     (tmp_path / "input.txt").touch()
     (tmp_path / "same.txt").symlink_to(tmp_path / "input.txt")
