@@ -448,21 +448,6 @@ _KINDS = {
         "a few wavelengths represent all bands",
         "{share} % of the transforms, at most {bound} of the contrast",
     ),
-    "pupil_centre": (
-        "the pupil's OTF beyond the Nyquist frequency",
-        "these frequencies do not occur in the picture",
-        "{share} % of the OTF evaluated",
-    ),
-    "mirrored_edges": (
-        "padding of the frame's edges",
-        "cosine transforms already mirror the frame",
-        "{share} % of the padded samples transformed",
-    ),
-    "folded": (
-        "the picture before its pixels are combined",
-        "the spectrum is folded instead",
-        "inverse transform of {share} % of the samples",
-    ),
     "region": ("pictures outside a region", "only the region is needed", "{share} % computed"),
     "unchanged": (
         "values computed before",

@@ -10,10 +10,8 @@ from typing import Any, Literal
 from core.chain.back_transformed import Delivered, DeliveredBands
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
-from core.errors import several
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.transfer.factors import Planar
 
 Kind = Literal[
     "disabled",
@@ -21,9 +19,6 @@ Kind = Literal[
     "below_budget",
     "unseen",
     "unchanged",
-    "mirrored_edges",
-    "pupil_centre",
-    "folded",
     "region",
     "wavelengths",
 ]
@@ -35,10 +30,8 @@ class Skip:
 
     Kinds: ``disabled``; ``identity``, a setting that changes nothing; ``below_budget``, a stage
     left out; ``unseen``, outputs (`ports`) that were not requested; ``unchanged``, values that were
-    there already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
-    evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
-    ``region``, a picture of which only a region was wanted; ``wavelengths``, bands for which other
-    wavelengths stand.
+    there already; ``region``, a picture of which only a region was wanted; ``wavelengths``, bands
+    for which other wavelengths stand.
 
     `bound` is the most that a stage or wavelengths left out could change, as a fraction of the
     picture's range; `share` the part that was computed after all. `text` has neither.
@@ -165,40 +158,16 @@ class _Account:
 
     def _of_picture(self, name: str, recipe: Delivered) -> Iterator[Skip]:
         """What was skipped to make a picture that comes out of an inverse transform."""
-        grid, maker = recipe.magnitude.grid, recipe.node or name
-        size = f"{grid.columns} × {grid.rows}"
-        if recipe.mirrored:
-            text = (
-                f"edges mirrored with cosine and sine transforms of {size} samples: "
-                f"no padded frame of {2 * grid.columns} × {2 * grid.rows} was needed"
-            )
-            yield Skip(maker, "mirrored_edges", text, share=0.25)
-        factors = recipe.factor_x * recipe.factor_y
-        if factors > 1:
-            small = f"{grid.columns // recipe.factor_x} × {grid.rows // recipe.factor_y}"
-            text = (
-                f"pixels averaged in the frequency domain: one inverse transform of {small} "
-                f"samples instead of {size}"
-            )
-            yield Skip(name, "folded", text, share=1 / factors)
         rank = recipe.rank(self.work)
         if rank is not None and rank.bound > 0.0:
             count, every = rank.shares.shape
-            text = (
-                f"transformed {several(count, 'wavelength')} to represent {several(every, 'band')}"
+            text = f"{count} wavelengths were transformed to represent {every} bands"
+            yield Skip(
+                recipe.node or name, "wavelengths", text, bound=rank.bound, share=count / every
             )
-            yield Skip(maker, "wavelengths", text, bound=rank.bound, share=count / every)
-        counted, left_out = recipe.spent(self.work)
-        for stage in left_out:
+        for stage in recipe.spent(self.work)[1]:
             text = f"{stage.label or 'the stage'} left out: its effect is below the error budget"
             yield Skip(stage.node or "", "below_budget", text, bound=stage.bound)
-        for factor in counted:
-            if isinstance(factor, Planar) and factor.cutoff is not None:
-                reach = zip((grid.nyquist_x, grid.nyquist_y), factor.cutoff, strict=True)
-                across, along = (min(1.0, nyquist / cutoff) for nyquist, cutoff in reach)
-                if across * along < 1:
-                    text = "the OTF was evaluated only up to the image's Nyquist frequencies"
-                    yield Skip(factor.node or "", "pupil_centre", text, share=across * along)
 
 
 def _made(planned: PlannedNode) -> dict[str, Any]:

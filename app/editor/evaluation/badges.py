@@ -17,7 +17,6 @@ STALE = (
     "not updated: the result is from before your last changes; choose Generate Image to update it"
 )
 IDENTITY = "skipped: the node has no effect with these settings"
-_SHOWN_SKIPS = ("mirrored_edges", "pupil_centre", "folded", "region")
 
 
 def badges(
@@ -90,7 +89,7 @@ def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
             )
             by_node.setdefault(skip.node, []).append(skip.text + bound)
     for skip in skips:
-        if skip.kind in _SHOWN_SKIPS and skip.node in by_node:
+        if skip.kind == "region" and skip.node in by_node:
             by_node[skip.node].append(skip.text)
     return {name: "\n".join(texts) for name, texts in by_node.items()}
 
