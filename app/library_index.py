@@ -10,7 +10,7 @@ from typing import Any
 
 import core
 import nodes
-from app.user_folders import cache_folder
+from app.user_folders import FOLDERS
 from core.errors import FileError
 from core.modules.declaration import Declaration, Library, declaration
 from nodes.library import OURS, standard_library
@@ -34,7 +34,7 @@ def declarations(library: Library) -> dict[str, Declaration]:
 
 def _kept() -> dict[str, Declaration]:
     try:
-        content = (cache_folder() / _FILE).read_bytes()
+        content = (FOLDERS.user_cache_path / _FILE).read_bytes()
         stamp, known = _Unpickler(io.BytesIO(content)).load()
         return dict(known) if stamp == _stamp() else {}
     except Exception:  # whatever a file that is damaged, or not ours, may raise
@@ -45,8 +45,8 @@ def _keep(declared: dict[str, Declaration]) -> None:
     from core.atomic import write_bytes  # only where they are kept anew
 
     try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
-        write_bytes(cache_folder() / _FILE, pickle.dumps((_stamp(), declared)))
+        FOLDERS.user_cache_path.mkdir(parents=True, exist_ok=True)
+        write_bytes(FOLDERS.user_cache_path / _FILE, pickle.dumps((_stamp(), declared)))
     except (OSError, FileError):  # it is made again next time
         pass
 

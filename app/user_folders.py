@@ -1,26 +1,8 @@
-"""Where this user's programs keep settings, records, unsaved work, and what can be made again."""
+"""Where this user's programs keep settings, unsaved work (data) and what can be made again (cache).
 
-from pathlib import Path
+The state is what networks have written; it is never inside a network's folder.
+"""
 
 import platformdirs
 
-_NAME = "imagechain"
-
-
-def settings_folder() -> Path:
-    """Look and windows of the editor."""
-    return platformdirs.user_config_path(_NAME, appauthor=False)
-
-
-def data_folder() -> Path:
-    """Work that no file holds yet."""
-    return platformdirs.user_data_path(_NAME, appauthor=False)
-
-
-def state_folder() -> Path:
-    """What networks have written; never inside a network's folder."""
-    return platformdirs.user_state_path(_NAME, appauthor=False)
-
-
-def cache_folder() -> Path:
-    return platformdirs.user_cache_path(_NAME, appauthor=False)
+FOLDERS = platformdirs.PlatformDirs("imagechain", appauthor=False)

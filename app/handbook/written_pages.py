@@ -25,7 +25,7 @@ from app.report.html_page import templates
 from app.run.option_values import assignment
 from app.run.overrides import with_settings
 from app.run.shipped import find_network
-from app.user_folders import cache_folder
+from app.user_folders import FOLDERS
 from core.chain.engine import Engine
 from core.chain.wires import Curve, Pupil
 from core.errors import FileError, UsageError
@@ -210,7 +210,7 @@ def cached_handbook(library: Library, progress: Callable[[str], None] = lambda _
 
 
 def _cached(library: Library) -> Path:
-    cache = cache_folder()
+    cache = FOLDERS.user_cache_path
     try:
         cache.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Self
 
 from app.run.shipped import Place
-from app.user_folders import state_folder
+from app.user_folders import FOLDERS
 from core.atomic import (
     FOLDER_PREFIX,
     LOCK,
@@ -506,4 +506,4 @@ def _own_folder(place: Place) -> tuple[Path, ...]:
 
 def _place(network: Path) -> Path:
     name = hashlib.sha256(os.fsencode(network)).hexdigest()[:32]
-    return state_folder() / "writes" / f"{name}.json"
+    return FOLDERS.user_state_path / "writes" / f"{name}.json"

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from app.library_index import declarations
-from app.user_folders import cache_folder
+from app.user_folders import FOLDERS
 from child_process import run_program
 from core.modules.declaration import declaration
 from nodes.library import OURS, standard_library
@@ -25,7 +25,7 @@ print(json.dumps([files, [repr(one) for one in found.values()]]))
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    return cache_folder()
+    return FOLDERS.user_cache_path
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.gestures import without_argument
 from app.editor.theme import Look
 from app.editor.widgets import Menu
-from app.user_folders import settings_folder
+from app.user_folders import FOLDERS
 
 MOST_RECENT = 10  # files that are offered
 _MOST_STORED = 30  # of them and those that are not there: a disk may be put in again
@@ -80,7 +80,7 @@ class Settings:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self.path = path or settings_folder() / "editor.ini"
+        self.path = path or FOLDERS.user_config_path / "editor.ini"
         self.first = not self.path.exists()
         self._stored = QSettings(str(self.path), QSettings.Format.IniFormat)
 

@@ -28,7 +28,7 @@ from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.run.process import print_error
 from app.tradeoff.tradeoff_results import SENSORS
-from app.user_folders import data_folder
+from app.user_folders import FOLDERS
 from core.atomic import write_bytes
 from core.errors import FileError, ImagechainError, UsageError
 from nodes.library import missing_modules, standard_library
@@ -101,7 +101,7 @@ def built(
     size: tuple[int, int] | None = None,
 ) -> MainWindow:
     """The window, with a network in it where one is named or no settings are there yet."""
-    recovery = data_folder() / "recovery"
+    recovery = FOLDERS.user_data_path / "recovery"
     window = MainWindow(library=standard_library(), settings=settings, recovery=recovery)
     if look is not None:
         window.set_theme(THEMES[look])
