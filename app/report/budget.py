@@ -9,16 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from app.report.drawing.picture_drawing import COLOURS, figure, legend_below, number, strongest
+from app.report.drawing.curves import draw_on
+from app.report.drawing.picture_drawing import figure, legend_below, number, strongest
 from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
 from app.run.evaluation import Evaluation
-from core.chain.wires import Image
+from core.chain.wires import CurveData, Image, Series
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
 from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
 from nodes.analysis.noise_budget import (
     NoiseShare,
     blur_shares,
+    distinct,
     noise_shares,
     source_title,
     unknown_before,
@@ -26,8 +28,6 @@ from nodes.analysis.noise_budget import (
 from nodes.input_output.sample_unit import statistics
 
 Fact = dict[str, Any]
-_ACROSS, _ALONG = COLOURS[0], COLOURS[1]
-_KINDS = {"temporal": "#6d8fb3", "fixed": "#b8894a"}
 
 
 def budget_facts(evaluation: Evaluation) -> Fact:
@@ -141,57 +141,38 @@ def budget(facts: Fact) -> list[Block]:
 
 
 def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
-    sources, stages = noise["sources"] if noise else [], blur["stages"] if blur else []
-    sources = [sources[at] for at in strongest([source["share"] for source in sources])]
-    sizes = [max(abs(stage["share_x"]), abs(stage["share_y"])) for stage in stages]
-    stages = [stages[at] for at in strongest(sizes)]
-    counts = [len(sources), len(stages)]
-    panels = sum(count > 0 for count in counts)
-    with figure(10.0 if panels == 2 else 6.6, 1.3 + 0.42 * max(counts)) as (drawn, out):
-        axes = list(drawn.subplots(1, panels, squeeze=False)[0])
-        if noise:
-            axis = axes.pop(0)
-            names = _distinct([source_title(source["name"]) for source in sources], sources)
-            kinds = [
-                ([100.0 * source[f"share_{kind}"] for source in sources], colour, kind)
-                for kind, colour in _KINDS.items()
-                if any(source[kind] is not None for source in sources)
-            ]
-            _bars(axis, names, kinds)
-            axis.set_title("Noise")
-            axis.set_xlabel("share of the variance (%)")
-            legend_below(axis, 4.0, 8.5)
-        if blur:
-            axis = axes.pop(0)
-            across = [100.0 * stage["share_x"] for stage in stages]
-            along = [100.0 * stage["share_y"] for stage in stages]
-            names = _distinct([stage["title"] for stage in stages], stages)
-            _bars(axis, names, [(across, _ACROSS, "horizontal"), (along, _ALONG, "vertical")])
-            axis.set_title("Blur")
-            axis.set_xlabel("share of −ln |MTF| (%)")
+    panels = []
+    if noise:
+        rows = noise["sources"]
+        names = [source_title(row["name"]) for row in rows]
+        kinds = ("temporal", "fixed")
+        keys = {k: f"share_{k}" for k in kinds if any(row[k] is not None for row in rows)}
+        panels.append(_bars("Noise", "share of the variance (%)", rows, names, keys))
+    if blur:
+        rows, keys = blur["stages"], {"horizontal": "share_x", "vertical": "share_y"}
+        names = [row["title"] for row in rows]
+        panels.append(_bars("Blur", "share of −ln |MTF| (%)", rows, names, keys))
+    most = max(len(panel.bars) for panel in panels)
+    with figure(10.0 if len(panels) == 2 else 6.6, 1.3 + 0.42 * most) as (drawn, out):
+        axes = drawn.subplots(1, len(panels), squeeze=False)[0]
+        for axis, panel in zip(axes, panels, strict=True):
+            draw_on(axis, panel)
+            axis.set_title(panel.title)
             legend_below(axis, 4.0, 8.5)
     return out.getvalue()
 
 
-def _bars(axis: Any, names: list[str], series: list[tuple[list[float], str, str]]) -> None:
-    height = 0.7 / len(series)
-    for place, (shares, colour, label) in enumerate(series):
-        middle = [row + (place - (len(series) - 1) / 2) * height for row in range(len(names))]
-        bars = axis.barh(middle, shares, height, color=colour, label=label)
-        texts = [_percent(share / 100.0) for share in shares]
-        axis.bar_label(bars, texts, padding=3, fontsize=7.5)
-    _dress(axis, names, [value for shares, _, _ in series for value in shares])
-
-
-def _dress(axis: Any, names: list[str], values: list[float]) -> None:
-    """Names beside the bars, the first on top, and room for the values behind the longest."""
-    axis.set_yticks(range(len(names)), names)
-    axis.invert_yaxis()
-    axis.grid(visible=False, axis="y")
-    axis.set_axisbelow(True)
-    low, high = min(0.0, *values), max(1.0, *values)
-    room = 0.15 * (high - low)
-    axis.set_xlim(low - room if low < 0.0 else 0.0, high + room)
+def _bars(
+    title: str, label: str, rows: list[Fact], names: list[str], keys: dict[str, str]
+) -> CurveData:
+    """The greatest shares in percent, with their node where two names are alike."""
+    shares = np.array([[100.0 * row[key] for row in rows] for key in keys.values()])
+    shown = strongest([*np.abs(shares).sum(axis=0)])
+    pairs = [(names[at], rows[at]["node"]) for at in shown]
+    places = np.arange(float(len(shown)))
+    drawn = [[float(format(share, ".3g")) for share in along] for along in shares[:, shown]]
+    series = (Series(key, places, np.array(along)) for key, along in zip(keys, drawn, strict=True))
+    return CurveData(title, "", label, tuple(series), bars=distinct(pairs))
 
 
 def _percent(share: float) -> str:
@@ -199,12 +180,6 @@ def _percent(share: float) -> str:
     if share != 0.0 and abs(share) < 5e-4:
         return "<0.05" if share > 0.0 else ">\u22120.05"
     return number(float(format(100.0 * share, ".3g")))
-
-
-def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
-    """Names for the bars, with their node where two are alike."""
-    pairs = zip(names, rows, strict=True)
-    return [f"{name} ({row['node']})" if names.count(name) > 1 else name for name, row in pairs]
 
 
 def _noise(noise: Fact) -> list[Block]:

@@ -186,7 +186,7 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
     if not noise.shares:
         return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
     pairs = [(source_title(share.name), share.node) for share in noise.shares]
-    names = _distinct(pairs)
+    names = distinct(pairs)
     kinds = [
         k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)
     ]
@@ -237,7 +237,8 @@ def _bars(
     return CurveData(title, what, label, series, bars=names)
 
 
-def _distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
+def distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
+    """Names, each with its node where two are alike."""
     plain = [name for name, _ in names]
     return tuple(f"{name} ({node})" if plain.count(name) > 1 else name for name, node in names)
 
