@@ -345,14 +345,6 @@ Array = NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def noises_in_blocks(function: F) -> F:
-    """Mark a function of a step's noises that holds blocks alone of pictures on disk.
-
-    Their power is one number, and variances of samples are made by `AtStep.by_rows`.
-    """
-    return marked(in_blocks=True)(function)
-
-
 @dataclass(frozen=True)
 class Noise:
     """A noise on its way: which node added it, whether it changes in time, and its power now.
@@ -421,7 +413,7 @@ class Noises:
 
     `on` is the step on another picture, `free` what takes its place on a picture without noise; if
     it `leaves_change`, that makes the step's linear change too. `in_blocks`: whether `at` is marked
-    by `noises_in_blocks`.
+    so. Then a noise's power is one number, and variances of samples are made by `AtStep.by_rows`.
     """
 
     at: Callable[[AtStep], list[Noise]]
@@ -517,7 +509,7 @@ def picture_step(
                     return made
                 return replace(made, node=step.node)
 
-            blocks = getattr(noise, "in_blocks", False)
+            blocks = hasattr(noise, "in_blocks")
             return Noises(at, on, free, inputs[place], noise_free is not None, blocks)
 
         return marked(lineage=lineage)(function)

@@ -293,7 +293,7 @@ class Step(Recipe):
 
     @property
     def reason(self) -> Step | None:
-        """Makes the text of why the value is None, if the function is marked by `with_reason`."""
+        """Makes the text of why the value is None, if the function is marked with one."""
         why: Callable[..., str] | None = getattr(self.function, "reason", None)
         return None if why is None else Step(why, self.inputs, self.parameters, self.node)
 
@@ -303,7 +303,13 @@ class Step(Recipe):
 
 
 def marked(**marks: Any) -> Callable[[F], F]:
-    """Mark a step's function: what it is asked for later stands in its attributes."""
+    """Mark a step's function: what it is asked for later stands in its attributes.
+
+    `held_size` is called with the parameters of a function that cuts a region from pictures and
+    makes none: rows and columns of the region. `whole_numbers`: it makes those from 0 to
+    2^bits − 1, by its `bits`. `reason` is called as the function itself where its value is None: it
+    gives the reason, empty where none is known.
+    """
 
     def mark(function: F) -> F:
         vars(function).update(marks)
@@ -338,27 +344,6 @@ def in_blocks(able: Callable[..., bool] = lambda **_: True) -> Callable[[F], F]:
     parameters: whether it does so with them.
     """
     return marked(in_blocks=able)
-
-
-def holds_region(size: Callable[..., tuple[int, int]]) -> Callable[[F], F]:
-    """Mark a step's function that cuts a region from pictures and makes no picture.
-
-    `size` is called with the step's parameters: rows and columns of the region.
-    """
-    return marked(held_size=size)
-
-
-def whole_numbers(function: F) -> F:
-    """Mark a step's function that makes whole numbers from 0 to 2^bits − 1, by its `bits`."""
-    return marked(whole_numbers=True)(function)
-
-
-def with_reason(reason: Callable[..., str]) -> Callable[[F], F]:
-    """Mark a step's function with another that gives the reason where its value is None.
-
-    It is called as the function itself; its text is empty where no reason is known.
-    """
-    return marked(reason=reason)
 
 
 def number_bits(recipe: Recipe) -> int | None:

@@ -13,7 +13,6 @@ from core.chain.step_lineage import (
     AtStep,
     LevelChange,
     Noise,
-    noises_in_blocks,
     picture_step,
 )
 from core.chain.wires import TableData, TableRow
@@ -24,8 +23,8 @@ from core.evaluation.recipes import (
     ends_lineage,
     in_blocks,
     in_parts,
+    marked,
     pointwise,
-    whole_numbers,
 )
 from core.evaluation.work import Work
 from core.physics.detector.focal_plane_array import (
@@ -95,7 +94,7 @@ def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Arra
     return _by_rows(work, image, block)
 
 
-@noises_in_blocks
+@in_blocks()
 def _collected_noises(
     at: AtStep,
     mean: Recipe,
@@ -151,7 +150,7 @@ def collected(
     return _by_rows(work, mean, block)
 
 
-@noises_in_blocks
+@in_blocks()
 def _excess(
     at: AtStep, picture: Recipe, mean: Recipe, *_: Recipe, frames: int, factor: float
 ) -> list[Noise]:
@@ -192,7 +191,7 @@ def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) 
     return _by_rows(work, picture, block)
 
 
-@noises_in_blocks
+@in_blocks()
 def _read_noise(
     at: AtStep, picture: Recipe, *_: Recipe, sigma_e: float, full_well_e: float | None
 ) -> list[Noise]:
@@ -297,7 +296,7 @@ def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: floa
     return _by_rows(work, picture, block)
 
 
-@noises_in_blocks
+@in_blocks()
 def _rounding(at: AtStep, picture: Recipe, **how: float) -> list[Noise]:
     return rounding_noises(at, 1.0)
 
@@ -306,7 +305,7 @@ def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
     return Step.of(counted, picture, **how)
 
 
-@whole_numbers
+@marked(whole_numbers=True)
 @picture_step(linear=_counts, noise=_rounding, noise_free=_not_rounded)
 @pointwise
 def digitized(

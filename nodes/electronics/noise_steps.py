@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, AtStep, Linear, Noise, noises_in_blocks, picture_step
+from core.chain.step_lineage import Array, AtStep, Linear, Noise, picture_step
 from core.chain.wires import TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -295,7 +295,7 @@ def _detector(at: AtStep, figures: Recipe, variability_percent: float) -> list[N
     return [at.white("detector", at.work.value(figures).ner ** 2 * (1.0 + spread**2))]
 
 
-@noises_in_blocks
+@in_blocks()
 def _detector_alone(
     at: AtStep, picture: Recipe, figures: Recipe, *_: Recipe, variability_percent: float
 ) -> list[Noise]:
@@ -333,7 +333,7 @@ def detector_noise(
     return np.asarray(deviates * np.asarray(sigma, deviates.dtype))
 
 
-@noises_in_blocks
+@in_blocks()
 def _amplifier(at: AtStep, picture: Recipe, table: Recipe, deviates: Recipe) -> list[Noise]:
     sigma = at.work.value(table).as_dict()["amplifier_noise"]
     return [at.white("amplifier", sigma**2)]

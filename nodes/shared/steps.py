@@ -13,7 +13,6 @@ from core.chain.step_lineage import (
     Filtering,
     Linear,
     Noise,
-    noises_in_blocks,
     picture_step,
 )
 from core.chain.wires import Image
@@ -138,7 +137,7 @@ def rounding_noises(at: AtStep, step: float) -> list[Noise]:
     return [at.white("quantization", temporal), at.white("quantization", fixed, temporal=False)]
 
 
-@noises_in_blocks
+@in_blocks()
 def _rounding(
     at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
 ) -> list[Noise]:
