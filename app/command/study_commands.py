@@ -6,7 +6,6 @@ import re
 import shutil
 import sys
 import time
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ from app.command.results import Progress, say, show, written
 from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.process import Stop
-from core.errors import DataError, UsageError, in_line, several, shown
+from core.errors import DataError, UsageError, in_line
 from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:
@@ -101,9 +100,6 @@ def tradeoff(
     show(json, lambda: trade_off_facts(results), *lines, *warned)
 
 
-_tls = partial(options.option, group=options.RARER)
-
-
 @options.command()
 @options.network_options
 @options.option(
@@ -153,9 +149,6 @@ _tls = partial(options.option, group=options.RARER)
     "--scheduler", "ADDRESS",
     "compute on the workers of a Dask scheduler, such as tls://10.0.0.1:8786; the workers need "
     "Imagechain and access to the same files", default="", group=options.RARER)  # fmt: skip
-@_tls("--tls-ca-file", "FILE", "CA certificate for a scheduler at tls://")
-@_tls("--tls-cert", "FILE", "certificate for a scheduler at tls://")
-@_tls("--tls-key", "FILE", "private key for a scheduler at tls://")
 @options.numerical_options
 @options.json_flag
 def study(
@@ -174,9 +167,6 @@ def study(
     jobs: int | None,
     memory_bytes: int | None,
     scheduler: str,
-    tls_ca_file: str | None,
-    tls_cert: str | None,
-    tls_key: str | None,
     json: bool,
 ) -> None:
     """Compute figures and pictures for many values and scenes.
@@ -192,8 +182,7 @@ def study(
 
     begun = time.perf_counter()
     library, place, network = options.opened(asked, json)
-    tls = _tls_files({"--tls-ca-file": tls_ca_file, "--tls-cert": tls_cert, "--tls-key": tls_key})
-    workers = Workers(_jobs(jobs, scheduler), scheduler, tls, memory_bytes)
+    workers = Workers(_jobs(jobs, scheduler), scheduler, memory_bytes)
     workers.check()
     settings = [values.assignment(OPTION, text, FORM) for text in vary]
     labels = [setting.port for setting in settings]
@@ -233,17 +222,6 @@ def _jobs(jobs: int | None, scheduler: str) -> int:
     if not 1 <= jobs <= _MOST_JOBS:
         raise UsageError(f"--jobs {jobs}: give a whole number from 1 to {_MOST_JOBS}")
     return jobs
-
-
-def _tls_files(given: dict[str, str | None]) -> tuple[str, ...]:
-    files = {name: text for name, text in given.items() if text is not None}
-    missing = [name for name in given if name not in files]
-    if files and missing:
-        raise UsageError(f"{missing[0]} is missing: TLS needs {', '.join(given)}")
-    for name, text in files.items():
-        if not Path(text).is_file():
-            raise UsageError(f"{name} {shown(text)}: there is no such file")
-    return tuple(files.values())
 
 
 def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: float) -> None:

@@ -37,13 +37,9 @@ class Workers:
     # processes of this machine; 0 for all cores, as soon as the rest of the study is worth it
     jobs: int = 0
     scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
-    # files of the authority, the certificate and the key for the scheduler; or none
-    tls: tuple[str, ...] = ()
     memory_bytes: int | None = None  # how much computed values may take on a machine
 
     def check(self) -> None:
-        if self.tls and not self.scheduler:
-            raise UsageError(f"{', '.join(TLS)} can be used only with --scheduler ADDRESS")
         if not isinstance(self.scheduler, str):
             return
         if self.scheduler and not has_dask():
@@ -52,7 +48,7 @@ class Workers:
                 f"{what}: dask and distributed are not installed: {how_to_install('study')}"
             )
         if self.scheduler:
-            check_address(self.scheduler, self.tls)
+            check_address(self.scheduler)
 
     @property
     def warning(self) -> str:
@@ -65,7 +61,7 @@ class Workers:
         return (
             f"the scheduler {shown(address)} has no TLS: anyone who can reach its port can "
             f"run code as the workers' user. Start the scheduler and its workers with "
-            f"{', '.join(TLS)}, and give the same options to the study"
+            f"{', '.join(TLS)}, and give the study the same files in Dask's settings"
         )
 
 
@@ -205,7 +201,7 @@ def _by_others(
         setting = _setting(study, workers, replace(policy, threads=threads))
         return process_rows(setting, tasks, jobs, cancel)
     setting = _setting(study, workers, replace(policy, threads=policy.threads or 1))
-    return cluster_rows(setting, study.key, tasks, scheduler, workers.tls, cancel)
+    return cluster_rows(setting, study.key, tasks, scheduler, cancel)
 
 
 def _setting(study: Study, workers: Workers, policy: Policy) -> Setting:

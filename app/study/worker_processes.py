@@ -259,6 +259,7 @@ class _Process:
 
 _AHEAD, _FEWEST = 2, 32  # batches out for each thread, and at least: more workers may come
 _CONNECT_S = 10
+_TLS = ("tls://", "wss://")
 _GATHER_S = 5  # for rows that are made, on their way here
 _WITHOUT_S = 300.0  # how long a study waits for a worker: a busy machine starts one in a minute
 
@@ -268,11 +269,10 @@ def cluster_rows(
     key: str,
     tasks: Sequence[Task],
     scheduler: Any,
-    tls: Sequence[str] = (),
     cancel: threading.Event | None = None,
 ) -> Generator[list[Row]]:
     """The rows of points, batch by batch; the first, empty one when a worker is ready."""
-    with _silent(), _connected(scheduler, tls) as client:
+    with _silent(), _connected(scheduler) as client:
         cluster = _Cluster(client, setting, key)
         yield from dealt_rows(cluster, tasks, len(setting.figures), cancel)
 
@@ -340,7 +340,7 @@ class _Cluster(Workers):
 
 
 @contextlib.contextmanager
-def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
+def _connected(scheduler: Any) -> Iterator[Any]:
     """A client of a scheduler; one that was given stays open."""
     import dask
     import distributed
@@ -350,10 +350,8 @@ def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
         return
     given: Any = distributed  # its constructors have no types
     words: dict[str, Any] = {}
-    if tls:
-        names = ("tls_ca_file", "tls_client_cert", "tls_client_key")
-        files = dict(zip(names, tls, strict=True))
-        words["security"] = given.Security(**files, require_encryption=True)
+    if scheduler.startswith(_TLS):  # the certificates are Dask's own settings
+        words["security"] = given.Security(require_encryption=True)
     with dask.config.set({"distributed.comm.timeouts.connect": f"{_CONNECT_S}s"}):
         try:
             words |= {"timeout": _CONNECT_S, "set_as_default": False, "name": "imagechain"}
@@ -361,13 +359,13 @@ def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise UsageError(
                 f"--scheduler {scheduler:.120}: no Dask scheduler answers at this address"
-                + (", or the scheduler rejects these certificates" if tls else "")
+                + (", or the scheduler rejects these certificates" if "security" in words else "")
             ) from error
         with client:
             yield client
 
 
-def check_address(scheduler: str, tls: Sequence[str]) -> None:
+def check_address(scheduler: str) -> None:
     """Refuse what is no address: a client of it would go on trying in the background."""
     from distributed import Security
     from distributed.comm.addressing import parse_host_port
@@ -386,15 +384,10 @@ def check_address(scheduler: str, tls: Sequence[str]) -> None:
             f"{known}"
         )
     made: Any = Security
-    if tls and protocol not in ("tls", "wss"):
+    if scheduler.startswith(_TLS) and made().tls_client_cert is None:
         raise UsageError(
-            f"--scheduler {scheduler:.120}: certificates need the address tls://HOST:PORT of a "
-            "scheduler started with --tls-ca-file, --tls-cert and --tls-key"
-        )
-    if protocol in ("tls", "wss") and not tls and made().tls_client_cert is None:
-        raise UsageError(
-            f"--scheduler {scheduler:.120}: give the files that the scheduler was started with, "
-            "as --tls-ca-file, --tls-cert and --tls-key"
+            f"--scheduler {scheduler:.120}: give the files that the scheduler was started with in "
+            "Dask's settings distributed.comm.tls.ca-file, .client.cert and .client.key"
         )
 
 

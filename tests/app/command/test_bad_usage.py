@@ -16,7 +16,7 @@ USAGE = {
     "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
     "negative seed": (["run", "net.json", "--seed", "-1"], "seed = -1"),
     "tolerance of all": (["run", "net.json", "--tolerance", "1"], "of at least 0 and below 1"),
-    "one file of three for TLS": (
+    "no certificate for TLS": (
         [
             "study",
             "first_steps",
@@ -26,10 +26,8 @@ USAGE = {
             "rows.csv",
             "--scheduler",
             "tls://127.0.0.1:8786",
-            "--tls-cert",
-            "net.json",
         ],
-        "--tls-ca-file is missing: TLS needs --tls-ca-file, --tls-cert, --tls-key",
+        "Dask's settings distributed.comm.tls.ca-file, .client.cert and .client.key",
     ),
     "part of a name": (["run", "kodak"], "did you mean kodak_kir310 or kodak_kir310_1996?"),
     "a cube that is not there": (

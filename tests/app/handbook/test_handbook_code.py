@@ -143,7 +143,7 @@ def test_a_page(name, tmp_path, monkeypatch, background):
             continue  # needs the installed package: tests/nodes/plug_ins/test_installed_package.py
         if name == "cluster_study" and block.kind == "bash":  # needs certificates: it is read
             words = shlex.split(block.text)
-            assert words[0] == "dask" or read_words(*words[1:]).info_name == "study"
+            assert words[0] in ("dask", "export") or read_words(*words[1:]).info_name == "study"
             continue
         assert block.kind in KINDS, block
         if block.kind == "sh":
