@@ -52,10 +52,9 @@ def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
     file = readable_file(path)
     if _is_listing(file):
         checked_band(band, 1, file)
-        listing = read_listing(file)
-        rows, columns = listing.matrix.shape
-        named = (listing.wavelength_um, listing.spacing_um)
-        return _within_limits(file, LensSamples(rows, columns, False, *named))
+        matrix, wavelength_um, spacing_um = read_listing(file)
+        rows, columns = matrix.shape
+        return _within_limits(file, LensSamples(rows, columns, False, wavelength_um, spacing_um))
     header = npy_header(file) if is_npy(file) else None
     if header is not None and header.dtype.kind == "c":
         if len(header.shape) != 2 or 0 in header.shape:
@@ -74,7 +73,7 @@ def read_lens_samples(path: Path, band: int = 0) -> NDArray[Any]:
     """Read samples, row 0 at the top: float64, or complex128; some may be not finite."""
     described = describe_lens_samples(path, band)
     if _is_listing(path):
-        return read_listing(path).matrix
+        return read_listing(path)[0]
     if described.is_complex:
         return whole_npy(path).astype(np.complex128, order="C")
     return np.asarray(read_pixels(path, band), np.float64)
@@ -93,35 +92,19 @@ def _within_limits(path: Path, samples: LensSamples) -> LensSamples:
     return samples
 
 
-@dataclass(frozen=True)
-class Listing:
-    """A matrix, NaN where the text has it, and the lines of words above it but for empty ones."""
-
-    header: tuple[str, ...]
-    matrix: NDArray[np.float64]
-
-    @property
-    def wavelength_um(self) -> float | None:
-        return self._length(_WAVELENGTH)
-
-    @property
-    def spacing_um(self) -> float | None:
-        return self._length(_SPACING)
-
-    def _length(self, pattern: re.Pattern[str]) -> float | None:
-        for line in self.header:
-            match = pattern.search(line)
-            if match:
-                number, unit = (group for group in match.groups() if group is not None)
-                return float(number) * _MICROMETRES.get(unit.lower(), 1.0)
-        return None
+def _length_um(header: list[str], pattern: re.Pattern[str]) -> float | None:
+    for match in filter(None, map(pattern.search, header)):
+        number, unit = (group for group in match.groups() if group is not None)
+        return float(number) * _MICROMETRES.get(unit.lower(), 1.0)
+    return None
 
 
-def read_listing(path: Path) -> Listing:
+def read_listing(path: Path) -> tuple[NDArray[np.float64], float | None, float | None]:
     """Read a text matrix with or without a header, such as Zemax's wavefront map or PSF.
 
     UTF-8 or, as Zemax writes it, UTF-16; numbers parted by blanks, commas or tabs. Lines that begin
-    with ``#`` count as header.
+    with ``#`` count as header. The matrix, NaN where the text has it; then the wavelength and the
+    spacing in µm, None where the header does not name it.
     """
     lines = [line.strip() for line in lens_lines(path, what="a matrix of numbers")]
     header: list[str] = []
@@ -151,4 +134,4 @@ def read_listing(path: Path) -> Listing:
             f"{path}: its header gives {size[1]} by {size[2]} samples, but the file has "
             f"{matrix.shape[1]} by {matrix.shape[0]}"
         )
-    return Listing(tuple(header), matrix)
+    return matrix, _length_um(header, _WAVELENGTH), _length_um(header, _SPACING)
