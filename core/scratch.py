@@ -10,7 +10,7 @@ import os
 import tempfile
 import threading
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Self
 
@@ -198,6 +198,3 @@ class StripArray:
     def __setitem__(self, rows: slice, block: Array | float) -> None:
         for place, strip in zip(self.places, self.strips, strict=True):
             strip[rows] = block[:, place] if isinstance(block, np.ndarray) else block
-
-    def __iter__(self) -> Iterator[tuple[slice, Array]]:
-        return zip(self.places, self.strips, strict=True)

@@ -25,7 +25,7 @@ from core.evaluation.recipes import Region, runs
 from core.evaluation.work import Work
 from core.machine import ForEach, in_turn
 from core.physics.optics.veiling_glare import gaussian_mtf
-from core.scratch import Empty, StripArray
+from core.scratch import Empty
 from core.transfer import mirrored
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
@@ -454,8 +454,7 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
         made[rows] = part
 
     work.for_each(spread, mirrored.row_blocks(image.shape))
-    for strip in lines.strips if isinstance(lines, StripArray) else [lines]:
-        work.for_each(blur, mirrored.column_blocks(strip))
+    work.for_each(blur, mirrored.column_blocks(lines))
     work.for_each(gather, mirrored.row_blocks(image.shape))
     return made
 

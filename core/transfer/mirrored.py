@@ -81,51 +81,41 @@ def mirrored_filter(
     added = spectrum.mean * terms.at_zero()
     total: Array | None = None
     for odd_y in terms.odd_y:
-        part = _lines(work, spectrum.values, terms, odd_y, columns)
-        if isinstance(part, StripArray):
-            last = odd_y == terms.odd_y[-1]
-            total = _from_strips(work, part, odd_y, rows, total, added if last else None)
-            if last:
-                return total
-            continue
-        transform_columns(work, part, _inverse(odd_y))
-        part = part[rows]
-        total = part if total is None else np.add(total, part, out=total)
+        lines = _lines(work, spectrum.values, terms, odd_y, columns)
+        last = odd_y == terms.odd_y[-1]
+        total = _summed(work, lines, odd_y, rows, total, added if last else None)
     assert total is not None
-    if len(total) != terms.shape[0]:
-        total = total.copy()  # lets go of the other rows
-    require_finite(total)
-    total += np.asarray(added, total.dtype)
     return total
 
 
-def _from_strips(
+def _summed(
     work: Work,
-    lines: StripArray,
+    lines: Array | StripArray,
     odd_y: bool,
     rows: slice,
     total: Array | None,
     added: float | None,
 ) -> Array:
-    """The last transform of lines on disk, and the sum with other terms and the mean."""
-    made = total if total is not None else work.empty((rows.stop - rows.start, lines.shape[1]))
-    for place, strip in lines:
-        target = made[:, place]
+    """The last transform of lines, and the sum with other terms and the mean."""
+    if total is not None:
+        made = total
+    elif isinstance(lines, np.ndarray) and len(lines) == rows.stop - rows.start:
+        made = lines
+    else:
+        made = work.empty((rows.stop - rows.start, lines.shape[1]), lines.dtype)
 
-        def one(both: tuple[Array, Array]) -> None:
-            block, out = both
-            part = transform_block(np.ascontiguousarray(block), _inverse(odd_y), axis=0)[rows]
-            part = part if total is None else np.add(out, part, out=part)
-            if added is not None:
-                require_finite(part)
-                part += np.asarray(added, part.dtype)
-            out[...] = part
+    def one(both: tuple[Array, Array]) -> None:
+        block, out = both
+        part = transform_block(np.ascontiguousarray(block), _inverse(odd_y), axis=0)[rows]
+        part = part if total is None else np.add(out, part, out=part)
+        if added is not None:
+            require_finite(part)
+            part += np.asarray(added, part.dtype)
+        out[...] = part
 
-        blocks, left = [], 0
-        for block in column_blocks(strip):
-            blocks.append((block, target[:, left : left + block.shape[1]]))
-            left += block.shape[1]
-        work.for_each(one, blocks)
+    blocks = column_blocks(lines)
+    ends = np.cumsum([block.shape[1] for block in blocks])
+    work.for_each(one, list(zip(blocks, np.split(made, ends[:-1], axis=1), strict=True)))
     return made
 
 
@@ -363,16 +353,19 @@ def transform_columns(work: Work, values: Array | StripArray, kind: Kind) -> Non
     def one(block: Array) -> None:
         block[...] = transform_block(np.ascontiguousarray(block), kind, axis=0)
 
-    parts = (strip for _, strip in values) if isinstance(values, StripArray) else (values,)
-    for part in parts:
-        work.for_each(one, column_blocks(part))
+    work.for_each(one, column_blocks(values))
 
 
-def column_blocks(values: Array) -> list[Array]:
-    """Views of blocks of columns, of a size to be copied together."""
-    rows, columns = values.shape
-    step = max(LEAST_COLUMNS, min(BLOCK_SAMPLES // rows, -(-columns // LEAST_BLOCKS)))
-    return [values[:, start : min(start + step, columns)] for start in range(0, columns, step)]
+def column_blocks(values: Array | StripArray) -> list[Array]:
+    """Views of blocks of columns, of a size to be copied together; in order."""
+    blocks = []
+    for strip in values.strips if isinstance(values, StripArray) else [values]:
+        rows, columns = strip.shape
+        step = max(LEAST_COLUMNS, min(BLOCK_SAMPLES // rows, -(-columns // LEAST_BLOCKS)))
+        blocks += [
+            strip[:, start : min(start + step, columns)] for start in range(0, columns, step)
+        ]
+    return blocks
 
 
 def row_blocks(shape: tuple[int, ...]) -> list[slice]:

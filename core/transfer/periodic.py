@@ -115,8 +115,7 @@ def _each_column(work: Work, lines: StripArray, transform: Callable[[Array], Arr
     def one(block: Array) -> None:
         block[...] = transform(np.ascontiguousarray(block))
 
-    for _, strip in lines:
-        work.for_each(one, column_blocks(strip))
+    work.for_each(one, column_blocks(lines))
 
 
 def _image_of_strips(
