@@ -41,7 +41,7 @@ KEPT_BYTES = 1 << 29
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
-_IN_MEMORY = run.WayOfRunning(None, None)
+_IN_MEMORY = run.WayOfRunning(None)
 
 
 @dataclass(frozen=True)

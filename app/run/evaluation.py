@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from app.run.output import find_output, source_images
 from app.run.transfer_chain import Chain, Responses, find_chain, response, responses
-from core.chain.block_plan import LargestPicture, largest_picture, least_scratch, planned_blocks
+from core.chain.block_plan import largest_picture, least_scratch, planned_blocks
 from core.chain.engine import Engine, Plan, asked_for, realize
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import DataError, FileError, ImagechainError, UsageError
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import Store
-from core.evaluation.work import BlockRun, Policy, Work
+from core.evaluation.work import BlockRun, Policy, Shape, Work
 from core.machine import amount_text, usable_bytes
 from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
@@ -197,16 +197,15 @@ _SHARE_KEPT = 8  # of the budget, that values of a run in blocks may take
 @dataclass(frozen=True)
 class WayOfRunning:
     memory_bytes: int | None  # what pictures may take; None where no limit is known
-    largest: LargestPicture | None  # the largest picture of the network
+    largest: Shape = (0, 0)  # of the network's pictures
+    needed_bytes: int = 0  # what it takes in memory
     # what they may take after all where a node cannot work in blocks: all memory there is, unless
     # an amount was given
     at_most_bytes: int = 0
 
     @property
     def in_blocks(self) -> bool:
-        if self.memory_bytes is None or self.largest is None:
-            return False
-        return self.largest.memory_bytes > self.memory_bytes
+        return self.memory_bytes is not None and self.needed_bytes > self.memory_bytes
 
     def on_disk(self, value: Any, policy: Policy) -> bool:
         if not self.in_blocks or self.memory_bytes is None or not isinstance(value, Image):
@@ -221,9 +220,9 @@ class WayOfRunning:
     def facts(self, blocks: BlockRun | None) -> dict[str, Any]:
         way = "in memory" if blocks is None else "in blocks"
         facts: dict[str, Any] = {"way": way, "memory_bytes": self.memory_bytes}
-        if (largest := self.largest) is not None:
-            facts |= {"largest_rows": largest.rows, "largest_columns": largest.columns}
-            facts["in_memory_bytes"] = largest.memory_bytes
+        if self.needed_bytes:
+            facts |= {"largest_rows": self.largest[0], "largest_columns": self.largest[1]}
+            facts["in_memory_bytes"] = self.needed_bytes
         if blocks is not None:
             disk = blocks.disk
             facts |= {"scratch_bytes": disk.most_bytes, "scratch_arrays": disk.files}
@@ -234,11 +233,11 @@ def way_of_running(plan: Plan, policy: Policy, memory_bytes: int | None) -> WayO
     """The way for a network under a budget, by default half of what the process may use."""
     largest = largest_picture(plan, policy)
     if memory_bytes is not None:
-        return WayOfRunning(memory_bytes, largest)
+        return WayOfRunning(memory_bytes, *largest)
     usable = usable_bytes()
     if usable is None:
-        return WayOfRunning(None, largest)
-    return WayOfRunning(int(usable * _SHARE), largest, usable)
+        return WayOfRunning(None, *largest)
+    return WayOfRunning(int(usable * _SHARE), *largest, usable)
 
 
 def way_in_words(facts: dict[str, Any]) -> str:
@@ -275,7 +274,7 @@ def blocks_of(
         try:
             blocks = planned_blocks(plan, recipes, disk, policy)
         except DataError:
-            if way.largest is None or way.largest.memory_bytes > way.at_most_bytes:
+            if way.needed_bytes > way.at_most_bytes:
                 raise
             yield None
             return

@@ -4,7 +4,6 @@ Found from the recipes alone, before anything is computed.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
@@ -19,26 +18,11 @@ IN_MEMORY_AT_ONCE = 8
 """Pictures of the largest size that a run in memory may hold, with what its steps make besides."""
 
 
-@dataclass(frozen=True)
-class LargestPicture:
-    """The largest picture on a network's wires."""
-
-    rows: int
-    columns: int
-    samples_bytes: int
-
-    @property
-    def memory_bytes(self) -> int:
-        return self.samples_bytes * IN_MEMORY_AT_ONCE
-
-
-def largest_picture(plan: Plan, policy: Policy) -> LargestPicture | None:
-    """The largest picture that is planned; None without any."""
+def largest_picture(plan: Plan, policy: Policy) -> tuple[Shape, int]:
+    """The largest picture that is planned, and the memory it takes; empty without any."""
     shapes = {value.shape for value in _images(plan)}
-    if not shapes:
-        return None
-    rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1])
-    return LargestPicture(rows, columns, rows * columns * policy.dtype.itemsize)
+    rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1], default=(0, 0))
+    return (rows, columns), rows * columns * policy.dtype.itemsize * IN_MEMORY_AT_ONCE
 
 
 def planned_blocks(

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -272,24 +273,14 @@ class EdgeQuality:
 
 @ends_lineage
 def edge_quality(work: Work, *, stages: tuple[lineage.Stage, ...], grid: Grid) -> EdgeQuality:
+    lines = (lineage.HORIZONTAL, grid.interval_x_mrad), (lineage.VERTICAL, grid.interval_y_mrad)
     results = []
-    for line, sample_mrad in (
-        (lineage.HORIZONTAL, grid.interval_x_mrad),
-        (lineage.VERTICAL, grid.interval_y_mrad),
-    ):
-
-        def mtf(frequency: Vector, line: lineage.Line = line) -> Vector:
-            return lineage.all_along(work, stages, line, frequency)
-
-        results.append(
-            (
-                giqe.relative_edge_response(mtf=mtf, sample_mrad=sample_mrad),
-                giqe.edge_overshoot(mtf=mtf, sample_mrad=sample_mrad),
-                giqe.edge_response(mtf=mtf, places_px=_DRAWN, sample_mrad=sample_mrad),
-            )
-        )
-    rer, overshoot, response = zip(*results, strict=True)
-    return EdgeQuality(rer, overshoot, response)
+    for line, sample_mrad in lines:
+        edge: Any = {"mtf": partial(lineage.all_along, work, stages, line)}
+        edge |= {"sample_mrad": sample_mrad}
+        response = giqe.edge_response(places_px=_DRAWN, **edge)
+        results.append((giqe.relative_edge_response(**edge), giqe.edge_overshoot(**edge), response))
+    return EdgeQuality(*zip(*results, strict=True))
 
 
 @ends_lineage
@@ -316,7 +307,7 @@ def signal_over_noise(
     of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)
     clipped = unseen(gain, levels, "the picture has no signal")
-    if clipped is not None:
+    if clipped:
         return clipped
     if snr_of == "contrast" and reflectance is not None:
         signal = (BRIGHT - DARK) / reflectance * of_sample / gain
@@ -359,7 +350,7 @@ def quality_table(
     worse_twice = float(giqe.weighted_rer(rer_x=rer_x, rer_y=rer_y))
     if overshoot is None:
         overshoot = _mean("largest edge response near the edge", edge.overshoot)
-    why = snr.reason if isinstance(snr, Unseen) else ""
+    why = snr if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
     if not isinstance(snr, Unseen):
         known = {"rer": rer, "snr": snr, "overshoot": overshoot, "noise_gain": noise_gain}

@@ -129,7 +129,7 @@ def sensitivity(
         )
     gain *= math.prod(level.gain for level in levels)
     clipped = unseen(gain, levels, "there is nothing to detect")
-    if clipped is not None:
+    if clipped:
         return clipped
     scene = levels[0].mean / gain_before if levels else seen.mean / gain
     # What is in proportion to the scene, as a radiance at the slope of the response.
@@ -229,7 +229,7 @@ def _to_first_zero(
 @ends_lineage
 def mrtd_curve(work: Work, mrtd: Thresholds | Unseen) -> CurveData:
     if isinstance(mrtd, Unseen):
-        return mrtd.curve("MRTD", "frequency (cyc/mrad)", "MRTD (K)")
+        return CurveData("MRTD", "frequency (cyc/mrad)", "MRTD (K)", ())
     series = (
         *_shown("horizontal", mrtd.frequency, mrtd.horizontal),
         *_shown("vertical", mrtd.frequency, mrtd.vertical),
@@ -254,7 +254,7 @@ def mdtd_curve(
 ) -> CurveData:
     """MDTD of squares from a quarter of a sample to 25 samples wide."""
     if isinstance(noise_figures, Unseen):
-        return noise_figures.curve("MDTD", "target size (mrad)", "MDTD (K)")
+        return CurveData("MDTD", "target size (mrad)", "MDTD (K)", ())
     widest = max(grid.interval_x_mrad, grid.interval_y_mrad)
     size = np.geomspace(_SMALLEST, _LARGEST, _SIZES) * widest
     # The sums repeat after the inverse of the step: twice the largest target, and its blur.
@@ -289,27 +289,21 @@ def mdtd_curve(
 # What stands in place of figures where a picture is clipped and shows nothing of its scene.
 
 
-@dataclass(frozen=True)
-class Unseen:
-    """Why there are no figures: the rest of the network is delivered all the same."""
-
-    reason: str
-
-    def curve(self, title: str, x_label: str, y_label: str) -> CurveData:
-        return CurveData(title, x_label, y_label, ())
+Unseen = str
+"""Why there are no figures: the rest of the network is delivered all the same."""
 
 
-def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen | None:
-    """Why a picture does not follow the scene, and what cannot be had of it; None where it does.
+def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen:
+    """Why a picture does not follow the scene, and what cannot be had of it; empty where it does.
 
     `gain` is that from the scene to the picture, of whose `levels` one may have the reason.
     """
     if gain > 0.0:
-        return None
+        return ""
     reason = next((level.reason for level in levels if level.reason), "")
     if not reason:
         raise DataError(f"the picture does not change with the scene: {consequence}")
-    return Unseen(f"{reason}: {consequence}")
+    return f"{reason}: {consequence}"
 
 
 # Probability against range that a target is acquired, and the figures of merit as a table.
@@ -509,7 +503,7 @@ def _relative_noise(
 @ends_lineage
 def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
     if isinstance(result, Unseen):
-        return result.curve("Target acquisition", "range (km)", "probability")
+        return CurveData("Target acquisition", "range (km)", "probability", ())
     km = result.range_m / 1000.0
     series = [
         Series(task, km, probability)
@@ -531,7 +525,7 @@ def merit_table(
     frames: float,
 ) -> TableData:
     values: dict[str, float | None] = {}
-    why = seen.reason if isinstance(seen, Unseen) else ""
+    why = seen if isinstance(seen, Unseen) else ""
     if not isinstance(seen, Unseen):
         ner = math.sqrt(max(seen.noise.temporal, 0.0))
         values |= {"snr": seen.mean / ner if ner > 0.0 else None, "netd_K": seen.netd_K}
