@@ -288,12 +288,9 @@ def changing_figures(figures: Sequence[Figure], points: Sequence[Point]) -> tupl
         known = (f for f in shown if f.is_total and figure.is_total and f.name == figure.name)
         if any(value is not None for value in row) and row not in [rows[f] for f in known]:
             shown.append(figure)  # not the MTF with electronics that do not filter
-    changing = [figure for figure in shown if _changes([v for v in rows[figure] if v is not None])]
+    values = {figure: [v for v in rows[figure] if v is not None] for figure in shown}
+    changing = [f for f, v in values.items() if max(v) - min(v) > ROUNDING * max(map(abs, v))]
     return tuple(changing or shown)
-
-
-def _changes(values: Sequence[float]) -> bool:
-    return max(values) - min(values) > ROUNDING * max(map(abs, values))
 
 
 def shown_value(value: Any, unit: str = "") -> str:

@@ -37,10 +37,6 @@ class Absent(Enum):
 ABSENT = Absent.ABSENT
 
 
-def _no_names(_: Network) -> dict[str, str]:
-    return {}
-
-
 @dataclass(frozen=True)
 class Operation:
     """A change of a network, a function, and its text for the undo menu.
@@ -51,7 +47,7 @@ class Operation:
 
     apply: Callable[[Network], Network]
     text: str = ""
-    moved: Callable[[Network], Mapping[str, str]] = _no_names
+    moved: Callable[[Network], Mapping[str, str]] = lambda _: {}
     path: tuple[str, ...] = ()
     marks: tuple[str, ...] | None = None
 

@@ -100,7 +100,9 @@ def with_values(
         place = nodes if name in nodes else aside
         node = replace(place[name], params={**place[name].params, **values})
         earlier = known(name) if known is not None else None
-        place[name] = earlier if earlier is not None and _same(earlier, node) else node
+        # To Python, 1 is true and 1.0: equal, but not the same in a file.
+        same = earlier == node and repr(earlier.params) == repr(node.params)
+        place[name] = earlier if earlier is not None and same else node
     faults: dict[str, tuple[LinkError, ...]] = {}
     for (name, _), error in survey.faults.items():
         faults[name] = (*faults.get(name, ()), error)
@@ -111,11 +113,6 @@ def with_values(
 def resolved(network: Network, *, library: Library) -> ResolvedNetwork:
     """A document with its macros written out and values in the place of expressions."""
     return with_values(expanded(network, library), library=library)
-
-
-def _same(one: Node, other: Node) -> bool:
-    # To Python, 1 is true and 1.0: equal, but not the same in a file.
-    return one == other and repr(one.params) == repr(other.params)
 
 
 def with_names(node: Node, names: Mapping[str, str]) -> Node:

@@ -535,15 +535,11 @@ def stage_bound(work: Work, factor: Factor, xi: Array, eta: Array, *, radii: int
         along = _axis_change(work, factor, factor.y, eta)
         # |1 − ab| ≤ |1 − a| + |a|·|1 − b| and |a| ≤ 1 + |1 − a|
         return across + (1.0 + across) * along
-    if _is_radial(factor):
+    if factor.radial and factor.ratios[0] == factor.ratios[1]:
         corner = float(np.hypot(np.abs(xi).max(), np.abs(eta).max()))
         line = factor.transfer(work, corner * np.linspace(1.0, 0.0, radii), np.zeros(1))
         return float(np.abs(1.0 - line).max())
     return float("inf")
-
-
-def _is_radial(factor: Planar) -> bool:
-    return factor.radial and factor.ratios[0] == factor.ratios[1]
 
 
 def _axis_change(work: Work, factor: Separable, law: Any, frequency: Array) -> float:

@@ -164,7 +164,9 @@ def _block(
         left, right = few.sides_at(0.5 * (few.high + few.low))
         areas = (few.high - few.low) * (right - left)
         if laid.strips > 1:
-            total, areas = (_joined(sums, laid.strips) for sums in (total, areas))
+            total, areas = (
+                sums.reshape(len(sums), -1, laid.strips).sum(axis=2) for sums in (total, areas)
+            )
         means.append(total / areas)
     return np.concatenate(means) if len(means) > 1 else means[0]
 
@@ -230,10 +232,6 @@ def _up_to(end: Vector, sums: Vector, at_top: Vector, more: Vector) -> Vector:
     integral += t * picked(at_top, row, 0)
     integral += 0.5 * t * t * picked(more, row, 0)
     return integral
-
-
-def _joined(strips: Vector, count: int) -> Vector:
-    return np.asarray(strips.reshape(len(strips), -1, count).sum(axis=2))
 
 
 def _within(laid: Footprints, columns: slice) -> NDArray[np.bool_]:
