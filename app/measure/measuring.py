@@ -13,12 +13,7 @@ from app.measure import picture_loading as loading
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
 from core.errors import DataError, ParameterError
-from core.physics.measurement.edge_mtf import (
-    LARGEST_ANGLE_DEG,
-    MtfCurve,
-    measure_edge,
-    pooled_mtf,
-)
+from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve, measure_edge, pooled_mtf
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import FoundEdge, missing_samples, why_interpolated
 from core.physics.measurement.picture_noise import (

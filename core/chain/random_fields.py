@@ -152,11 +152,7 @@ def uniform_field(
 
 
 def poisson_field(
-    mean: Floats,
-    stream: Stream,
-    *,
-    for_each: ForEach = in_turn,
-    in_place: bool = False,
+    mean: Floats, stream: Stream, *, for_each: ForEach = in_turn, in_place: bool = False
 ) -> Floats:
     """Poisson deviates, one for each mean.
 

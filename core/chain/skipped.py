@@ -14,13 +14,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 
 Kind = Literal[
-    "disabled",
-    "identity",
-    "below_budget",
-    "unseen",
-    "unchanged",
-    "region",
-    "wavelengths",
+    "disabled", "identity", "below_budget", "unseen", "unchanged", "region", "wavelengths"
 ]
 
 

@@ -391,10 +391,7 @@ class Context:
 
     @cached_property
     def key(self) -> str:
-        return content_key(
-            "context",
-            *(getattr(self, name) for name in self.__dataclass_fields__),
-        )
+        return content_key("context", *(getattr(self, name) for name in self.__dataclass_fields__))
 
 
 @dataclass(frozen=True)

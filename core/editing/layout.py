@@ -55,10 +55,7 @@ def is_in_reach(*numbers: float) -> bool:
 
 
 def arranged(
-    network: Network,
-    sizes: Sizes,
-    only: Collection[str] | None = None,
-    room: Size | None = None,
+    network: Network, sizes: Sizes, only: Collection[str] | None = None, room: Size | None = None
 ) -> dict[str, Point]:
     """Points of all nodes, or those of `only`; their upper left corner stays where it was."""
     chosen = {name: None for name in network.nodes if only is None or name in only}

@@ -16,14 +16,7 @@ from core.editing.operations import (
     together,
 )
 from core.errors import NetworkError, close, shown
-from core.modules.declaration import (
-    Declaration,
-    Library,
-    Port,
-    declaration,
-    local_key,
-    no_module,
-)
+from core.modules.declaration import Declaration, Library, Port, declaration, local_key, no_module
 from core.network.macro import declared_node
 from core.network.network import (
     Link,

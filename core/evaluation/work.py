@@ -139,11 +139,7 @@ class Work:
         return Held(self._claims, recipes)
 
     def one_by_one(
-        self,
-        recipes: Iterable[Recipe],
-        region: Region | None = None,
-        *,
-        forgetting: bool = False,
+        self, recipes: Iterable[Recipe], region: Region | None = None, *, forgetting: bool = False
     ) -> Iterator[Any]:
         """The values of recipes in turn; only what the next one shares is held.
 

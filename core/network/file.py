@@ -521,8 +521,7 @@ def _links(network: Network) -> list[list[str]]:
     place = {name: number for number, name in enumerate(network.nodes)}
     last = len(place)
     links = sorted(
-        network.links,
-        key=lambda link: (place.get(link.target, last), place.get(link.source, last)),
+        network.links, key=lambda link: (place.get(link.target, last), place.get(link.source, last))
     )
     return [link.text() for link in links]
 

@@ -357,8 +357,7 @@ def _of_links(
             if end[0] == node.id and end[1] not in names:
                 hint = close(end[1], names) or _listed(names)
                 yield NetworkError(
-                    f"the macro has no {side} {shown(end[1])} (the link {link}){hint}",
-                    node=node.id,
+                    f"the macro has no {side} {shown(end[1])} (the link {link}){hint}", node=node.id
                 )
         leaving = link.source == node.id and node.disabled and link.output in face.outputs
         if leaving and not unfinished and passing_input(node, link.output, library) is None:

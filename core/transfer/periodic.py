@@ -159,11 +159,7 @@ def _inverse(
 
 
 def _fold(
-    work: Work,
-    spectrum: Array,
-    response: "PeriodicResponse",
-    factor_x: int,
-    factor_y: int,
+    work: Work, spectrum: Array, response: "PeriodicResponse", factor_x: int, factor_y: int
 ) -> tuple[Array | StripArray, Array | StripArray | None]:
     """Multiply and fold: the aliases up to Nyquist, and those beyond it, still unturned."""
     grid = response.grid

@@ -16,14 +16,7 @@ from app.run.readout_tables import columns
 from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased
-from core.editing.operations import (
-    ABSENT,
-    Operation,
-    add_nodes,
-    fresh_name,
-    rewire,
-    set_parameter,
-)
+from core.editing.operations import ABSENT, Operation, add_nodes, fresh_name, rewire, set_parameter
 from core.editing.wiring import declared, outputs_of, wires_behind, wires_from_open_end
 from core.errors import FileError, ImagechainError, NetworkError, ParameterError, UsageError, shown
 from core.evaluation.recipes import Step

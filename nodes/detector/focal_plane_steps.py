@@ -8,13 +8,7 @@ import numpy as np
 
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream
-from core.chain.step_lineage import (
-    Array,
-    AtStep,
-    LevelChange,
-    Noise,
-    picture_step,
-)
+from core.chain.step_lineage import Array, AtStep, LevelChange, Noise, picture_step
 from core.chain.wires import TableData, TableRow
 from core.evaluation.recipes import (
     Recipe,

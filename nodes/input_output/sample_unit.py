@@ -127,9 +127,7 @@ def _of_typed(
         return SampleUnit(own.name, own.factor)
     if own.spectral != "µm":
         raise ParameterError(
-            "unit",
-            typed,
-            "must be per µm or nm: the file's bands are integrated over wavelength",
+            "unit", typed, "must be per µm or nm: the file's bands are integrated over wavelength"
         )
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None

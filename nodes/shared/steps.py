@@ -7,14 +7,7 @@ import numpy as np
 
 from core.chain.band_stack import BandStack, SteppedBands
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import (
-    Array,
-    AtStep,
-    Filtering,
-    Linear,
-    Noise,
-    picture_step,
-)
+from core.chain.step_lineage import Array, AtStep, Filtering, Linear, Noise, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import (
     Recipe,

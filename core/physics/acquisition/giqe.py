@@ -20,12 +20,7 @@ from core.physics.numerics import all_above_zero, all_from_zero, broadcast, gaus
 
 INCH_M = 0.0254
 _SHARP = 0.9  # relative edge response from which version 4 has its other pair of coefficients
-LIMITS = {
-    "gsd_inch": (3.0, 80.0),
-    "rer": (0.2, 1.3),
-    "overshoot": (0.9, 1.9),
-    "snr": (2.0, 130.0),
-}
+LIMITS = {"gsd_inch": (3.0, 80.0), "rer": (0.2, 1.3), "overshoot": (0.9, 1.9), "snr": (2.0, 130.0)}
 """Where version 4 was fitted; taken for the others too, whose own could not be checked."""
 
 

@@ -455,12 +455,7 @@ def crosstalk_kernel(text: str) -> Kernel:
 
 
 def crosstalk_otf(
-    *,
-    xi: ArrayLike,
-    eta: ArrayLike,
-    kernel: Kernel,
-    pitch_x_mrad: float,
-    pitch_y_mrad: float,
+    *, xi: ArrayLike, eta: ArrayLike, kernel: Kernel, pitch_x_mrad: float, pitch_y_mrad: float
 ) -> NDArray[np.complex128]:
     """OTF of crosstalk.
 

@@ -156,11 +156,7 @@ def persistence(*, shares: ArrayLike, time_constants_s: ArrayLike, delay_s: floa
 
 
 def lowpass_mtf(
-    *,
-    frequency: ArrayLike,
-    scan_velocity_mrad_per_s: float,
-    time_constant_s: float,
-    poles: int = 1,
+    *, frequency: ArrayLike, scan_velocity_mrad_per_s: float, time_constant_s: float, poles: int = 1
 ) -> NDArray[np.float64]:
     """Modulus of the low-pass H = 1/(1 + 2πi·τ·v·frequency)^n.
 
@@ -189,11 +185,7 @@ def lowpass_mtf(
 
 
 def lowpass_ptf(
-    *,
-    frequency: ArrayLike,
-    scan_velocity_mrad_per_s: float,
-    time_constant_s: float,
-    poles: int = 1,
+    *, frequency: ArrayLike, scan_velocity_mrad_per_s: float, time_constant_s: float, poles: int = 1
 ) -> NDArray[np.float64]:
     """Phase of the low-pass of `lowpass_mtf`: −n·arctan(2πτv·frequency), radians.
 
@@ -340,12 +332,7 @@ _BLOCK_SAMPLES = 1 << 18
 
 
 def quantize(
-    array: NDArray[Any],
-    *,
-    bits: int,
-    low: float,
-    high: float,
-    for_each: ForEach = in_turn,
+    array: NDArray[Any], *, bits: int, low: float, high: float, for_each: ForEach = in_turn
 ) -> NDArray[Any]:
     """Replace each sample by the nearest of 2^b levels from `low` to `high`.
 

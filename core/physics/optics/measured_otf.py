@@ -187,12 +187,7 @@ class PointSpread:
 
 
 def sampled_psf_otf(
-    *,
-    xi: ArrayLike,
-    eta: ArrayLike,
-    psf: PointSpread,
-    pitch_x_mrad: float,
-    pitch_y_mrad: float,
+    *, xi: ArrayLike, eta: ArrayLike, psf: PointSpread, pitch_x_mrad: float, pitch_y_mrad: float
 ) -> Array:
     """OTF of a sampled point spread function, by its exact sum.
 

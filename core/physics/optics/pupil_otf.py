@@ -379,8 +379,7 @@ def circular_pupil_otf(
         return _over_band(
             (
                 annular_otf(
-                    frequency_ratio=wavelength * rho / diameter,
-                    obscuration_ratio=obscuration_ratio,
+                    frequency_ratio=wavelength * rho / diameter, obscuration_ratio=obscuration_ratio
                 )
                 for wavelength in wavelengths_um
             ),

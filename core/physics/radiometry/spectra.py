@@ -122,11 +122,7 @@ SI_AS = Material(
 )
 
 MATERIALS_BY_REGION = MappingProxyType(
-    {
-        "VIS": (SILICON,),
-        "MWIR": (INSB, PTSI, HGCDTE_MWIR),
-        "LWIR": (HGCDTE_LWIR, SI_GA, SI_AS),
-    }
+    {"VIS": (SILICON,), "MWIR": (INSB, PTSI, HGCDTE_MWIR), "LWIR": (HGCDTE_LWIR, SI_GA, SI_AS)}
 )
 """Which materials serve which region (Tantalo 1996, fig. 4.42)."""
 

@@ -445,11 +445,7 @@ def taps(
     if kind == "bilinear":
         base = np.rint(places).astype(np.intp)
         t = places - base
-        return base, [
-            (-1, 0.5 * (0.5 - t) ** 2),
-            (0, 0.75 - t * t),
-            (1, 0.5 * (0.5 + t) ** 2),
-        ]
+        return base, [(-1, 0.5 * (0.5 - t) ** 2), (0, 0.75 - t * t), (1, 0.5 * (0.5 + t) ** 2)]
     base = np.minimum(places.astype(np.intp), samples - 1)
     t = places - base
     if kind == "area":
