@@ -163,7 +163,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         table = here.step(
             figures,
             of_bins,
-            collection=whole,
             reading=self.delivered(),
             area_cm2=detector_area_cm2(**pixel_of(context)) * self.pixels,
             reference_radiance=self.reference_radiance,
@@ -505,7 +504,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def efficiency(outputs: FocalPlaneOutputs) -> QuantumEfficiency:
         """Electrons per photon over wavelength, within the cold filter, as they were planned."""
         figures_of_mean: Any = outputs.table.recipe.inputs[0]
-        collection: Collection = dict(figures_of_mean.parameters)["collection"]
+        collection: Collection = dict(figures_of_mean.inputs[0].parameters)["collection"]
         return collection.weights.efficiency
 
     def response_over_band(self, planned: PlannedNode, _here: NodeContext) -> DrawnResponse:

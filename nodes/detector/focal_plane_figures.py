@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,14 +51,14 @@ class Collection:
             dark_e=self.dark_e * count,
         )
 
-    @property
+    @cached_property
     def optics_e(self) -> float:
         if self.optics_K is None:
             return 0.0
         photons = float(self.weights.efficiency.photon_radiance(self.optics_K))
         return self.scene_m2_s_sr * (1.0 - self.optics_transmission) * photons
 
-    @property
+    @cached_property
     def housing_e(self) -> float:
         if self.housing_K is None:
             return 0.0
@@ -98,7 +99,7 @@ class ReadOut:
 
 @dataclass(frozen=True)
 class ElectronLevels:
-    """Electrons of a picture, and of its mean by where they come from.
+    """Electrons of a picture, and of its mean: those of the scene, and what is collected beside.
 
     `scene_K` is the brightness temperature of the mean, where that means anything; `slope`
     electrons per W/m²/sr there. Of a picture that comes as photons counted, whose spectrum is
@@ -109,18 +110,14 @@ class ElectronLevels:
     seen: PictureRange
     scene_K: float | None
     signal_e: float
-    optics_e: float
-    housing_e: float
-    dark_e: float
     slope: float
-    radiance_per_photon: float | None = None
-    electrons_per_K: float | None = None
-    band_um: tuple[float, float] = (0.0, 0.0)
-    vignetting: float = 1.0
+    radiance_per_photon: float | None
+    electrons_per_K: float | None
+    collection: Collection
 
     @property
     def pedestal_e(self) -> float:
-        return self.optics_e + self.housing_e + self.dark_e
+        return self.collection.optics_e + self.collection.housing_e + self.collection.dark_e
 
     @property
     def total_e(self) -> float:
@@ -156,19 +153,9 @@ def electron_levels(
     else:
         signal = float(conversion.times(np.array([seen.mean]))[0])
         slope = float(conversion.times(np.array([seen.high or 1.0]))[0]) / (seen.high or 1.0)
+    per_kelvin = None if kelvin is None else slope * weights.per_kelvin(kelvin)
     return ElectronLevels(
-        conversion,
-        seen,
-        kelvin,
-        signal,
-        collection.optics_e,
-        collection.housing_e,
-        collection.dark_e,
-        slope,
-        per_photon,
-        None if kelvin is None else slope * weights.per_kelvin(kelvin),
-        weights.band_um,
-        collection.vignetting,
+        conversion, seen, kelvin, signal, slope, per_photon, per_kelvin, collection
     )
 
 
@@ -189,13 +176,10 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
             levels.signal_e,
             per_sample=levels.slope,
         )
-    body = {
-        "temperature_K": kelvin,
-        "cut_on_um": levels.band_um[0],
-        "cut_off_um": levels.band_um[1],
-    }
-    radiance = levels.vignetting * float(band_radiance(**body))
-    slope = levels.vignetting * float(band_radiance_derivative(**body))
+    low, high = levels.collection.weights.band_um
+    body = {"temperature_K": kelvin, "cut_on_um": low, "cut_off_um": high}
+    radiance = levels.collection.vignetting * float(band_radiance(**body))
+    slope = levels.collection.vignetting * float(band_radiance_derivative(**body))
     return LevelChange(
         levels.electrons_per_K / slope, radiance, levels.signal_e, per_sample=levels.slope
     )
@@ -305,7 +289,6 @@ def figures(
     work: Work,
     levels: ElectronLevels,
     *,
-    collection: Collection,
     reading: ReadOut,
     area_cm2: float,
     reference_radiance: float | None = None,
@@ -335,16 +318,17 @@ def figures(
     well, decibels, too_dark = reading.full_well_e, None, ""
     fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
-    dark = levels.dark_e * reading.excess_factor / frames
+    collected = levels.collection
+    dark = collected.dark_e * reading.excess_factor / frames
     dark_noise = math.hypot(read, rounding, focal_plane_array.shot_noise_e(electrons=dark))
-    if levels.dark_e >= saturation:
-        too_dark = f"{levels.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
+    if collected.dark_e >= saturation:
+        too_dark = f"{collected.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
         decibels = _finite(
             focal_plane_array.dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise)
         )
     snr = _snr(levels, reading)
-    efficiency = _efficiency(levels, collection)
+    efficiency = _efficiency(levels)
     nei = None
     if efficiency > 0.0 and clipped is None:
         nei = focal_plane_array.nei_photons_per_cm2(
@@ -358,9 +342,9 @@ def figures(
         threshold = (dark_noise + 0.5 * reading.excess_factor / frames) / efficiency
     return TableData.of(
         ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
-        ("optics_e", levels.optics_e, "e-", "electrons from the optics' own emission"),
-        ("housing_e", levels.housing_e, "e-", "electrons from the housing past the cold shield"),
-        ("dark_e", levels.dark_e, "e-", "electrons from the dark current"),
+        ("optics_e", collected.optics_e, "e-", "electrons from the optics' own emission"),
+        ("housing_e", collected.housing_e, "e-", "electrons from the housing past the cold shield"),
+        ("dark_e", collected.dark_e, "e-", "electrons from the dark current"),
         ("well_fill_percent", fill, "%", "fraction of the full well filled by all electrons"),
         ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
         ("excess_noise_e", excess, "e-", "excess noise of the charge gain"),
@@ -372,7 +356,7 @@ def figures(
          why),
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
-        *_at_reference(levels, collection, reading, reference_radiance),
+        *_at_reference(levels, reading, reference_radiance),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure whose signal equals the "
                                               "temporal noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the temporal dark noise", too_dark),
@@ -382,8 +366,8 @@ def figures(
          "mean signal in digital numbers"),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the picture's mean"),
         ("quantum_efficiency", efficiency, "", "electrons per photon, averaged over the band"),
-        ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
-        *_worth(levels, collection),
+        ("photon_weighting", collected.weights.used, "", "spectrum used to count photons"),
+        *_worth(levels),
     )  # fmt: skip
 
 
@@ -409,12 +393,13 @@ def _snr(levels: ElectronLevels, reading: ReadOut) -> float | None:
 
 
 def _at_reference(
-    levels: ElectronLevels, collection: Collection, reading: ReadOut, radiance: float | None
+    levels: ElectronLevels, reading: ReadOut, radiance: float | None
 ) -> Iterator[tuple[str, float | None, str, str, str]]:
     """Signal and SNR of a uniform scene of a spectral radiance, W/m²/sr/µm; empty without one."""
     signal, snr, why = None, None, ""
     if radiance is not None:
-        signal = collection.per_photon * collection.weights.flat_photons * radiance
+        collected = levels.collection
+        signal = collected.per_photon * collected.weights.flat_photons * radiance
         there = replace(levels, signal_e=signal)
         snr, clipped = _snr(there, reading), mean_clipped(there, reading)
         if clipped is not None:
@@ -453,42 +438,35 @@ def _emva(
         yield f"snr_at_{percent}_percent", snr, "", f"SNR at {percent} % of saturation_radiance"
 
 
-def _worth(
-    levels: ElectronLevels, collection: Collection
-) -> tuple[tuple[str, float | None, str, str], ...]:
+def _worth(levels: ElectronLevels) -> tuple[tuple[str, float | None, str, str], ...]:
     """What each other weighting would make of the signal, and by how much they differ."""
     rows: list[tuple[str, float | None, str, str]] = []
-    known_spectrum = collection.weights.used == "spectrum"
+    collected = levels.collection
+    known_spectrum = collected.weights.used == "spectrum"
     for weighting in photon_conversion.WEIGHTINGS:
         signal: float | None = None
-        weights = replace(collection.weights, weighting=weighting)
+        weights = replace(collected.weights, weighting=weighting)
         if levels.seen.mean > 0.0 and weights.used == weighting and not known_spectrum:
             try:
                 ratio = weights.per_radiance(np.array([levels.seen.mean]))
             except DataError:  # a source too cold to be one, which is not the one that is used
                 pass
             else:
-                signal = collection.per_photon * float(ratio[0]) * levels.seen.mean
+                signal = collected.per_photon * float(ratio[0]) * levels.seen.mean
         meaning = f"signal with photons weighted by {weighting}"
         rows.append((f"signal_by_{weighting}_e", signal, "e-", meaning))
     known = [signal for _, signal, _, _ in rows if signal is not None]
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:
         worth = 100.0 * (max(known) - min(known)) / levels.signal_e
-    rows.append(
-        (
-            "weighting_worth_percent",
-            worth,
-            "%",
-            "largest minus smallest signal over all choices of photon_weighting, "
-            "relative to signal_e",
-        )
+    meaning = (
+        "largest minus smallest signal over all choices of photon_weighting, relative to signal_e"
     )
-    return tuple(rows)
+    return (*rows, ("weighting_worth_percent", worth, "%", meaning))
 
 
-def _efficiency(levels: ElectronLevels, collection: Collection) -> float:
-    weights = collection.weights
+def _efficiency(levels: ElectronLevels) -> float:
+    weights = levels.collection.weights
     efficiency = weights.efficiency
     if not efficiency.points:
         return efficiency.value

@@ -164,6 +164,20 @@ def test_a_response_file_takes_the_place_of_the_number(tmp_path):
     assert short["signal_e"] == pytest.approx(narrow["signal_e"], rel=1e-11)
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("3.9,0.5\n4.5,0.7\n",
+         "begins at 3.9 µm with a value of 0.5 and ends at 4.5 µm with a value of 0.7"),
+        ("3.7,0.5\n4.8,0.7\n", ""), ("3.9,0\n4.2,0.7\n4.5,0\n", ""),
+    ],
+)  # fmt: skip
+def test_a_response_that_ends_within_the_band_is_told(tmp_path, text, said):
+    (tmp_path / "qe.csv").write_text(text)
+    told = cautions(focal_plane_bench(tmp_path, {"response": "qe.csv"}), "response_ends")
+    assert [said in caution.message for caution in told] == [True] * bool(said)
+
+
 def test_reflected_light_has_no_netd(tmp_path):
     scene = {"cut_on_um": 0.5, "cut_off_um": 0.9, "temperature_K": 1500.0}
     for weighting in ("source", "scene"):
