@@ -44,7 +44,6 @@ from nodes.shared.module_ports import TableFigures
 
 FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
-_PREVIEW_POINTS = 65
 
 
 @ends_lineage
@@ -404,31 +403,24 @@ class CameraGeometry(
             Table(table),
         )
 
-    def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
+    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
         camera = self.camera(planned.sound().inputs["image"])
-        u = np.linspace(0.5, camera.columns - 0.5, _PREVIEW_POINTS)
-        samples = [
-            ground_sample(camera=camera, u=place, v=0.5 * camera.rows) for place in u.tolist()
-        ]
-        sizes = np.array(samples).T
-        angles = np.degrees(view_angles(camera=camera, u=u))
-        half = max(float(angles[-1] - angles[0]) / 2, 1e-6)
-        middle = float(angles[-1] + angles[0]) / 2
-        title = (
-            "angle from the optical axis (deg)" if camera.kind == "framing" else "view angle (deg)"
-        )
+        data = ground_curve(work, camera=camera)
+        across, along = data.series[:2]
+        low, high = float(across.x[0]), float(across.x[-1])
+        middle, half = (low + high) / 2, max((high - low) / 2, 1e-6)
         drawn = Plot(
-            Axis(middle - half, middle + half, title),
-            Axis(0.0, 1.12 * float(sizes.max()), "m"),
+            Axis(middle - half, middle + half, data.x_label),
+            Axis(0.0, 1.12 * float(max(across.y.max(), along.y.max())), "m"),
             curves=(
-                DrawnCurve(angles, sizes[0], name="across the track"),
-                DrawnCurve(angles, sizes[1], 1, "dashed", name="along the track"),
+                DrawnCurve(across.x, across.y, name=across.label),
+                DrawnCurve(along.x, along.y, 1, "dashed", name=along.label),
             ),
         )
         return Preview(
             f"field {brief(field_deg(camera=camera))}°, ground sample "
-            f"{pair(*samples[_PREVIEW_POINTS // 2])} m at the centre, "
-            f"{pair(*max(samples[0], samples[-1]))} m at the end",
+            f"{pair(*_sample(camera, 0.5))} m at the centre, "
+            f"{pair(*max(_sample(camera, 0.0), _sample(camera, 1.0)))} m at the end",
             (drawn,),
         )
 
