@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -33,6 +34,14 @@ class PupilScale:
     wavelengths_um: tuple[float, ...]
     weights: tuple[float, ...] | Recipe
     mean_um: float
+
+    @property
+    def pitches(self) -> dict[str, Any]:
+        return {"pitch_x_mm": self.pitch_x_mm, "pitch_y_mm": self.pitch_y_mm}
+
+    @property
+    def band(self) -> dict[str, Any]:
+        return {"wavelengths_um": self.wavelengths_um, "weights": self.weights}
 
     def at(self, wavelength_um: float) -> PupilScale:
         return replace(self, wavelengths_um=(wavelength_um,), weights=(1.0,))
@@ -104,27 +113,19 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
 
 
 def _exact_factor(pupil: Pupil, shape: pupil_shapes.PupilShape, scale: PupilScale) -> Planar | None:
-    band: dict[str, Any] = {"wavelengths_um": scale.wavelengths_um, "weights": scale.weights}
     if not pupil.defocus_waves and shape.shape in ("clear", "cassegrain"):
         obscured = shape.shape == "cassegrain"
         disc = Law.of(
             pupil_otf.circular_pupil_otf,
             diameter_mm=2 * shape.radius * scale.pitch_x_mm,
             obscuration_ratio=shape.obscuration_radius / shape.radius if obscured else 0.0,
-            **band,
+            **scale.band,
         )
         # Unequal sizes of a sample make an ellipse of a disc, and of its OTF.
         return Planar(disc, radial=True, ratios=(1.0, scale.pitch_x_mm / scale.pitch_y_mm))
     if not pupil.defocus_waves:
-        return Planar(
-            Law.of(
-                pupil_otf.geometric_pupil_otf,
-                shape=shape,
-                pitch_x_mm=scale.pitch_x_mm,
-                pitch_y_mm=scale.pitch_y_mm,
-                **band,
-            )
-        )
+        how = {**scale.pitches, **scale.band}
+        return Planar(Law.of(pupil_otf.geometric_pupil_otf, shape=shape, **how))
     if shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
         return None
     defocused = Law.of(
@@ -132,7 +133,7 @@ def _exact_factor(pupil: Pupil, shape: pupil_shapes.PupilShape, scale: PupilScal
         diameter_mm=2 * shape.radius * scale.pitch_x_mm,
         w20_waves=pupil.defocus_waves,
         reference_um=scale.mean_um,
-        **band,
+        **scale.band,
     )
     return Planar(defocused, radial=True)
 
@@ -145,12 +146,10 @@ def sampled_factors(
     law = Law.of(
         pupil_otf.sampled_pupil_otf,
         correlations=correlations(pupil, scale, node),
-        pitch_x_mm=scale.pitch_x_mm,
-        pitch_y_mm=scale.pitch_y_mm,
-        wavelengths_um=scale.wavelengths_um,
-        weights=scale.weights,
         interpolation=interpolation,
         real=real,
+        **scale.pitches,
+        **scale.band,
     )
     if real:
         return Planar(law, symmetric=False, label=label, node=node), None
@@ -165,16 +164,8 @@ def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     ratios: tuple[float, ...] = (1.0,)
     if pupil.aberrated:
         ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)
-    return Step.of(
-        _correlations,
-        *_samples_of(pupil),
-        node=node,
-        ratios=ratios,
-        map_ratio=_map_ratio(pupil, scale, ratios),
-        radius=pupil.radius,
-        defocus_waves=pupil.defocus_waves,
-        zernike_waves=pupil.zernike_waves,
-    )
+    map_ratio = _map_ratio(pupil, scale, ratios)
+    return _of_samples(_correlations, pupil, node, map_ratio=map_ratio, ratios=ratios)
 
 
 def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recipe:
@@ -189,8 +180,10 @@ def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recip
     )
 
 
-def _samples_of(pupil: Pupil) -> tuple[Recipe, ...]:
-    return (pupil.samples,) if pupil.wavefront is None else (pupil.samples, pupil.wavefront)
+def _of_samples(function: Callable[..., Any], pupil: Pupil, node: str, **how: Any) -> Step:
+    given = (pupil.samples,) if pupil.wavefront is None else (pupil.samples, pupil.wavefront)
+    how |= {name: getattr(pupil, name) for name in ("radius", "defocus_waves", "zernike_waves")}
+    return Step.of(function, *given, node=node, **how)
 
 
 def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0,)) -> float:
@@ -207,16 +200,8 @@ def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0
 
 def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     """Recipe of the estimate that covers the sampled OTF's error."""
-    return Step.of(
-        _error,
-        *_samples_of(pupil),
-        node=node,
-        map_ratio=_map_ratio(pupil, scale),
-        shape=pupil.shape,
-        radius=pupil.radius,
-        defocus_waves=pupil.defocus_waves,
-        zernike_waves=pupil.zernike_waves,
-    )
+    map_ratio = _map_ratio(pupil, scale)
+    return _of_samples(_error, pupil, node, map_ratio=map_ratio, shape=pupil.shape)
 
 
 def _complex_samples(
