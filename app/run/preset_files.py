@@ -15,14 +15,7 @@ from core.editing.operations import ABSENT, Operation, check_plain, set_paramete
 from core.errors import FileError, ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import Parameter
-from core.network.file import (
-    format_network,
-    read_json,
-    read_network,
-    read_text,
-    read_unchanged,
-    save_network,
-)
+from core.network import file
 from core.network.linked_values import expression_text
 from core.network.macro import face_of_macro
 from core.network.network import Network, Node
@@ -81,9 +74,9 @@ def placed(
     problem = _preset(preset.path, library, own=preset.own).problem  # it may have changed
     if problem:
         raise NetworkError(problem)
-    one = read_network(preset.path, library=library)
+    one = file.read_network(preset.path, library=library)
     moved = rebased(one, library, preset.path.parent, folder or preset.path.parent)
-    text = format_network(moved.apply(one) if moved else one, library=library)
+    text = file.format_network(moved.apply(one) if moved else one, library=library)
     (name,), operation = pasted(text, network, library, at)
     return name, operation
 
@@ -111,7 +104,9 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     assert macro.macro is not None
     macro = replace(macro, macro=replace(macro.macro, name=macro.macro.name or node.id))
     name, layout = macro.macro.name if macro.macro else node.id, {node.id: (0.0, 0.0)}
-    save_network(Network(name=name, nodes={node.id: macro}, layout=layout), path, library=library)
+    file.save_network(
+        Network(name=name, nodes={node.id: macro}, layout=layout), path, library=library
+    )
     return path
 
 
@@ -158,7 +153,7 @@ def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
 
 def _preset(path: Path, library: Library, *, own: bool) -> Preset:
     try:
-        network = read_unchanged(path, library=library)
+        network = file.read_unchanged(path, library=library)
         nodes = tuple(network.nodes.values())
         if len(nodes) != 1:
             raise NetworkError(f"{path}: not a preset; a preset is a network of one node")
@@ -182,7 +177,7 @@ def sets_of(module: str, folder: Path) -> Sets:
     path = _file(module, folder)
     if not path.exists():
         return {}
-    document = read_json(read_text(path), str(path))
+    document = file.read_json(file.read_text(path), str(path))
     if not isinstance(document, dict):
         document = {}
     sets = document.get("sets")

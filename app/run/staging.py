@@ -15,17 +15,7 @@ from typing import Self
 
 from app.run.shipped import Place
 from app.user_folders import FOLDERS
-from core.atomic import (
-    FOLDER_PREFIX,
-    LOCK,
-    FileLock,
-    in_turn,
-    new_mark,
-    no_regular_file,
-    sweep,
-    take,
-    write_text,
-)
+from core import atomic
 from core.errors import FileError, ImagechainError, UsageError, shown
 from nodes.files.common.file_format import ZARR
 from nodes.files.store_folder import is_store
@@ -55,7 +45,7 @@ class Staging:
         self._staged: list[_Staged] = []
         self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
-        self._locks: list[FileLock] = []
+        self._locks: list[atomic.FileLock] = []
         self._swept: set[Path] = set()
 
     def __enter__(self) -> Self:
@@ -173,11 +163,11 @@ class Staging:
         # Beside the target, so that the final rename stays within one file system.
         folder = _existing(real.parent)
         if folder not in self._places:
-            place = folder / f"{FOLDER_PREFIX}{new_mark()}"
+            place = folder / f"{atomic.FOLDER_PREFIX}{atomic.new_mark()}"
             try:
                 place.mkdir()
                 self._places[folder] = place
-                lock = take(place / LOCK)
+                lock = atomic.take(place / atomic.LOCK)
             except OSError as error:
                 raise FileError(f"cannot write {target}: {error.strerror or error}") from error
             if lock is not None:
@@ -189,7 +179,7 @@ class Staging:
         folder = _existing(parent)
         if folder not in self._swept:
             self._swept.add(folder)
-            sweep(folder)
+            atomic.sweep(folder)
 
 
 def existing_folder(folder: Path) -> Path:
@@ -235,7 +225,7 @@ def _check_existing(real: Path, target: Path) -> None:
         return
     except OSError as error:
         raise FileError(f"cannot write {target}: {error.strerror or error}") from error
-    unfit = no_regular_file(status.st_mode)
+    unfit = atomic.no_regular_file(status.st_mode)
     if ZARR.matches(real):
         other = "a file that is not a Zarr store already has this name; choose another name"
         unfit = "" if is_store(real) else other
@@ -353,7 +343,7 @@ def _add(network: Path, written: Mapping[Path, tuple[Print, ...]], chosen: Itera
         "chosen": sorted(map(str, known.chosen.union(chosen))),
     }
     # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
-    write_text(path, json.dumps(content, indent=1) + "\n")
+    atomic.write_text(path, json.dumps(content, indent=1) + "\n")
 
 
 def remember_chosen(network: Path, files: Iterable[Path]) -> None:
@@ -367,7 +357,7 @@ def changing(network: Path) -> Iterator[None]:
     path = _place(Path(os.path.realpath(network)))
     with contextlib.suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    with in_turn(path.with_suffix(".lock")):
+    with atomic.in_turn(path.with_suffix(".lock")):
         yield
 
 

@@ -16,14 +16,7 @@ from app.run.own_scene import OwnScene
 from app.run.readout_tables import columns
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
-from core.editing.operations import (
-    ABSENT,
-    mark_output,
-    remove_nodes,
-    rename_node,
-    rewire,
-    set_network_field,
-)
+from core.editing import operations
 from core.editing.wiring import refusal
 from core.errors import ImagechainError, NetworkError, UsageError, shown
 from core.evaluation.work import Policy
@@ -81,7 +74,7 @@ class Chain:
     @name.setter
     @plain_errors
     def name(self, text: str) -> None:
-        self._state = self._state.done(set_network_field("name", text))
+        self._state = self._state.done(operations.set_network_field("name", text))
 
     @property
     def description(self) -> str:
@@ -91,7 +84,7 @@ class Chain:
     @description.setter
     @plain_errors
     def description(self, text: str) -> None:
-        self._state = self._state.done(set_network_field("description", text))
+        self._state = self._state.done(operations.set_network_field("description", text))
 
     @property
     def seed(self) -> int:
@@ -143,7 +136,7 @@ class Chain:
     # Values
 
     @plain_errors
-    def set(self, parameter: str | Mapping[str, Any], value: Any = ABSENT) -> Chain:
+    def set(self, parameter: str | Mapping[str, Any], value: Any = operations.ABSENT) -> Chain:
         """Set one parameter, or several at once; returns the chain itself.
 
         Parameters
@@ -156,7 +149,7 @@ class Chain:
             current folder.
         """
         if isinstance(parameter, str):
-            if value is ABSENT:
+            if value is operations.ABSENT:
                 raise UsageError(f"set({shown(parameter)!r}): give a value")
             parameter = {parameter: value}
         if not isinstance(parameter, Mapping) or not all(isinstance(k, str) for k in parameter):
@@ -176,7 +169,7 @@ class Chain:
     @plain_errors
     def reset(self, parameter: str) -> Chain:
         """Reset ``NODE.PARAMETER`` to its default; returns the chain itself."""
-        self._state = self._state.with_values({parameter: ABSENT})
+        self._state = self._state.with_values({parameter: operations.ABSENT})
         return self
 
     @plain_errors
@@ -244,25 +237,25 @@ class Chain:
         wrong = refusal(self.network, self._engine.library, link)
         if wrong is not None:
             raise NetworkError(wrong)
-        self._state = self._state.done(rewire(add=(link,)))
+        self._state = self._state.done(operations.rewire(add=(link,)))
         return self
 
     @plain_errors
     def unlink(self, start: str, end: str) -> Chain:
         """Remove a wire."""
-        self._state = self._state.done(rewire(remove=(Link.between(start, end),)))
+        self._state = self._state.done(operations.rewire(remove=(Link.between(start, end),)))
         return self
 
     @plain_errors
     def remove(self, name: str) -> Chain:
         """Remove a node and its wires."""
-        self._state = self._state.done(remove_nodes((name,)))
+        self._state = self._state.done(operations.remove_nodes((name,)))
         return self
 
     @plain_errors
     def rename(self, old: str, new: str) -> Chain:
         """Rename a node, also in wires and expressions; returns the chain itself."""
-        self._state = self._state.done(rename_node(old, new))
+        self._state = self._state.done(operations.rename_node(old, new))
         return self
 
     @property
@@ -327,7 +320,7 @@ class Chain:
     @plain_errors
     def mark_final(self, node: str) -> Chain:
         """Make the picture of a node the chain's final picture."""
-        self._state = self._state.done(mark_output((node,)))
+        self._state = self._state.done(operations.mark_output((node,)))
         return self
 
     # Running

@@ -7,14 +7,9 @@ from typing import Literal
 from core.chain.wires import Context, Image
 from core.errors import ParameterError
 from core.modules.declaration import NodeContext, Section, param
-from core.physics.detector import focal_plane_array
+from core.physics.detector import focal_plane_array, photon_conversion
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import ChargeGain, excess_noise_factor
-from core.physics.detector.photon_conversion import (
-    PhotonWeights,
-    QuantumEfficiency,
-    efficiency_of_responsivity,
-)
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.spectrum_tables import read_wavelengths
@@ -340,7 +335,7 @@ class FocalPlanePanel(SeededModule):
         band = image.band_um or context.band_um
         low, high = given_band(self.cut_on_um, self.cut_off_um, band)
         points = self._points(here)
-        efficiency = QuantumEfficiency(low, high, self._efficiency(), points)
+        efficiency = photon_conversion.QuantumEfficiency(low, high, self._efficiency(), points)
         exposure = focal_plane_array.exposure_m2_s(
             **pixel_of(context),
             integration_time_s=self.integration_time_s,
@@ -356,7 +351,7 @@ class FocalPlanePanel(SeededModule):
             passed += (ResponseCurve("file", points=tuple((um, image.vignetting) for um in _ALL)),)
         windows = () if image.bands is None else lit_windows(image.bands)
         light = weighting, band or (low, high), efficiency, self.source_K
-        weights = PhotonWeights(*light, passed, windows)
+        weights = photon_conversion.PhotonWeights(*light, passed, windows)
         return Collection(
             weights=weights,
             scene_m2_s_sr=exposure * optics.solid_angle_sr,
@@ -374,7 +369,7 @@ class FocalPlanePanel(SeededModule):
 
     def _efficiency(self) -> float:
         if self.responsivity_A_per_W is not None and self.responsivity_um is not None:
-            return efficiency_of_responsivity(
+            return photon_conversion.efficiency_of_responsivity(
                 responsivity_A_per_W=self.responsivity_A_per_W,
                 wavelength_um=self.responsivity_um,
                 gain=self._gain(in_pixel=True),

@@ -4,13 +4,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from core.chain.random_fields import (
-    Stream,
-    displaced_events,
-    events_are_few,
-    local_mean,
-    poisson_field,
-)
+from core.chain import random_fields
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
@@ -140,18 +134,18 @@ class PoissonNoise(
 @in_blocks()
 @ends_lineage
 def published_noise(
-    work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
+    work: Work, image: Array, *, sigma_px: float, percent: float, stream: random_fields.Stream
 ) -> Array:
     """The added deviates, by their events where these are few."""
     share = percent / 100.0
-    if events_are_few(image, share=share, sigma_px=sigma_px):
-        return displaced_events(
+    if random_fields.events_are_few(image, share=share, sigma_px=sigma_px):
+        return random_fields.displaced_events(
             image, stream, share=share, sigma_px=sigma_px, for_each=work.for_each, empty=work.empty
         )
     # One array serves as local mean, means and counts in turn.
-    local = local_mean(work, image, sigma_px=sigma_px)
+    local = random_fields.local_mean(work, image, sigma_px=sigma_px)
     means = published_means(local, percent=percent, out=local)
-    return poisson_field(means, stream, for_each=work.for_each, in_place=True)
+    return random_fields.poisson_field(means, stream, for_each=work.for_each, in_place=True)
 
 
 @in_blocks()
@@ -161,17 +155,19 @@ def published_noise(
     ],
     looks_at=("image",),
 )
-def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
+def photon_counts(
+    work: Work, image: Array, *, photons_per_unit: float, stream: random_fields.Stream
+) -> Array:
     means = work.empty(image.shape, image.dtype)
     photon_means(image, photons_per_unit=photons_per_unit, out=means)
-    counts = poisson_field(means, stream, for_each=work.for_each, in_place=True)
+    counts = random_fields.poisson_field(means, stream, for_each=work.for_each, in_place=True)
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit, out=counts)
 
 
 def _photons_added(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
     """Poisson deviates of a share of the local mean: that is their variance too."""
     how = _share_of(noise)
-    local = local_mean(at.work, at.work.value(image), sigma_px=how["sigma_px"])
+    local = random_fields.local_mean(at.work, at.work.value(image), sigma_px=how["sigma_px"])
     return [at.white("photons", how["percent"] / 100.0 * local)]
 
 
@@ -189,7 +185,7 @@ def _share_of(noise: Recipe) -> dict[str, Any]:
 @in_blocks()
 @ends_lineage
 def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Array:
-    local = local_mean(work, image, sigma_px=sigma_px)
+    local = random_fields.local_mean(work, image, sigma_px=sigma_px)
     means = published_means(local, percent=percent, out=local)
     return np.add(image, means, dtype=work.policy.dtype, out=means)
 
