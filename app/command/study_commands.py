@@ -14,7 +14,7 @@ from app.command.results import Progress, say, show, written
 from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.process import Stop
-from core.errors import DataError, UsageError, in_line
+from core.errors import DataError, UsageError, in_line, several
 from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:
