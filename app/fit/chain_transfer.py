@@ -12,12 +12,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from app.fit.edge_fit import HIGHEST, SpreadTable, frequencies, spread_table
 from app.run.output import HOW_TO_MARK, HOW_TO_NAME, find_output
 from app.run.transfer_chain import find_chain
+from core import kernels
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.step_lineage import PlaceDependent, lineage_of, source_step
 from core.chain.wires import Image
@@ -105,7 +105,7 @@ class EdgeTransfer:
             eta = (np.fft.fftfreq(side) + down) / grid.interval_y_mrad
             pair = np.broadcast_arrays(xi, eta[:, np.newaxis])
             total += self._product(passed, *pair, place=(side, across, down))
-        spread = np.fft.fftshift(scipy.fft.irfft2(total, (side, side)))
+        spread = np.fft.fftshift(kernels.irfft2(total, (side, side)))
         return np.asarray(spread[reach : 3 * reach + 1, reach : 3 * reach + 1], np.float64)
 
     def _block(self, passed: ImageTransfer, first: int, end: int) -> Complex:

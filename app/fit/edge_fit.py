@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from core import kernels
 from core.physics.measurement.found_edge import FoundEdge, edge_samples
 
 Vector = NDArray[np.float64]
@@ -34,7 +34,7 @@ def window_about(*, picture: Matrix, edge: FoundEdge) -> tuple[Matrix, int, int]
     for one, other in ((y1, y2), (x1, x2)):
         start = math.floor(min(one, other) - wide)
         first.append(start)
-        count.append(scipy.fft.next_fast_len(math.ceil(max(one, other) + wide) + 1 - start, True))
+        count.append(kernels.next_fast_len(math.ceil(max(one, other) + wide) + 1 - start, True))
     rows, columns = (
         np.clip(start + np.arange(many), 0, length - 1)
         for start, many, length in zip(first, count, picture.shape, strict=True)
@@ -238,10 +238,10 @@ def spread_table(*, transfer: Complex, period: int) -> SpreadTable:
     turned = np.where(np.arange(given) % 2 == 0, 1.0, -1.0)
     lines = np.zeros((edges, count // 2 + 1), np.complex128)
     lines[:, :given] = transfer * turned
-    slope = scipy.fft.irfft(lines, count, axis=1) * (count / period)
+    slope = kernels.irfft(lines, count, axis=1) * (count / period)
     lines[:, 0] = 0.0
     lines[:, 1:given] /= 2j * math.pi * frequency
-    waves = scipy.fft.irfft(lines, count, axis=1) * (count / period)
+    waves = kernels.irfft(lines, count, axis=1) * (count / period)
     spread = 0.5 + distance / period * transfer[:, :1].real + waves
     return SpreadTable(period, spread, slope)
 
@@ -414,11 +414,11 @@ def reaching_in(
 
     about = np.zeros(beside.shape)
     about[: spread.shape[0], : spread.shape[1]] = spread
-    transfer = scipy.fft.rfft2(np.roll(about, (-MARGIN, -MARGIN), (0, 1)))
+    transfer = kernels.rfft2(np.roll(about, (-MARGIN, -MARGIN), (0, 1)))
 
     def seen(scene: Matrix) -> Matrix:
-        lines = scipy.fft.rfft2(scene) * transfer
-        return np.asarray(scipy.fft.irfft2(lines, scene.shape), np.float64)
+        lines = kernels.rfft2(scene) * transfer
+        return np.asarray(kernels.irfft2(lines, scene.shape), np.float64)
 
     scene = beside.copy()
     scene[inside] = 0.0

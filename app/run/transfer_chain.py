@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from app.run.output import Output, ancestors, find_output, source_images
@@ -229,8 +228,8 @@ def responses(chain: Chain, work: Work) -> Responses:
     if grid is None:
         empty = np.zeros(0)
         return Responses(empty, empty, (), (), ())
-    xi = np.asarray(scipy.fft.rfftfreq(grid.columns, grid.interval_x_mrad))
-    eta = np.asarray(scipy.fft.rfftfreq(grid.rows, grid.interval_y_mrad))
+    xi = np.asarray(np.fft.rfftfreq(grid.columns, grid.interval_x_mrad))
+    eta = np.asarray(np.fft.rfftfreq(grid.rows, grid.interval_y_mrad))
 
     def sampled(stages: Iterable[Stage], *, is_product: bool = False) -> tuple[StageResponse, ...]:
         made = []

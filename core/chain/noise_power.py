@@ -16,8 +16,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
+from core import kernels
 from core.arrays import Array, Matrix, Vector
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import Moments
@@ -64,7 +64,7 @@ class NoisePower:
     @classmethod
     def of_pattern(cls, samples: Array) -> NoisePower:
         """Of a pattern that is known: the squares of its amplitudes."""
-        amplitudes = scipy.fft.dctn(np.asarray(samples, np.float64), type=2, norm="ortho")
+        amplitudes = kernels.dctn(np.asarray(samples, np.float64), type=2, norm="ortho")
         rows, columns = amplitudes.shape
         return cls(rows, columns, amplitudes**2)
 
@@ -224,7 +224,7 @@ class NoisePower:
         waves = _samples_of(np.eye(size) if matrix is None else matrix, self.axes)
         made = operator(waves)
         periodic = (axes or self.axes) == "periodic"
-        transformed = scipy.fft.fft(made, axis=0, norm="ortho") if periodic else _cosines_of(made)
+        transformed = kernels.fft(made, axis=0, norm="ortho") if periodic else _cosines_of(made)
         return self._with(axis, new or size, transformed)
 
     def _with(self, axis: int, size: int, matrix: Array | None) -> NoisePower:
@@ -236,13 +236,13 @@ class NoisePower:
 def _samples_of(amplitudes: Array, axes: Axes) -> Array:
     """Samples of columns of waves' amplitudes."""
     if axes == "periodic":
-        return np.asarray(scipy.fft.ifft(amplitudes, axis=0, norm="ortho"))
-    return _each_part(amplitudes, lambda part: scipy.fft.idct(part, type=2, axis=0, norm="ortho"))
+        return np.asarray(kernels.ifft(amplitudes, axis=0, norm="ortho"))
+    return _each_part(amplitudes, lambda part: kernels.idct(part, type=2, axis=0, norm="ortho"))
 
 
 def _cosines_of(samples: Array) -> Array:
     """Amplitudes of a mirrored frame's cosines in columns of samples."""
-    return _each_part(samples, lambda part: scipy.fft.dct(part, type=2, axis=0, norm="ortho"))
+    return _each_part(samples, lambda part: kernels.dct(part, type=2, axis=0, norm="ortho"))
 
 
 def _each_part(values: Array, transform: Operator) -> Array:
@@ -257,7 +257,7 @@ def _behind(amplitudes: Array, response: Array) -> Array:
     # Sine k stands at index k − 1 of the DST-II; wave 0 has none.
     odd = np.zeros_like(amplitudes)
     odd[:-1] = response.imag[1:, np.newaxis] * amplitudes[1:]
-    sines = _each_part(odd, lambda part: scipy.fft.idst(part, type=2, axis=0, norm="ortho"))
+    sines = _each_part(odd, lambda part: kernels.idst(part, type=2, axis=0, norm="ortho"))
     return np.asarray(even - sines)
 
 
@@ -269,7 +269,7 @@ def _cosine_variances(variances: Array) -> Array:
     made = variances
     for axis in (0, 1):
         size = made.shape[axis]
-        waves = 0.5 * scipy.fft.dct(np.moveaxis(made, axis, 0), type=2, axis=0)
+        waves = 0.5 * kernels.dct(np.moveaxis(made, axis, 0), type=2, axis=0)
         twice = 2 * np.arange(1, size)
         doubled = (
             np.where(twice > size, -1.0, 1.0)[:, np.newaxis]

@@ -33,9 +33,9 @@ from inspect import Parameter, signature
 from typing import Any, Literal, TypeVar
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from core import kernels
 from core.chain.noise_power import NoisePower
 from core.evaluation.recipes import Recipe, Step, marked
 from core.evaluation.work import Work
@@ -164,14 +164,14 @@ class Filtering(Linear):
         """The row filtered; mirrored at its ends, or repeated."""
         whole = np.concatenate([row, row[::-1]]) if self.edges == "reflect" else row
         interval = self.grid.interval_x_mrad if axis == "x" else self.grid.interval_y_mrad
-        frequency = np.asarray(scipy.fft.rfftfreq(len(whole), interval), np.float64)
+        frequency = np.asarray(np.fft.rfftfreq(len(whole), interval), np.float64)
         none = np.zeros_like(frequency)
         places = (frequency, none) if axis == "x" else (none, frequency)
-        spectrum = scipy.fft.rfft(whole)
+        spectrum = kernels.rfft(whole)
         for factor in self.factors:
             values = factor_at(work, factor, *places)
             spectrum = spectrum * (values if factor.part == "mtf" else np.exp(1j * values))
-        return np.asarray(scipy.fft.irfft(spectrum, len(whole))[: len(row)], np.float64)
+        return np.asarray(kernels.irfft(spectrum, len(whole))[: len(row)], np.float64)
 
 
 @dataclass(frozen=True)

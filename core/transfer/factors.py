@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from core.errors import ImagechainError
@@ -329,14 +328,14 @@ class Grid:
 
     def xi(self) -> Vector:
         """Frequencies across in FFT order (an even size has −Nyquist), shape (columns,)."""
-        return np.asarray(scipy.fft.fftfreq(self.columns, self.interval_x_mrad), np.float64)
+        return np.asarray(np.fft.fftfreq(self.columns, self.interval_x_mrad), np.float64)
 
     def eta(self) -> Vector:
-        return np.asarray(scipy.fft.fftfreq(self.rows, self.interval_y_mrad), np.float64)
+        return np.asarray(np.fft.fftfreq(self.rows, self.interval_y_mrad), np.float64)
 
     def xi_half(self) -> Vector:
         """Frequencies of the half spectrum, 0 … +Nyquist, shape (columns // 2 + 1,)."""
-        return np.asarray(scipy.fft.rfftfreq(self.columns, self.interval_x_mrad), np.float64)
+        return np.asarray(np.fft.rfftfreq(self.columns, self.interval_x_mrad), np.float64)
 
     def xi_mirrored(self) -> Vector:
         """Frequencies k/(2·columns·interval) of the mirrored frame, k = 0 … columns − 1."""

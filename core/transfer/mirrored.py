@@ -17,8 +17,8 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import scipy
 
+from core import kernels
 from core.arrays import Array
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Region, ends_lineage
@@ -343,7 +343,7 @@ LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line o
 
 def transform_block(values: Array, kind: Kind, axis: int) -> Array:
     """One block transformed along an axis; `values` may be overwritten."""
-    transform = getattr(scipy.fft, kind)
+    transform = getattr(kernels, kind)
     return np.asarray(transform(values, type=2, axis=axis, overwrite_x=True))
 
 

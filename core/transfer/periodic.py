@@ -11,8 +11,8 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-import scipy
 
+from core import kernels
 from core.arrays import Array
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Region, ends_lineage
@@ -314,12 +314,12 @@ def _narrow(values: Array, real: np.dtype[Any]) -> Array:
 @cache
 def fourier() -> Any:
     """A module with the functions of scipy.fft that periodic frames need."""
-    return _intel() or scipy.fft
+    return _intel() or kernels
 
 
 def backend() -> str:
     """What `fourier` has found, for reports."""
-    return "scipy.fft" if fourier() is scipy.fft else "mkl_fft"
+    return "scipy.fft" if fourier() is kernels else "mkl_fft"
 
 
 def _intel() -> ModuleType | None:

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-import scipy
 from numpy.typing import DTypeLike
 
+from core import kernels
 from core.arrays import Array, Vector
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
@@ -104,7 +104,7 @@ class MirroredLines(ScanLines):
         super().__init__(work, chain, frame, dtype)
 
     def _spectrum(self, frame: Array) -> Array:
-        return np.asarray(scipy.fft.dctn(frame, type=2, workers=self.work.policy.workers))
+        return np.asarray(kernels.dctn(frame, type=2, workers=self.work.policy.workers))
 
     @property
     def kind(self) -> np.dtype[Any]:
@@ -147,7 +147,7 @@ class MirroredLines(ScanLines):
 
     def _cosines(self, values: Array, axis: int) -> Array:
         workers = self.work.policy.workers if axis == 1 else 1
-        return np.asarray(scipy.fft.idct(values, type=2, axis=axis, workers=workers))
+        return np.asarray(kernels.idct(values, type=2, axis=axis, workers=workers))
 
     def _sines(self, values: Array, axis: int) -> Array:
         workers = self.work.policy.workers if axis == 1 else 1
@@ -157,7 +157,7 @@ class MirroredLines(ScanLines):
             moved[target] = values[source]
         else:
             moved[:, target] = values[:, source]
-        return np.asarray(scipy.fft.idst(moved, type=2, axis=axis, workers=workers))
+        return np.asarray(kernels.idst(moved, type=2, axis=axis, workers=workers))
 
 
 class PeriodicLines(ScanLines):
@@ -166,8 +166,8 @@ class PeriodicLines(ScanLines):
     def __init__(self, work: Work, chain: "ScanChain", frame: Array, dtype: DTypeLike) -> None:
         rows, columns = frame.shape
         self.lines = rows
-        self.scan = scipy.fft.fftfreq(columns, chain.interval_mrad)
-        self.flight = scipy.fft.rfftfreq(rows)
+        self.scan = np.fft.fftfreq(columns, chain.interval_mrad)
+        self.flight = np.fft.rfftfreq(rows)
         super().__init__(work, chain, frame, dtype)
 
     @property
@@ -176,8 +176,8 @@ class PeriodicLines(ScanLines):
 
     def _spectrum(self, frame: Array) -> Array:
         workers = self.work.policy.workers
-        half = scipy.fft.rfft(frame, axis=0, workers=workers)
-        return np.asarray(scipy.fft.fft(half, axis=1, overwrite_x=True, workers=workers))
+        half = kernels.rfft(frame, axis=0, workers=workers)
+        return np.asarray(kernels.fft(half, axis=1, overwrite_x=True, workers=workers))
 
     def _along_scan(self) -> Array:
         response = self.chain.along_scan(self.work, self.scan)
@@ -198,7 +198,7 @@ class PeriodicLines(ScanLines):
         return plane
 
     def unscanned(self, values: Array) -> Array:
-        return np.asarray(scipy.fft.ifft(values, axis=1, workers=self.work.policy.workers))
+        return np.asarray(kernels.ifft(values, axis=1, workers=self.work.policy.workers))
 
     def summed(self, values: Array, columns: Array) -> Array:
         """The waves are exp(2πikc/n)."""
@@ -210,7 +210,7 @@ class PeriodicLines(ScanLines):
         total = response * parts[0]
         if self.lines % 2 == 0:
             total[-1] = 0.5 * (total[-1] + response[-1].conj() * parts[-1][-1])
-        return np.asarray(scipy.fft.irfft(total, n=self.lines, axis=0))
+        return np.asarray(kernels.irfft(total, n=self.lines, axis=0))
 
 
 # A chain's transfer function as a line scanner meets it: along the scan, in flight, and both.
@@ -315,13 +315,13 @@ def filter_lines(
 
 def _mirrored_lines(values: Array, response: Array) -> Array:
     """Even part by the DCT-II, odd part, moved by one index, by the DST-II, as in `mirrored`."""
-    spectrum = scipy.fft.dct(values, type=2, axis=1, overwrite_x=True)
+    spectrum = kernels.dct(values, type=2, axis=1, overwrite_x=True)
     real = spectrum * response.real.astype(spectrum.dtype)
-    result = scipy.fft.idct(real, type=2, axis=1, overwrite_x=True)
+    result = kernels.idct(real, type=2, axis=1, overwrite_x=True)
     if np.iscomplexobj(response):
         odd = np.zeros_like(spectrum)
         np.multiply(spectrum[:, 1:], -response.imag[1:].astype(spectrum.dtype), out=odd[:, :-1])
-        result += scipy.fft.idst(odd, type=2, axis=1, overwrite_x=True)
+        result += kernels.idst(odd, type=2, axis=1, overwrite_x=True)
     return np.asarray(result)
 
 

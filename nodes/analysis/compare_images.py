@@ -4,9 +4,9 @@ import math
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from core import kernels
 from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
@@ -201,7 +201,7 @@ def radial_ratio(
 
 
 def _modulus(profile: Vector, mirrored: bool) -> Vector:
-    transform = scipy.fft.dct(profile, type=2) if mirrored else scipy.fft.rfft(profile)
+    transform = kernels.dct(profile, type=2) if mirrored else kernels.rfft(profile)
     return np.asarray(np.abs(transform), np.float64)
 
 

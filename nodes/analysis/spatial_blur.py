@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from core import kernels
 from core.chain.back_transformed import back_transform
 from core.chain.step_lineage import Array, Filtering, picture_step
 from core.chain.wires import Curve, CurveData, Image, Magnitude, Phase, Series, Table, TableData
@@ -298,15 +298,15 @@ def impulse_responses(
     """
     product = Product(factors)
     period_y, period_x = _period(grid.rows, edges), _period(grid.columns, edges)
-    xi = scipy.fft.rfftfreq(period_x, grid.interval_x_mrad)
-    eta = scipy.fft.rfftfreq(period_y, grid.interval_y_mrad)
+    xi = np.fft.rfftfreq(period_x, grid.interval_x_mrad)
+    eta = np.fft.rfftfreq(period_y, grid.interval_y_mrad)
     has_x = any(factor.x is not None for factor in product.separable)
     has_y = any(factor.y is not None for factor in product.separable)
     whole: list[Array] = []
     if product.planar:
         alone = product.symmetric
         evaluate = product.plane if alone else product.total
-        both = scipy.fft.fftfreq(period_y, grid.interval_y_mrad)
+        both = np.fft.fftfreq(period_y, grid.interval_y_mrad)
         plane = np.asarray(evaluate(work, xi, both), np.complex128)
         if period_y % 2 == 0:
             # At Nyquist a picture's spectrum has eta and −eta in one: the mean of both acts.
@@ -314,12 +314,12 @@ def impulse_responses(
             other = np.asarray(evaluate(work, xi, -both[middle : middle + 1]))
             plane[middle] = 0.5 * (plane[middle] + other[0])
         work.check()
-        whole.append(scipy.fft.irfft2(plane, s=(period_y, period_x), workers=work.policy.workers))
+        whole.append(kernels.irfft2(plane, s=(period_y, period_x), workers=work.policy.workers))
         has_x, has_y = has_x and alone, has_y and alone
     if has_x:
-        whole.append(scipy.fft.irfft(product.across(work, xi), n=period_x)[np.newaxis, :])
+        whole.append(kernels.irfft(product.across(work, xi), n=period_x)[np.newaxis, :])
     if has_y:
-        whole.append(scipy.fft.irfft(product.along(work, eta), n=period_y)[:, np.newaxis])
+        whole.append(kernels.irfft(product.along(work, eta), n=period_y)[:, np.newaxis])
     sums = [float(np.sum(np.abs(taps))) for taps in whole]
     passes = []
     for place, taps in enumerate(whole):
@@ -339,7 +339,7 @@ def _shortened(
 ) -> Kernel:
     """The taps around lag 0 with that in the middle; `taps` have it first and wrap round."""
     lags = [np.arange(size) - size // 2 for size in taps.shape]
-    taps = np.asarray(scipy.fft.fftshift(taps), np.float64)
+    taps = np.asarray(np.fft.fftshift(taps), np.float64)
     distance = np.maximum.outer(np.abs(lags[0]), np.abs(lags[1]))
     rings = np.bincount(distance.ravel(), np.abs(taps).ravel())
     # What lies beyond each half width, summed from the outside for small sums to stay precise.

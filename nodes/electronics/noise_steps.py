@@ -5,8 +5,8 @@ from math import hypot
 from typing import Any
 
 import numpy as np
-import scipy
 
+from core import kernels
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, AtStep, Linear, Noise, picture_step
 from core.chain.wires import TableData, TableRow
@@ -241,9 +241,9 @@ def _pattern_power(
     whole = np.broadcast_to(seen, (rows, columns))
     if shape == (1, columns):
         # Each column is multiplied by a deviate of its own: along it stays what it has seen.
-        waves = scipy.fft.dct(whole, type=2, axis=0, norm="ortho")
+        waves = kernels.dct(whole, type=2, axis=0, norm="ortho")
         return NoisePower(rows, columns, spread**2 * np.mean(waves**2, axis=1, keepdims=True))
-    waves = scipy.fft.dctn(whole, type=2, norm="ortho")
+    waves = kernels.dctn(whole, type=2, norm="ortho")
     return NoisePower(rows, columns, spread**2 * waves**2)
 
 

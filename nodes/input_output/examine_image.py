@@ -6,7 +6,6 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from core.chain.engine import asked_for, realize, spectrum
@@ -213,7 +212,7 @@ def displayed(work: Work, samples: Array, *, display: Display, is_image: bool) -
         return _logarithm(samples)
     if is_image:
         samples = _logarithm(spectrum(work, samples))
-    return np.asarray(scipy.fft.fftshift(samples))
+    return np.asarray(np.fft.fftshift(samples))
 
 
 def _logarithm(samples: Array) -> Array:

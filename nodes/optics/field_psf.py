@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import scipy
 
+from core import kernels
 from core.chain.step_lineage import Array, Filtering, picture_step
 from core.chain.wires import CameraSheet, Context, Image, Magnitude
 from core.errors import ParameterError
@@ -228,8 +228,8 @@ class FieldSpread:
         """At the frequencies of `rfft2` of a patch, at a place of the picture."""
         x = (column - 0.5 * (grid.columns - 1)) * grid.interval_x_mrad
         y = (row - 0.5 * (grid.rows - 1)) * grid.interval_y_mrad
-        xi = scipy.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
-        eta = scipy.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
+        xi = np.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
+        eta = np.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
         across, along = field_optics.field_frequencies(xi=xi, eta=eta, x=x, y=y)
         shares, tables = (
             self.shares(2.0 * math.hypot(x, y) / math.hypot(*_extents(grid))),
@@ -285,7 +285,7 @@ def _sides(work: Work, spread: FieldSpread, grid: Grid, tile: int) -> tuple[int,
     while True:
         work.check()
         tile = max(tile, reach // 4)  # of a PSF so wide, which changes slowly
-        side = scipy.fft.next_fast_len(tile + 1 + 2 * reach, real=True)
+        side = kernels.next_fast_len(tile + 1 + 2 * reach, real=True)
         otfs = (spread.otf(work, grid, side, *place) for place in places)
         if reach >= _MOST_REACH or all(
             field_optics.light_within(otf=otf, side=side, reach=reach) > 1.0 - _LOST for otf in otfs

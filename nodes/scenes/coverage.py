@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy
+
+from core.kernels import special
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -244,7 +245,7 @@ def bell(centre: float, sigma: float, height: float = 1.0) -> Profile:
     """A Gaussian of the given height, cut at 5 sigma."""
     scale = height * sigma * float(np.sqrt(2.0 * np.pi))
     low, high = centre - 5.0 * sigma, centre + 5.0 * sigma
-    return Profile(low, high, lambda e: scale * scipy.special.ndtr((e - centre) / sigma))
+    return Profile(low, high, lambda e: scale * special("ndtr")((e - centre) / sigma))
 
 
 def bells(centres: FloatArray, sigma: float, heights: FloatArray) -> Profile:
@@ -252,4 +253,4 @@ def bells(centres: FloatArray, sigma: float, heights: FloatArray) -> Profile:
     scale = heights * (sigma * float(np.sqrt(2.0 * np.pi)))
     low, high = float(centres[0]) - 5.0 * sigma, float(centres[-1]) + 5.0 * sigma
     places = centres[:, None]
-    return Profile(low, high, lambda e: scale @ scipy.special.ndtr((e - places) / sigma))
+    return Profile(low, high, lambda e: scale @ special("ndtr")((e - places) / sigma))

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation
@@ -366,7 +365,7 @@ def _panel(evaluation: Evaluation, port: str, value: Pupil | Transfer) -> Panel:
         return Panel(port, samples, (-0.5, columns - 0.5, rows - 0.5, -0.5), "samples")
     assert value.own is not None
     sampled: SampledTransfer = evaluation.work.value(value.own)
-    centred = scipy.fft.fftshift(_real(sampled.values))
+    centred = np.fft.fftshift(_real(sampled.values))
     left, right = ends(centred.shape[1], sampled.interval_x)
     top, bottom = ends(centred.shape[0], sampled.interval_y)
     return Panel(port, centred, (left, right, bottom, top), "cyc/mrad")

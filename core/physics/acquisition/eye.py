@@ -8,11 +8,11 @@ import math
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike
 
 from core.arrays import Vector
 from core.errors import ParameterError
+from core.kernels import special
 from core.physics import numerics
 
 _LONGEST = 1e300
@@ -52,7 +52,7 @@ def spatial_share(*, length_mrad: ArrayLike, noise_bandwidth_cyc_per_mrad: float
     long = turns > 1e-4
     safe = np.where(long, turns, 1.0)
     sine = np.sin(math.pi * np.fmod(safe, 1.0))
-    integral = scipy.special.sici(2.0 * math.pi * safe)[0] / math.pi - sine**2 / (math.pi**2 * safe)
+    integral = special("sici")(2.0 * math.pi * safe)[0] / math.pi - sine**2 / (math.pi**2 * safe)
     series = 1.0 - (math.pi * np.where(long, 0.0, turns)) ** 2 / 9.0
     return np.asarray(np.where(long, integral / safe, series), np.float64)
 

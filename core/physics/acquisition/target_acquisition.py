@@ -8,11 +8,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Floats
 from core.errors import ParameterError
+from core.kernels import special
 from core.physics.numerics import (
     all_above_zero,
     all_finite,
@@ -69,7 +69,7 @@ def _logistic(amount: Floats, half: Floats, constant: float, slope: float) -> An
     amount, half = broadcast(amount=amount, half=half)
     with np.errstate(over="ignore", divide="ignore", under="ignore"):
         ratio = amount / half
-        return scipy.special.expit((constant + slope * ratio) * np.log(ratio))[()]
+        return special("expit")((constant + slope * ratio) * np.log(ratio))[()]
 
 
 def apparent_difference(

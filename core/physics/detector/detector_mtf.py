@@ -8,10 +8,10 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import exprel
 
 from core.arrays import Floats
 from core.errors import ParameterError
+from core.kernels import special
 from core.physics.numerics import all_from_zero, finite, non_negative, positive, sinc, within
 
 MODELS = ("exact", "published", "leading")
@@ -352,7 +352,7 @@ def _collected(
     # Collected from depth x: cosh(kx)/cosh(k·bulk). The integral over αe^(−αx) is of two
     # exponentials, each kept below 1.
     least, most = np.minimum(alpha, k), np.maximum(alpha, k)
-    towards = np.exp(-least * bulk_um) * bulk_um * exprel(-(most - least) * bulk_um)
+    towards = np.exp(-least * bulk_um) * bulk_um * special("exprel")(-(most - least) * bulk_um)
     away = np.exp(-k * bulk_um) * -np.expm1(-(alpha + k) * bulk_um) / (alpha + k)
     from_bulk = alpha * (towards + away) / (1.0 + np.exp(-2.0 * k * bulk_um))
     return np.asarray(from_bulk + np.exp(-alpha * bulk_um) * in_depletion)

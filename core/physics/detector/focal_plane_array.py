@@ -5,12 +5,12 @@ from math import hypot, inf, log10, pi, sqrt
 from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
-import scipy
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Array
 from core.errors import DataError, ParameterError
+from core.kernels import special
 from core.physics.numerics import non_negative, positive, within
 from core.physics.radiometry.planck import (
     BOLTZMANN_J_K,
@@ -551,7 +551,7 @@ def multiplied_charge(
         before = electrons.reshape(-1)[few].astype(np.float64)
         z = np.clip(deviates.reshape(-1)[few].astype(np.float64), -_FARTHEST, _FARTHEST)
         shape = np.where(before > 0.0, before, 1.0) / width
-        exact = width * scipy.special.gammaincinv(shape, scipy.special.ndtr(z))
+        exact = width * special("gammaincinv")(shape, special("ndtr")(z))
         made.reshape(-1)[few] = np.where(before > 0.0, exact, before)
     return np.asarray(made)
 

@@ -9,11 +9,11 @@ from functools import lru_cache
 from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Array, Vector
 from core.errors import ParameterError
+from core.kernels import special
 from core.machine import ForEach, in_turn
 from core.physics.numerics import (
     all_above_zero,
@@ -108,8 +108,8 @@ def trail_weights(*, transfers: ArrayLike, lag: ArrayLike, efficiency: float) ->
     """
     passed_on = within("efficiency", efficiency, 0.5, 1.0)
     n, k = all_finite("transfers", transfers), all_finite("lag", lag)
-    ways = scipy.special.gammaln(n + k) - scipy.special.gammaln(n) - scipy.special.gammaln(k + 1)
-    powers = n * np.log(passed_on) + scipy.special.xlogy(k, 1.0 - passed_on)
+    ways = special("gammaln")(n + k) - special("gammaln")(n) - special("gammaln")(k + 1)
+    powers = n * np.log(passed_on) + special("xlogy")(k, 1.0 - passed_on)
     return np.asarray(np.exp(ways + powers), np.float64)
 
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from core.arrays import Mask, Matrix, Vector
+from core.kernels import special
 
 # Noise variance over level: a straight line through blocks, its gain and its read noise.
 #
@@ -342,8 +342,8 @@ def structure_share(
 def mean_below(*, limit: float, freedom: int) -> float:
     """Mean of χ²/freedom where it is below a limit."""
     half = freedom / 2.0
-    below = float(special.gammainc(half, limit * half))
-    return float(special.gammainc(half + 1.0, limit * half)) / below
+    below = float(special("gammainc")(half, limit * half))
+    return float(special("gammainc")(half + 1.0, limit * half)) / below
 
 
 def _mean_of(width: float, limit: float, freedom: int) -> float:
@@ -491,7 +491,7 @@ def _error(flat: FlatBlocks, level: float) -> float:
 
 def _louder(waves: _Waves, flat: FlatBlocks) -> bool:
     """Whether many blocks have noise alone, by their own fine waves, yet more than their level."""
-    limit = float(special.fdtri(_COARSE, _FINE, _LOUDER_SHARE))
+    limit = float(special("fdtri")(_COARSE, _FINE, _LOUDER_SHARE))
     model = flat.line.over(waves.level)
     others = ~flat.chosen & waves.clear(model) & (model >= waves.least)
     many = np.count_nonzero(others & (waves.coarse <= limit * waves.fine)) / _LOUDER_SHARE
@@ -508,7 +508,7 @@ def _scatter(waves: _Waves, flat: FlatBlocks) -> float:
 def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
     """Blocks whose coarse power is no more than that of the noise at their level."""
     chosen = _quietest(waves)
-    limit = 2.0 * float(special.gammaincinv(_COARSE / 2.0, share)) / _COARSE
+    limit = 2.0 * float(special("gammaincinv")(_COARSE / 2.0, share)) / _COARSE
     cut = mean_below(limit=limit, freedom=_COARSE)
     variance, relative = waves.fine, waves.level
     structure = None
@@ -569,14 +569,14 @@ def _quietest(waves: _Waves) -> Mask:
 
 def _by_itself(waves: _Waves) -> FlatBlocks | None:
     """Blocks whose coarse power is no more than their own fine waves' noise explains."""
-    limit = float(special.fdtri(_COARSE, _FINE, _SHARES[0]))
+    limit = float(special("fdtri")(_COARSE, _FINE, _SHARES[0]))
     chosen = (waves.coarse <= limit * waves.fine) & (waves.fine > 0.0) & waves.clear(waves.fine)
     if np.count_nonzero(chosen) < _LEAST_BLOCKS:
         return None
     # Mean fine power of the blocks below the limit, by two more degrees of freedom.
     ratio = limit * _COARSE / _FINE
     share = ratio / (1.0 + ratio)
-    cut = float(special.betainc(_COARSE / 2.0, _FINE / 2.0 + 1.0, share)) / _SHARES[0]
+    cut = float(special("betainc")(_COARSE / 2.0, _FINE / 2.0 + 1.0, share)) / _SHARES[0]
     variance = waves.fine / cut
     line = variance_line(level=waves.level[chosen], variance=variance[chosen])
     # Middle waves are not chosen by, fine ones came out higher by the choice.

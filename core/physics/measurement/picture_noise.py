@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from core.arrays import Mask, Matrix, Vector
 from core.errors import DataError
+from core.kernels import special
 from core.physics.measurement import sample_noise
 from core.physics.measurement.flat_blocks import (
     FINE,
@@ -483,7 +483,7 @@ def _settled(
             f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} samples are free of clipping"
         )
         return None, inside, reason
-    limit = 2.0 * float(special.gammaincinv(freedom / 2.0, _KEPT)) / freedom
+    limit = 2.0 * float(special("gammaincinv")(freedom / 2.0, _KEPT)) / freedom
     chosen = inside & (power <= 2.0 * _by_level(level, power, inside))
     for _ in range(_TRIM_ROUNDS):
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
+from core import kernels
 from core.arrays import Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.slanted_edge import Target, jackknife_error
@@ -94,7 +94,7 @@ def row_average(
         )
     clipped = with_level_ends(profile=profile, left=left, right=right)
     mtf = profile_mtf(profile=clipped, target=target)
-    frequency = np.asarray(scipy.fft.rfftfreq(columns - (target == "edge")), np.float64)
+    frequency = np.asarray(np.fft.rfftfreq(columns - (target == "edge")), np.float64)
     groups = min(_GROUPS, rows)
     error = np.zeros_like(mtf)
     if groups > 1:
@@ -127,7 +127,7 @@ def profile_mtf(*, profile: Vector, target: Target) -> Vector:
         spread = np.diff(profile)
     else:
         spread = profile - np.linspace(profile[0], profile[-1], len(profile))
-    modulus = np.abs(scipy.fft.rfft(spread))
+    modulus = np.abs(kernels.rfft(spread))
     largest = float(modulus.max())
     if not largest > 0.0:
         raise DataError(f"no {target} found: the mean of the rows is constant")

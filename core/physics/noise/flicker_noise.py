@@ -16,11 +16,11 @@ from math import ceil, log, log2, sqrt
 from typing import TypeVar
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Array
 from core.errors import DataError, ParameterError
+from core.kernels import special
 from core.physics.numerics import finite, non_negative, positive, within
 
 
@@ -299,7 +299,7 @@ def _summed(mean: Array, z: Array) -> Array:
     """The smallest k with P(N ≤ k) ≥ Φ(z); by the upper tail where that is the smaller one."""
     counts = np.zeros(len(mean))
     waiting = np.arange(len(mean))
-    upper = scipy.special.ndtr(-z)  # of the probability beyond, which keeps its digits for large z
+    upper = special("ndtr")(-z)  # of the probability beyond, which keeps its digits for large z
     chance = np.exp(-mean)
     beyond = -np.expm1(-mean)
     k = 0
@@ -307,7 +307,7 @@ def _summed(mean: Array, z: Array) -> Array:
         # A sum of differences loses the digits of a small tail: that is taken anew.
         lost = beyond < 1e-3
         if lost.any():
-            beyond = np.where(lost, scipy.special.pdtrc(k, mean), beyond)
+            beyond = np.where(lost, special("pdtrc")(k, mean), beyond)
         going_on = beyond > upper
         waiting, mean, upper = waiting[going_on], mean[going_on], upper[going_on]
         k += 1

@@ -15,9 +15,9 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core import kernels
 from core.arrays import Vector
 from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
@@ -385,7 +385,7 @@ def _fit(function: Callable[[Vector], Vector], low: float, high: float, toleranc
     for size in SIZES:
         place = np.cos(np.pi * (np.arange(size) + 0.5) / size)
         radii = low + (high - low) * np.sin(0.25 * np.pi * (place + 1.0)) ** 2
-        coefficients = scipy.fft.dct(function(radii), type=2) / size
+        coefficients = kernels.dct(function(radii), type=2) / size
         coefficients[0] /= 2.0
         rest = np.cumsum(np.abs(coefficients[::-1]))[::-1]
         if rest[size - size // 4] <= tolerance:

@@ -7,10 +7,10 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import scipy
 from numpy.polynomial.polynomial import polyder, polyroots, polyval
 from numpy.typing import ArrayLike, NDArray
 
+from core import kernels
 from core.arrays import Array
 from core.physics.numerics import all_from_zero, positive, within
 from core.physics.optics.measured_otf import tabulated_mtf
@@ -285,20 +285,20 @@ def blended(*, patch: Array, otfs: Sequence[Array], along: Cell, across: Cell, r
     The patch, of shape (n, n), begins `reach` samples before the cell; the OTFs are at the
     frequencies of its `rfft2`.
     """
-    spectrum = scipy.fft.rfft2(patch)
+    spectrum = kernels.rfft2(patch)
     weights = [np.multiply.outer(v, h) for v in along.weights for h in across.weights]
     rows, columns = weights[0].shape
     total = np.zeros((rows, columns), patch.dtype)
     for otf, weight in zip(otfs, weights, strict=True):
-        made = scipy.fft.irfft2(spectrum * otf, patch.shape)
+        made = kernels.irfft2(spectrum * otf, patch.shape)
         total += made[reach : reach + rows, reach : reach + columns] * weight.astype(patch.dtype)
     return total
 
 
 def light_within(*, otf: Array, side: int, reach: int) -> float:
     """Share of a PSF's light that falls within `reach` samples along both axes."""
-    psf = scipy.fft.irfft2(otf, (side, side))
-    near = np.abs(scipy.fft.fftfreq(side, 1.0 / side)) <= reach
+    psf = kernels.irfft2(otf, (side, side))
+    near = np.abs(np.fft.fftfreq(side, 1.0 / side)) <= reach
     return float(psf[near][:, near].sum() / psf.sum())
 
 
@@ -310,11 +310,11 @@ def blending_error(*, otfs: Sequence[Array], own: Array, side: int, reach: int) 
     neighbours, 1/4, 1/2, 1/4: for pictures without detail at Nyquist's frequency.
     """
     means = [np.square(np.cos(np.pi * f)) for f in
-             (scipy.fft.fftfreq(side), scipy.fft.rfftfreq(side))]  # fmt: skip
+             (np.fft.fftfreq(side), np.fft.rfftfreq(side))]  # fmt: skip
     smooth = np.multiply.outer(*means)
     mean = sum(otfs[1:], start=otfs[0]) / len(otfs)
-    blend = scipy.fft.irfft2((mean - own) * smooth, (side, side))
-    spread = scipy.fft.irfft2(own * smooth, (side, side))
-    far = np.abs(scipy.fft.fftfreq(side, 1.0 / side)) > reach
+    blend = kernels.irfft2((mean - own) * smooth, (side, side))
+    spread = kernels.irfft2(own * smooth, (side, side))
+    far = np.abs(np.fft.fftfreq(side, 1.0 / side)) > reach
     beyond = np.abs(spread[far[:, np.newaxis] | far]).sum()
     return float(0.5 * np.abs(blend).sum() + beyond)

@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
+from core.kernels import special
 from core.physics.numerics import all_from_zero, gauss_legendre, non_negative, positive, within
 
 # Gaussian blur: optics, random line-of-sight jitter and a turbulent blur spot.
@@ -151,16 +151,16 @@ def _by_sum(k: NDArray[np.float64], s: float, length: float) -> NDArray[np.float
     t = 0.5 * end * (nodes + 1.0)
     beta = length * np.sinh(t)
     parts = 0.5 * end * weights * beta * length * np.cosh(t) ** (s + 1.0)
-    return np.asarray(scipy.special.j0(np.multiply.outer(k, beta)) @ parts, np.float64)
+    return np.asarray(special("j0")(np.multiply.outer(k, beta)) @ parts, np.float64)
 
 
 def _by_series(k: NDArray[np.float64], s: float, length: float) -> NDArray[np.float64]:
     """The same of large k: the integral to infinity, less the part beyond the horizon."""
     order = -0.5 * s - 1.0
     with np.errstate(under="ignore"):
-        whole = scipy.special.kv(order, k * length) * (0.5 * k / length) ** order
-        whole *= length ** (-s) * scipy.special.rgamma(order + 1.0)
-    before, bessel = scipy.special.j0(k), scipy.special.j1(k)
+        whole = special("kv")(order, k * length) * (0.5 * k / length) ** order
+        whole *= length ** (-s) * special("rgamma")(order + 1.0)
+    before, bessel = special("j0")(k), special("j1")(k)
     height, beyond = (1.0 + length**-2) ** (0.5 * s), np.zeros(k.shape)
     for n in range(_TERMS):
         beyond += height * bessel / k ** (n + 1)

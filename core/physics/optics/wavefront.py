@@ -5,11 +5,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from core import kernels
 from core.arrays import Array, Complex
 from core.errors import DataError, ParameterError
+from core.kernels import special
 
 HIGHEST_NOLL_INDEX = 861  # 40 radial orders; beyond, samples of a pupil do not resolve them
 
@@ -47,7 +48,7 @@ def zernike(*, noll_index: int, x: ArrayLike, y: ArrayLike) -> NDArray[np.float6
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     order = abs(m)
     depth = (n - order) // 2
-    radial = (-1) ** depth * scipy.special.eval_jacobi(depth, order, 0, 1.0 - 2.0 * (x * x + y * y))
+    radial = (-1) ** depth * special("eval_jacobi")(depth, order, 0, 1.0 - 2.0 * (x * x + y * y))
     azimuthal = (x + 1j * y) ** order
     part = azimuthal.imag if m < 0 else azimuthal.real
     scale = math.sqrt(n + 1) if m == 0 else math.sqrt(2 * (n + 1))
@@ -181,10 +182,10 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complex:
     samples = _checked(pupil)
     rows, columns = samples.shape
     shape = (2 * rows - 1, 2 * columns - 1)
-    padded = tuple(scipy.fft.next_fast_len(size) for size in shape)
-    spectrum = scipy.fft.fft2(samples, padded, workers=workers)
+    padded = tuple(kernels.next_fast_len(size) for size in shape)
+    spectrum = kernels.fft2(samples, padded, workers=workers)
     power = spectrum.real**2 + spectrum.imag**2
-    raw = scipy.fft.ifft2(power, workers=workers, overwrite_x=True)
+    raw = kernels.ifft2(power, workers=workers, overwrite_x=True)
     lags_y, lags_x = np.arange(1 - rows, rows), np.arange(1 - columns, columns)
     raw = raw[np.ix_(lags_y, lags_x)]
     raw = 0.5 * (raw + np.conj(raw[::-1, ::-1]))

@@ -7,11 +7,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Vector
 from core.errors import ParameterError
+from core.kernels import special
 from core.physics.numerics import finite, gauss_legendre, non_negative, positive, sinc
 
 
@@ -229,7 +229,7 @@ def vibration_otf(
     with np.errstate(over="ignore"):
         argument = 2.0 * math.pi * (amplitude * np.asarray(frequency, dtype=np.float64))
     argument = np.clip(argument, -_LARGEST_ARGUMENT, _LARGEST_ARGUMENT)
-    whole = np.asarray(scipy.special.j0(argument), dtype=np.complex128)
+    whole = np.asarray(special("j0")(argument), dtype=np.complex128)
     if periods is None:
         return whole
     count = math.floor(periods)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import scipy.fft
 from PySide6.QtCore import QPoint, QTimer
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
@@ -502,7 +501,7 @@ def save_samples(picture: Picture, path: Path) -> None:
         )
     samples: Any = picture.samples
     if picture.facts.kind == "plane":
-        samples = scipy.fft.ifftshift(samples)
+        samples = np.fft.ifftshift(samples)
     spatial = isinstance(picture.value, Image) and picture.facts.kind == "picture"
     metadata = metadata_of(picture.value, samples.shape) if spatial else {}
     save_array(path, np.asarray(samples), metadata)

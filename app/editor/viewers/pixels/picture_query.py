@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
@@ -340,13 +339,13 @@ def _wavelengths(wavelengths_um: tuple[float, ...]) -> str:
 def centred_plane(work: Work, *, value: SpectrumWire | Transfer) -> Array:
     """Samples of a magnitude, phase or transfer function with zero frequency in the middle."""
     samples: Array = realize(value, work)
-    return np.asarray(scipy.fft.fftshift(real(work, samples)))
+    return np.asarray(np.fft.fftshift(real(work, samples)))
 
 
 @ends_lineage
 def centred_modulus(work: Work, image: Array) -> Array:
     """Modulus of the unnormalised spectrum of an image, zero frequency in the middle."""
-    return np.asarray(scipy.fft.fftshift(np.abs(spectrum(work, image))))
+    return np.asarray(np.fft.fftshift(np.abs(spectrum(work, image))))
 
 
 @ends_lineage
