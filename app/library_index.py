@@ -5,7 +5,6 @@ import os
 import pickle
 import sys
 from collections.abc import Iterator
-from dataclasses import is_dataclass
 from typing import Any
 
 import core
@@ -13,6 +12,7 @@ import nodes
 from app.user_folders import FOLDERS
 from core.errors import FileError
 from core.modules.declaration import Declaration, Library, declaration
+from core.records import is_dataclass
 from nodes.library import OURS, standard_library
 
 _FILE = "declarations.pickle"

@@ -11,7 +11,6 @@ import math
 import pickle
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -28,6 +27,7 @@ from core.evaluation.work import Policy, Work
 from core.modules.declaration import Declaration, Module, declaration
 from core.modules.parameters import Parameter, plain
 from core.network.network import Link, Network, Node
+from core.records import dataclass, replace
 from core.transfer.factors import Product
 from nodes.library import standard_library
 

@@ -7,7 +7,6 @@ sent through the whole path, and its error the largest difference from the analy
 import sys
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from importlib import import_module, metadata
 from importlib.util import find_spec
@@ -23,6 +22,7 @@ from app.bench.timing import Settings, paired, round_trip, seconds
 from app.bench.truth import Sensor
 from app.run.process import version
 from core.evaluation.work import Policy, Precision
+from core.records import dataclass
 from core.transfer.factors import Planar
 from core.transfer.planar_blocks import Axes, Known
 

@@ -3,7 +3,6 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -20,6 +19,7 @@ from core.evaluation.work import Policy, Precision
 from core.machine import ForEach
 from core.network.network import Network
 from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
+from core.records import dataclass
 from core.transfer.factors import Grid, Planar, Product
 from core.transfer.planar_blocks import Planes
 

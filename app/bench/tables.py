@@ -3,13 +3,13 @@
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from app.report.drawing.picture_drawing import figure, load_matplotlib
 from app.run.readout_tables import columns
+from core.records import dataclass
 
 Row = Mapping[str, Any]
 NONE = "-"

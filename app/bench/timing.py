@@ -6,7 +6,6 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from app.run import shipped
 from app.run.process import versions
 from core.errors import UsageError
 from core.machine import physical_bytes
+from core.records import dataclass
 from core.transfer.periodic import backend
 
 Array = NDArray[Any]

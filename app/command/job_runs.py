@@ -3,7 +3,6 @@
 import json
 import threading
 import time
-from dataclasses import replace
 from functools import partial
 from pathlib import Path, PurePath
 from typing import Any
@@ -34,6 +33,7 @@ from core.modules.declaration import Library, declaration
 from core.network.file import parse_network
 from core.network.network import Network
 from core.network.validation import plain_network
+from core.records import replace
 from nodes.files.common.table_cells import csv_lines
 from nodes.library import standard_library
 

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,6 +25,7 @@ from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Caution
 from core.network.validation import NetworkProblems
+from core.records import asdict, dataclass
 from nodes.files.common.file_format import ZARR
 from nodes.files.frames import (
     STORE,

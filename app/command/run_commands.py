@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.process import Stop, too_late
 from core.errors import ImagechainError, InputError, in_line
+from core.records import asdict
 from nodes.files.common.file_format import suffixes
 
 if TYPE_CHECKING:

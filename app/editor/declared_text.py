@@ -3,7 +3,6 @@
 import html
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from core.errors import ImagechainError, ParameterError, listed
 from core.modules.parameters import Parameter
 from core.network.expressions import ExpressionError, parse_expression, value_of
+from core.records import dataclass, replace
 
 # Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(

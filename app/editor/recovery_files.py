@@ -11,7 +11,6 @@ import secrets
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.declaration import Library
 from core.network.file import format_network, parse_network
 from core.network.network import Network
+from core.records import dataclass, field, replace
 
 FORMAT = "imagechain-recovery"
 VERSION = 1

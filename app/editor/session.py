@@ -1,7 +1,6 @@
 """The open document as the parts of the window see it: what they may do, and its signals."""
 
 from collections.abc import Hashable, Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from core.network.linked_values import (
 )
 from core.network.macro import SEPARATOR, declared_node, expanded, path_of, unfolded
 from core.network.network import Network, Node
+from core.records import replace
 
 
 class Session(QObject):

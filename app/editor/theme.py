@@ -1,12 +1,13 @@
 """Colours of the window: dark and light, for Qt's own widgets and for what we draw."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QWidget
+
+from core.records import dataclass
 
 Look = Literal["dark", "light"]
 

@@ -8,7 +8,6 @@ import itertools
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.measurement.sample_noise import LevelVariance
 from core.physics.numerics import sinc
 from core.physics.sampling.detector_sampling import block_mean_mtf
+from core.records import replace
 from core.transfer.factors import Factor, Planar, Separable
 from nodes.analysis.lineage import ImageNoise, ImageTransfer, NoiseOf, transfer_of
 

@@ -6,13 +6,13 @@ edges at once in rows of arrays; what is too many in a row has no weight.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core import kernels
 from core.physics.measurement.found_edge import FoundEdge, edge_samples
+from core.records import dataclass, replace
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

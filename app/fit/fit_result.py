@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from app.fit.chain_fit import ChainFit, scales_of
 from app.fit.free_parameter import places
 from core.physics.measurement.sample_noise import LevelVariance
+from core.records import dataclass
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -3,7 +3,6 @@
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from core.errors import UsageError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
 from core.network.network import EXPRESSION, Network
+from core.records import dataclass
 
 FREE = "--free"
 _FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"

@@ -1,7 +1,6 @@
 """A network fitted to pictures: their edges and noise measured, the free parameters found."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,7 @@ from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import missing_samples
 from core.physics.measurement.picture_noise import noise_of_picture
 from core.physics.measurement.sample_noise import LevelVariance
+from core.records import dataclass, replace
 
 Matrix = NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 import base64
 import html
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from core.errors import ImagechainError, in_line
 from core.evaluation.work import Policy, Work
 from core.modules.declaration import Declaration, Library, declaration
 from core.network.network import Link, Network, Node, reached
+from core.records import dataclass, field
 
 _WIDE, _HIGH = 5.2, 3.2  # inches of a plot
 _SMALLEST_PHASE = 1e-9

@@ -12,13 +12,13 @@ Beside plain Markdown there are
 import html
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
 from app.report.drawing.picture_drawing import load_matplotlib
 from core.errors import ImagechainError
+from core.records import dataclass
 
 Figure = Callable[[str], str]
 _SOURCE = re.compile(r"^(\w+)\.md\b")

@@ -7,7 +7,6 @@ A value that no source gives has `until` NODE.READOUT=VALUE, the figure it was s
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from app.report.drawing.picture_drawing import number, short
@@ -16,6 +15,7 @@ from core.chain.engine import Engine, Plan
 from core.errors import thaw
 from core.evaluation.work import Policy
 from core.network.file import load_network
+from core.records import dataclass
 
 _NO_SOURCE = ("any value", "assumed", "solved")
 

@@ -7,7 +7,6 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import groupby
 from pathlib import Path
@@ -33,6 +32,7 @@ from core.evaluation.work import Policy
 from core.modules.declaration import Declaration, Library, declaration, ports_text
 from core.modules.parameters import Parameter, plain
 from core.network.file import load_network
+from core.records import dataclass
 
 TEMPLATES = Path(__file__).with_name("templates")
 MARK = "handbook.json"

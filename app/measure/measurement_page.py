@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from core.atomic import write_text
 from core.errors import DataError, UsageError, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 from core.physics.measurement.picture_noise import FramesNoise
+from core.records import asdict
 from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.mtf_table import LARGEST_MTF

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -24,6 +23,7 @@ from core.physics.measurement.picture_noise import (
     noise_of_picture,
 )
 from core.physics.sampling.detector_sampling import interval_mrad
+from core.records import dataclass, replace
 from nodes.files.frames import open_frames
 
 Matrix = NDArray[np.float64]

@@ -1,7 +1,6 @@
 """Pictures to measure, read from files one frame at a time, with what their headers hold."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from app.measure.picture_measurement import Gamma
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
+from core.records import dataclass
 from nodes.files.arrays import npy_header
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import readable_file

@@ -1,7 +1,6 @@
 """What a measurement of pictures has given, as values that never change."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from core.physics.measurement import edge_mtf
 from core.physics.measurement.found_edge import FoundEdge
 from core.physics.measurement.picture_noise import FramesNoise
 from core.physics.measurement.sample_noise import LevelVariance
+from core.records import dataclass
 
 Gamma = Literal["", "possible", "usual"]
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from core.physics.measurement.photon_transfer import (
     photon_transfer,
 )
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
+from core.records import dataclass
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.frames import FrameFile, check_one_camera, open_frames

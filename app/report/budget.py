@@ -4,7 +4,6 @@ Noise is predicted from the chain; blur is taken at half the Nyquist frequency o
 """
 
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from app.run.evaluation import Evaluation
 from core.chain.wires import CurveData, Image, Series
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
+from core.records import asdict
 from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
 from nodes.analysis.noise_budget import (
     NoiseShare,

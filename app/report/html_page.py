@@ -2,11 +2,11 @@
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from app.report.drawing.picture_drawing import DPI, MOST_DRAWN
+from core.records import dataclass, field
 
 MOST_ROWS = 500  # of a table, and nodes with read-outs: a page of more is no page
 IN_FILES = "readouts.json and mtf.csv"

@@ -1,7 +1,6 @@
 """Reports of a run: one self-contained file, for people (HTML) or for programs (JSON)."""
 
 import time
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from core.chain.skipped import Skip, is_neutral
 from core.chain.wires import Image, Table
 from core.errors import printable, thaw
 from core.modules.parameters import plain
+from core.records import asdict
 from core.transfer.periodic import backend
 from nodes.files.common.file_format import JSON
 from nodes.input_output.sample_unit import statistics

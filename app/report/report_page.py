@@ -1,7 +1,6 @@
 """The HTML report: one file that needs no other, light and fit to print."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 from app.report.budget import budget
@@ -36,6 +35,7 @@ from app.run.figures import Figure, figure_rows
 from app.run.readout_tables import four_digits, sized
 from app.run.transfer_chain import Responses
 from core.chain.engine import realize
+from core.records import replace
 
 _MOST_INPUTS = 2
 _MOST_OTHERS = 4

@@ -5,7 +5,6 @@ import shutil
 import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from core.machine import amount_text, usable_bytes
 from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
+from core.records import dataclass, field
 from core.scratch import ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR
 from nodes.files.formats import NPY, TIFF

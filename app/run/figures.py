@@ -1,7 +1,6 @@
 """The few figures that a network is run for: those of its sensor, its MTF and its ranges."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from app.run.evaluation import Evaluation
@@ -11,6 +10,7 @@ from app.run.transfer_chain import Axis, mtf_at
 from core.chain.engine import Plan, realize
 from core.chain.wires import Image
 from core.errors import ImagechainError
+from core.records import dataclass
 from nodes.input_output.sample_unit import statistics
 
 ELECTRONICS_FIGURES = (

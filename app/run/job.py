@@ -7,11 +7,11 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any, Literal
 
 from app.run.readout_tables import number_text
+from core.records import dataclass
 
 Kind = Literal["report", "run", "frames", "sweep", "files"]
 REPORT = "report.html"

@@ -1,7 +1,6 @@
 """Which picture a network delivers: the one that is marked, else the only one there can be."""
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, replace
 
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image
@@ -9,6 +8,7 @@ from core.errors import ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Library, declaration
 from core.network.network import Network, Node, marked_twice, reached
 from core.network.validation import NetworkProblems
+from core.records import dataclass, replace
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
 HOW_TO_MARK = "select the node whose picture is the output and press O"

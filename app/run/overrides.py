@@ -4,7 +4,6 @@ import contextlib
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from core.network.file import read_network
 from core.network.linked_values import expression
 from core.network.network import Network, passed_through, with_marks
 from core.network.validation import check_network, plain_network
+from core.records import dataclass, field, replace
 
 # JSON takes neither a sign +, nor a number without digits before or after the point.
 _NUMBER = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)([eE][+-]?[0-9]+)?", re.ASCII)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from core.modules.declaration import Library, declaration
 from core.network.linked_values import naming
 from core.network.network import Link, Network, Node, reached
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
+from core.records import dataclass, replace
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_ends_um, coverage
 from nodes.files.read import read_info, read_pixels

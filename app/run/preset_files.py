@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from core.network import file
 from core.network.linked_values import expression_text
 from core.network.macro import face_of_macro
 from core.network.network import Network, Node
+from core.records import dataclass, replace
 
 KEY = "preset:"
 """What the key of a preset begins with; no module's key has a colon."""

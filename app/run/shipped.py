@@ -4,11 +4,11 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import networks
 from core.errors import FileError, alike, shown, shown_path
+from core.records import dataclass
 from nodes.files.common.file_format import JSON
 
 

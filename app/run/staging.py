@@ -8,7 +8,6 @@ import shlex
 import shutil
 import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Self
@@ -17,6 +16,7 @@ from app.run.shipped import Place
 from app.user_folders import FOLDERS
 from core import atomic
 from core.errors import FileError, ImagechainError, UsageError, shown
+from core.records import dataclass, field
 from nodes.files.common.file_format import ZARR
 from nodes.files.store_folder import is_store
 

@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -16,6 +15,7 @@ from core.chain.wires import Image, Transfer
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
+from core.records import dataclass
 from core.transfer.factors import Factor, Grid, Part
 from nodes.analysis.lineage import HORIZONTAL, VERTICAL, Line, stage_along
 from nodes.analysis.lineage import Stage as LineStage

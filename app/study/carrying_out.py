@@ -6,7 +6,6 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from core.evaluation.work import Policy
 from core.network.file import load_network
 from core.network.network import Network
 from core.network.validation import check_network, plain_network
+from core.records import dataclass, replace
 from nodes.library import standard_library
 
 ALONE_S = 0.5

@@ -9,7 +9,6 @@ import math
 import os
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,6 +18,7 @@ from app.run.readout_tables import exact
 from app.study.point_rows import Row
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
 from core.errors import FileError, UsageError, how_to_install, printable
+from core.records import dataclass
 from nodes.files.common.file_format import NETCDF, PARQUET
 from nodes.files.common.table_cells import csv_lines
 

@@ -9,7 +9,6 @@ import os
 import re
 import string
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -42,6 +41,7 @@ from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
 from core.network.network import Network
+from core.records import dataclass, replace
 from nodes.files.common.file_format import CSV
 from nodes.files.common.table_cells import plain_cell
 

@@ -4,7 +4,6 @@ import math
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, suppress
-from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.network.network import Network
 from core.physics.numerics import brent_root
+from core.records import asdict, dataclass
 
 FOR, UNTIL = "--for", "--until"
 _FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"

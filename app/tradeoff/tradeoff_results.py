@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, PendingCheck
 from core.network.linked_values import following
 from core.network.network import Network, reached
+from core.records import dataclass, field, replace
 
 ELECTRONICS = "electronics_noise"
 SENSORS = (ELECTRONICS, "focal_plane", "microbolometer")

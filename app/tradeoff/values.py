@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from core.errors import ParameterError, UsageError
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network
+from core.records import dataclass, field
 
 OPTION = "--vary"
 FORM = "NODE.PARAM=FROM:TO:COUNT, FROM:TO:COUNT:log, or a list a,b,c"

@@ -1,6 +1,5 @@
 """Images that come out of a chain: the spectrum, the product of its factors, one inverse."""
 
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -15,6 +14,7 @@ from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Region, Step, in_parts
 from core.evaluation.work import Work
+from core.records import dataclass, field, replace
 from core.transfer.factors import Edges, Factor, Grid, Product, Skipped, spend
 from core.transfer.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.transfer.periodic import crossed_spectrum, periodic_filter, periodic_spectrum

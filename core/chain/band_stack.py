@@ -8,7 +8,6 @@ in memory.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +18,7 @@ from core.chain.step_lineage import LevelChange, Linear, picture_step
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, content_key, ends_lineage, in_blocks
 from core.evaluation.work import Work
+from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Law, Planar
 
 Row = tuple[float, ...]

@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,7 @@ from core.modules.declaration import (
 from core.modules.parameters import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
+from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Separable, nyquist_lines
 from core.transfer.periodic import fourier
 

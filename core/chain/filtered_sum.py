@@ -12,7 +12,6 @@ and Rokhlin 2005, SIAM J. Sci. Comput. 26, 1389).
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
 from typing import Any
@@ -23,6 +22,7 @@ from core.arrays import Array
 from core.chain.band_stack import BandStack, Row
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
+from core.records import dataclass, field
 from core.scratch import StripArray
 from core.transfer.factors import Factor, Grid, Planar, Product
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum

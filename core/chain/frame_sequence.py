@@ -6,7 +6,6 @@ once for all frames.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, TypeVar
 
 from core.chain.back_transformed import Delivered, DeliveredBands
@@ -14,6 +13,7 @@ from core.chain.band_stack import AttenuatedBands, BandStack, SteppedBands
 from core.chain.random_fields import FrameNumber, Stream
 from core.chain.wires import Magnitude, Phase
 from core.evaluation.recipes import Recipe, Step, furthest_first
+from core.records import replace
 from core.transfer.factors import Law, Planar, Separable
 
 Change = Callable[[Recipe], Recipe | None]

@@ -13,7 +13,6 @@ linear systems with stochastic inputs; the cosine form is the DCT-II's orthonorm
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from core import kernels
 from core.arrays import Array, Matrix, Vector
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import Moments
+from core.records import dataclass, replace
 from core.transfer.factors import Factor, Grid, Product, nyquist_lines
 from core.transfer.planar_blocks import Axes, axes_of
 

@@ -10,7 +10,6 @@ Source: Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy as 
 import dataclasses
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, TypeVar
 
@@ -25,6 +24,7 @@ from core.evaluation.recipes import Region, runs
 from core.evaluation.work import Work
 from core.machine import ForEach, in_turn
 from core.physics.optics.veiling_glare import gaussian_mtf
+from core.records import dataclass
 from core.scratch import Empty
 from core.transfer import mirrored
 

@@ -4,7 +4,6 @@ It is read off the plan and the evaluation's tally; nothing that is computed dep
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from core.chain.back_transformed import Delivered, DeliveredBands
@@ -12,6 +11,7 @@ from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
+from core.records import dataclass, replace
 
 Kind = Literal[
     "disabled", "identity", "below_budget", "unseen", "unchanged", "region", "wavelengths"

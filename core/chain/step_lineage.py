@@ -27,7 +27,6 @@ frame to frame needs no mark: it is what a `Stream` among the parameters draws, 
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import partial
 from inspect import Parameter, signature
 from typing import Any, Literal, TypeVar
@@ -45,6 +44,7 @@ from core.physics.sampling.detector_sampling import (
     pixel_places,
     shifted_samples_ptf,
 )
+from core.records import dataclass, replace
 from core.transfer.factors import Edges, Factor, Grid, Law, Separable, factor_at
 from core.transfer.planar_blocks import Axes
 from core.transfer.sampled_waves import sampled_columns

@@ -1,7 +1,6 @@
 """What travels on wires: small immutable recipes without arrays, and the results they make."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
 
@@ -16,6 +15,7 @@ from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import Irradiance
 from core.physics.optics.pupil_shapes import PupilShape
 from core.physics.sampling.ground_geometry import OrbitView
+from core.records import dataclass, field, replace
 from core.transfer.factors import Edges, Factor, Grid
 
 # Computed values that are not plain arrays: curves, tables, sampled transfer functions.

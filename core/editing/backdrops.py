@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 from core.editing import layout
 from core.editing.operations import ABSENT, Operation, move_nodes, set_network_field, together
 from core.errors import NetworkError, thaw
 from core.network.network import Network, cycles
+from core.records import dataclass, replace
 
 FIELD = "backdrops"
 NOTE = "note"  # of the field `kind`; a program that does not know it shows a backdrop

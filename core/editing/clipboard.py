@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -25,6 +24,7 @@ from core.modules.parameters import Parameter, plain
 from core.network.file import FORMAT, format_network, parse_network, read_json
 from core.network.linked_values import with_names
 from core.network.network import EXPRESSION, Link, Network, Node
+from core.records import replace
 
 NODES_FORMAT, VALUES_FORMAT = "imagechain-nodes", "imagechain-values"
 SOURCE = "the clipboard"

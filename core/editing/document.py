@@ -4,7 +4,6 @@ import hashlib
 import os
 import stat
 from collections.abc import Callable, Collection, Hashable, Mapping
-from dataclasses import replace
 from functools import partial
 from os.path import realpath
 from pathlib import Path
@@ -17,6 +16,7 @@ from core.errors import ChangedFileError, NetworkError, in_line, thaw
 from core.modules.declaration import Library, declaration
 from core.network.file import LARGEST, format_network, save_network
 from core.network.network import EXPRESSION, Network
+from core.records import replace
 
 _LONGEST = 32  # letters of a value
 

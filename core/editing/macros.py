@@ -1,7 +1,6 @@
 """Macros: nodes grouped and ungrouped, changes inside, and the parameters that one shows."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -53,6 +52,7 @@ from core.network.macro import (
     with_face,
 )
 from core.network.network import EXPRESSION, MACRO, Link, Network, Node, cycle_error, cycles
+from core.records import replace
 
 
 def at_level(path: tuple[str, ...], operation: Operation) -> Operation:

@@ -3,7 +3,6 @@
 import itertools
 import json
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
-from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 from types import MappingProxyType
@@ -26,6 +25,7 @@ from core.network.macro import (
     with_face,
 )
 from core.network.network import EXPRESSION, Link, Network, Node, with_marks
+from core.records import dataclass, replace
 
 
 class Absent(Enum):

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 from core.editing.layout import Point
@@ -28,6 +27,7 @@ from core.network.network import (
     reached,
     way_round,
 )
+from core.records import dataclass
 
 
 def refusal(network: Network, library: Library, link: Link) -> str | None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
 from enum import Enum
 from functools import cached_property, partial
 from numbers import Integral
@@ -21,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import ParameterError
+from core.records import dataclass, field, fields, is_dataclass
 
 # A rectangle of a picture's samples, for when the rest of the picture is not needed.
 

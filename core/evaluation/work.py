@@ -4,7 +4,6 @@ import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from typing import Any, Literal
@@ -16,6 +15,7 @@ from core.evaluation.float_guard import watched
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import EvaluationLog, Store
 from core.machine import Workers
+from core.records import dataclass
 from core.scratch import ScratchDisk
 
 # How accurately and with how many threads to compute: one immutable value, passed along.

@@ -22,7 +22,6 @@ import inspect
 import re
 import types
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -51,6 +50,7 @@ from core.modules.parameters import (
     complete,
     param,
 )
+from core.records import dataclass, replace
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe, Step

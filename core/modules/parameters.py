@@ -6,13 +6,13 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from core.errors import Cancelled, ImagechainError, ParameterError, shown
 from core.evaluation.float_guard import plug_in_error, with_place
+from core.records import dataclass, field, replace
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe

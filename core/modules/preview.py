@@ -6,11 +6,12 @@ theme's list of curve colours, or names of the theme's other colours.
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from core.records import dataclass
 
 Colour = int | Literal["text", "faint_text"]
 Style = Literal["solid", "dashed", "dotted", "dots"]

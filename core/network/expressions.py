@@ -4,12 +4,12 @@ import math
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, partial
 from typing import Any, Literal
 
 from core.errors import InputError, close, shown
+from core.records import dataclass
 
 Factor = Fraction | float
 

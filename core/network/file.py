@@ -6,7 +6,6 @@ import math
 import re
 import stat
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from os import PathLike, fspath
 from pathlib import Path
@@ -28,6 +27,7 @@ from core.modules.parameters import plain
 from core.network.macro import End, checked_depth, declared_node, interface_of
 from core.network.network import EXPRESSION, MACRO, NETWORK_FIELDS, NODE_FIELDS, Link, Network, Node
 from core.network.validation import check_network
+from core.records import replace
 
 FORMAT = "imagechain-network"
 

@@ -5,7 +5,6 @@ network through `with_values` first, so that modules, keys and reports meet plai
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 from core.errors import NetworkError, ParameterError, close, shown, thaw
@@ -14,6 +13,7 @@ from core.modules.parameters import Parameter, plain
 from core.network import expressions
 from core.network.macro import SEPARATOR, expanded
 from core.network.network import EXPRESSION, Network, Node, cycles, reached, topological, way_round
+from core.records import dataclass, field, replace
 
 _Place = tuple[str, str]  # node and parameter
 

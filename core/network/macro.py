@@ -1,7 +1,6 @@
 """Macros: nodes that hold a network of their own. Their inside, and names of nodes within."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
@@ -10,6 +9,7 @@ from core.modules.declaration import Declaration, Library, Port, declaration
 from core.modules.parameters import Parameter, complete
 from core.network.expressions import rewritten
 from core.network.network import EXPRESSION, MACRO, Link, Network, Node, passed_through
+from core.records import dataclass, field, replace
 
 SEPARATOR = "/"
 """Between a macro's id and that of a node inside: ``camera/blur``."""

@@ -2,7 +2,6 @@
 
 import heapq
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from core.errors import NetworkError, ParameterError, check_id, close, freeze, shown, thaw
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import LARGEST_INTEGER
+from core.records import dataclass, field, fields, replace
 
 NODE_FIELDS = ("module", "params", "auto", "disabled", "final", "noise", "macro")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")

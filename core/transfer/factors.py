@@ -11,7 +11,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -26,6 +25,7 @@ from core.physics.sampling.detector_sampling import (
     frequency_interval_cyc_per_mrad,
     nyquist_cyc_per_mrad,
 )
+from core.records import dataclass, field, replace
 
 if TYPE_CHECKING:
     from core.evaluation.work import Work

@@ -12,7 +12,6 @@ kernel that is the frame in the middles of the blocks.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -23,6 +22,7 @@ from core.arrays import Array
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Region, ends_lineage
 from core.evaluation.work import Work
+from core.records import dataclass
 from core.scratch import StripArray
 from core.transfer.factors import Grid, Product
 from core.transfer.planar_blocks import Planes

@@ -7,7 +7,6 @@ factors in flight are applied, in each column at frequencies of its own, and P a
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.arrays import Array, Vector
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
 from core.physics.sampling.platform_motion import scale_nodes_mrad, scale_weights
+from core.records import dataclass, replace
 from core.transfer.factors import Edges, Grid, Product, Separable
 from core.transfer.periodic import fourier
 from core.transfer.planar_blocks import Axes, Planes, thin_product

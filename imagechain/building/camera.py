@@ -3,7 +3,6 @@
 import itertools
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from numbers import Integral
 from typing import Any
 
@@ -20,6 +19,7 @@ from core.errors import DataError, ImagechainError, NetworkError, ParameterError
 from core.evaluation.work import Policy, Work
 from core.network.linked_values import with_values
 from core.network.validation import NetworkProblems
+from core.records import replace
 from imagechain.building.chain_state import ChainState, planned_scene
 from imagechain.parts.plain_errors import plain_errors
 from nodes.files.read import check_finite

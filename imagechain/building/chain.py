@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Literal
@@ -24,6 +23,7 @@ from core.network.file import format_network, load_network
 from core.network.macro import declared_node
 from core.network.network import Link, Network
 from core.network.validation import NetworkProblems
+from core.records import replace
 from imagechain.building.camera import Camera
 from imagechain.building.chain_state import ChainNode, ChainState, Check
 from imagechain.parts.module_part import Part

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -27,6 +26,7 @@ from core.network.linked_values import expression_text, resolved, with_values
 from core.network.macro import declared_node, unfolded
 from core.network.network import Link, Network, Node, reached
 from core.network.validation import check_network, plain_network
+from core.records import dataclass, field, replace
 from imagechain.parts.module_part import Part, file_value, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, table
 from imagechain.results.chain_result import current_folder

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from core.atomic import write_text
 from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.work import Policy, Precision
 from core.physics.sampling.detector_sampling import interval_mrad
+from core.records import replace
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.parts.plain_errors import plain_errors

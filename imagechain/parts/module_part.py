@@ -3,7 +3,6 @@
 import inspect
 import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
@@ -18,6 +17,7 @@ from core.network.file import read_network
 from core.network.linked_values import expression as raw_expression
 from core.network.macro import declared_node
 from core.network.network import Network
+from core.records import dataclass, field
 from imagechain.parts.plain_errors import plain_errors
 from nodes.input_output.source_file import HeldSamples
 from nodes.library import standard_library

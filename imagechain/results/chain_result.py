@@ -3,7 +3,6 @@
 import os
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
 from os import PathLike, fspath
 from pathlib import Path
@@ -27,6 +26,7 @@ from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.machine import store_bytes
 from core.modules.parameters import Caution
+from core.records import replace
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results import tables
 from nodes.files.frames import header_beside_frames

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass, field
 from itertools import islice
 from os import PathLike, fspath
 from pathlib import Path
@@ -21,6 +20,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError, close, shown
 from core.evaluation.recipes import Region
 from core.evaluation.work import Work
+from core.records import dataclass, field
 from imagechain.parts.plain_errors import (
     block,
     needed,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -40,6 +39,7 @@ from core.physics.sampling.ground_geometry import (
     step_of_field_mrad,
     view_angles,
 )
+from core.records import dataclass
 from nodes.shared.module_ports import TableFigures
 
 FINER = 4  # times as many strips, to estimate the error

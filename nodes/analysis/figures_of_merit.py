@@ -1,7 +1,6 @@
 """Figures of Merit: what a sensor resolves and detects, and how far."""
 
 import math
-from dataclasses import replace
 from typing import Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
@@ -11,6 +10,7 @@ from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mrtd import Window
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.records import replace
 from core.transfer.factors import Grid
 from nodes.analysis import threshold_curves
 from nodes.analysis.lineage import NoiseOf, transfer_of

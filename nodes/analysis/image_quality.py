@@ -1,8 +1,6 @@
 """Image Quality: the interpretability of a picture by the image quality equations."""
 
 import math
-from dataclasses import dataclass
-from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -16,6 +14,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.records import dataclass
 from core.transfer.factors import Grid
 from nodes.analysis import lineage
 from nodes.analysis.threshold_curves import Unseen, unseen

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +21,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.machine import amount_text
 from core.physics.noise.noise_components import NoiseVariances, components_of_moments
+from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Grid, Part, factor_at
 
 Vector = NDArray[np.float64]

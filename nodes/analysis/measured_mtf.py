@@ -1,7 +1,6 @@
 """Measured MTF: from an edge or a line in any picture."""
 
 import math
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -22,6 +21,7 @@ from core.physics.measurement.slanted_edge import (
     spread_to_line,
 )
 from core.physics.numerics import sinc
+from core.records import dataclass
 from core.transfer.factors import Array, Grid, factor_at
 from nodes.analysis.lineage import Stage, transfer_of
 from nodes.shared.module_ports import TableFigures

@@ -1,6 +1,5 @@
 """3-D Noise: the seven noise components of a sequence of frames."""
 
-from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -15,6 +14,7 @@ from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
+from core.records import dataclass, field
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside

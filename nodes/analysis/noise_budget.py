@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.noise.noise_equivalent import loss, shares_of_losses
+from core.records import dataclass
 from nodes.analysis import lineage
 from nodes.shared.module_ports import TableFigures
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
+from core.records import dataclass
 from core.scratch import is_on_disk
 from core.transfer.factors import Edges, Factor, Grid, Product
 from nodes.shared.context_defaults import one_source

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -34,6 +33,7 @@ from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.numerics import range_for_probability
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
+from core.records import dataclass, field, replace
 from core.transfer.factors import Grid
 from nodes.analysis import lineage
 

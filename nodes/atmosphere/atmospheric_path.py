@@ -2,7 +2,6 @@
 
 import math
 import warnings
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -29,6 +28,7 @@ from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.physics.sampling.ground_geometry import EARTH_RADIUS_KM as R
+from core.records import dataclass, replace
 from nodes.files.spectrum_tables import Points, read_path_table, read_wavelengths
 from nodes.shared.module_ports import PictureTable, TableFigures, WeightingSource
 from nodes.shared.shared_warnings import apart_caution, first, watts_factor

@@ -1,7 +1,6 @@
 """Reflected Light: what surfaces reflect of sun and sky."""
 
 import math
-from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -16,6 +15,7 @@ from core.evaluation.recipes import Recipe, Region, Step, ends_lineage, in_block
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.atmosphere.air_path import Sunlight, relative_air_mass
+from core.records import dataclass, field
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn, PictureTable, TableFigures

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.readout import trail_length, trailed
+from core.records import dataclass
 from core.transfer.factors import Factor, Grid, Separable
 from nodes.shared.factors import passed_factors, separable
 from nodes.shared.module_ports import ImageOutput, OfPixels

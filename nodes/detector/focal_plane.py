@@ -1,7 +1,6 @@
 """Focal Plane: a camera's detector in electrons, as data sheets specify it today."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from core.chain.back_transformed import BinMode, combine_pixels
@@ -14,6 +13,7 @@ from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM, QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.optics.diffraction_otf import Aperture
+from core.records import replace
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +17,7 @@ from core.modules.parameters import Caution
 from core.modules.preview import Bar, Bars, Preview, Stack, brief, electrons, kelvin
 from core.physics.detector import focal_plane_array, photon_conversion
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
+from core.records import dataclass, replace
 from nodes.shared.steps import PictureRange
 
 SNR_AT_PERCENT = (1, 3, 10, 30, 90)

@@ -1,7 +1,6 @@
 """The stages of Focal Plane as steps: from radiance to electrons to digital numbers."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ from core.physics.detector.focal_plane_array import (
     multiplied_charge,
 )
 from core.physics.noise.flicker_noise import poisson_of_normal
+from core.records import dataclass
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,
     bent_level,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -13,6 +12,7 @@ from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.detector.readout import smear, smear_mtf
+from core.records import dataclass
 from core.transfer.factors import Factor, Grid, Law, Separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
 from nodes.shared.steps import stepped

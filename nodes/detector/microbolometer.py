@@ -1,6 +1,5 @@
 """Microbolometer: an uncooled detector by its data sheet's NETD and thermal time constant."""
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radi
 from core.physics.detector.readout import lowpass_mtf, lowpass_ptf
 from core.physics.noise import flicker_noise
 from core.physics.radiometry import planck
+from core.records import dataclass
 from core.transfer.factors import Separable
 from nodes.shared.context_defaults import Lens, given_band, lens, t_number_caution, with_interval
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames

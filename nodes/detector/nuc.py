@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.detector import focal_plane_array
 from core.physics.radiometry.planck import band_radiance
+from core.records import dataclass, field
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import even

@@ -1,6 +1,5 @@
 """Read-out Window: a region of interest (ROI) is read instead of the whole detector."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
+from core.records import dataclass
 from core.transfer.factors import Grid
 from nodes.shared.module_ports import ImageOutput
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -28,6 +27,7 @@ from core.physics.detector.photon_conversion import (
 )
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
+from core.records import dataclass
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import ImageOutput, WeightingSource
 from nodes.shared.shared_warnings import Band, unit_caution

@@ -1,7 +1,6 @@
 """Electronics & Noise: what detectors, amplifier and quantizer do to the picture."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -34,6 +33,7 @@ from core.physics.detector.detectivity import (
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION, Material, find_material
+from core.records import replace
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.noise_steps import Detector, detector_figures, figures

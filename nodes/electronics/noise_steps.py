@@ -1,6 +1,5 @@
 """The stages of Electronics & Noise as steps."""
 
-from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
@@ -25,6 +24,7 @@ from core.physics.noise.noise_equivalent import (
 )
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import find_material
+from core.records import dataclass
 from nodes.shared.context_defaults import Lens
 from nodes.shared.steps import PictureRange
 

@@ -7,7 +7,6 @@ import math
 import os
 import tokenize
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError
+from core.records import dataclass
 from core.scratch import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.file_format import CSV

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from core.errors import DataError, FileError, ParameterError
 from core.machine import ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
+from core.records import dataclass, replace
 from core.scratch import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import checked_band, stored_bytes

@@ -4,13 +4,13 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.records import dataclass, replace
 from nodes.files.common.picture_info import delivered_dtype
 from nodes.files.common.stored_bytes import first_bytes, is_file, readable_file
 from nodes.files.common.table_cells import number_of

@@ -8,7 +8,6 @@ CHECKSUM).
 
 import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.records import dataclass
 from nodes.files.common.stored_bytes import stored_bytes
 
 _BLOCK, _CARD = 2880, 80

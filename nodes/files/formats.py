@@ -7,13 +7,13 @@ suffixes and help, and the dialogs of the editor follow.
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import FileError, ParameterError
+from core.records import dataclass
 from nodes.files import arrays, envi, envi_header, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples

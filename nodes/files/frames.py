@@ -14,7 +14,6 @@ import os
 import shutil
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, FileError
+from core.records import dataclass, field
 from nodes.files.arrays import fill_plane, is_npy, npy_header, write_npy_header
 from nodes.files.common import picture_info
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes

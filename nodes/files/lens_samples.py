@@ -5,7 +5,6 @@ write.
 """
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.records import dataclass
 from nodes.files.arrays import is_npy, npy_header, whole_npy
 from nodes.files.common.file_format import BLANKS, CSV
 from nodes.files.common.stored_bytes import checked_band, readable_file

@@ -3,10 +3,10 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from core.errors import FileError
+from core.records import dataclass
 from nodes.files.common import table_cells
 
 Column = tuple[float, ...]

@@ -14,7 +14,6 @@ import itertools
 import math
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError, how_to_install
+from core.records import dataclass
 from core.scratch import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import checked_band, first_bytes

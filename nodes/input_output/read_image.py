@@ -1,6 +1,5 @@
 """Read Image: a picture from a file."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Caution, Formula, Section, param
 from core.physics.sampling.detector_sampling import interval_mrad
+from core.records import replace
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import checked_band
 from nodes.files.envi import coverage

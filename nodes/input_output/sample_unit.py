@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from core.machine import ForEach, in_turn
 from core.modules.parameters import Caution
 from core.physics.radiometry import spectra
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
+from core.records import dataclass
 from nodes.files.common.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"

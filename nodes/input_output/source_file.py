@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -21,6 +20,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
+from core.records import dataclass, field
 from core.scratch import Empty
 from nodes.files import envi
 from nodes.files.common.picture_info import PictureInfo, oversized

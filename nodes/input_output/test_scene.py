@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula, Section, param
 from core.physics.sampling.detector_sampling import interval_mrad
+from core.records import dataclass, field, replace
 from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes import draw

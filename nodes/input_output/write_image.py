@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -19,6 +18,7 @@ from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Section, param
+from core.records import dataclass, field
 from nodes.files import frames
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue

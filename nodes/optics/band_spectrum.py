@@ -1,7 +1,6 @@
 """By what light a band's wavelengths are weighted, where no spectrum is on the wire."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +17,7 @@ from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
+from core.records import replace
 from core.transfer.factors import Planar, WavelengthLaw
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance

@@ -1,7 +1,6 @@
 """Camera: the data sheet of a camera, entered once for the whole network."""
 
 import math
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from core.chain.wires import CameraSheet, Image, Table, TableData
@@ -16,6 +15,7 @@ from core.physics.sampling.ground_geometry import (
     OrbitView,
     orbit_view,
 )
+from core.records import replace
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart, apart_caution, first
 

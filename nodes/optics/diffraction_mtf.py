@@ -1,6 +1,5 @@
 """Diffraction MTF: a circular or annular aperture by its data sheet, without a pupil array."""
 
-from dataclasses import replace
 from typing import Any, Literal
 
 from core.chain.band_stack import BandStack
@@ -19,6 +18,7 @@ from core.physics.optics.diffraction_otf import (
     wavelengths_needed,
 )
 from core.physics.optics.polychromatic import Spectrum
+from core.records import replace
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
@@ -20,6 +19,7 @@ from core.modules.declaration import Caution, Module, NodeContext, Section, read
 from core.modules.parameters import Formula, param
 from core.physics.optics.field import Distortion as Lens
 from core.physics.optics.field import samples_at
+from core.records import dataclass
 from core.transfer.factors import Grid
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
 from nodes.shared.steps import stepped

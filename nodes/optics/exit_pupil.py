@@ -1,7 +1,6 @@
 """Exit Pupils: apertures by geometry or from a file, with a wavefront error."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -25,6 +24,7 @@ from core.physics.optics.pupil_shapes import (
     support_circle,
 )
 from core.physics.optics.wavefront import known_wavefront, map_scale, wavefront_waves, wrapped_waves
+from core.records import replace
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 from nodes.optics.pupil_factor import sampled

@@ -1,6 +1,5 @@
 """Exit Pupil MTF: diffraction by the aperture."""
 
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.polychromatic import Spectrum, band_wavelengths
+from core.records import replace
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,

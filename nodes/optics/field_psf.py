@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -22,6 +21,7 @@ from core.modules.parameters import Formula, Param, param
 from core.physics.optics import field as field_optics
 from core.physics.optics.field import samples_at
 from core.physics.optics.veiling_glare import gaussian_mtf
+from core.records import dataclass, field
 from core.transfer.factors import Factor, Grid, Separable, factor_at
 from nodes.optics.mtf_file import MtfFile
 from nodes.optics.psf_file import PsfFile

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -21,6 +20,7 @@ from core.physics.optics.measured_otf import (
     tabulated_mtf,
     tabulated_ptf,
 )
+from core.records import dataclass
 from core.transfer.factors import Factor, Law, Part, Planar, Separable
 from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +13,7 @@ from core.evaluation.work import Work
 from core.physics.optics import pupil_otf, pupil_shapes
 from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
+from core.records import dataclass, field, replace
 from core.transfer.factors import Array, Law, Planar, WavelengthLaw
 
 SAME_WAVELENGTH = 1e-6  # share by which two may differ, as bands are typed in

@@ -1,7 +1,6 @@
 """Vignetting: the light falls off from the middle of the field to its corners."""
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -17,6 +16,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, param
 from core.physics.optics.field import relative_illumination
+from core.records import dataclass
 from core.transfer.factors import Grid
 from nodes.files.spectrum_tables import read_heights
 from nodes.shared.module_ports import ImageOutput

@@ -7,12 +7,12 @@ and the mean of 2 × 2 samples is the sample of twice the size.
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from core.kernels import special
+from core.records import dataclass
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -4,10 +4,9 @@ A dormitory was the target of Tantalo 1996, figure F.2. Both are drawn from cont
 0 to 1 in x and y, and so are the same at every size of the picture.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from core.records import dataclass
 from nodes.scenes.coverage import FloatArray, band, bell, bells, power, steps
 from nodes.scenes.scene_canvas import (
     GOLDEN_STEPS,

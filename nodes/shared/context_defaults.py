@@ -1,13 +1,12 @@
 """A parameter of the module, else the value of Init & Trans or the image, else an error."""
 
-from dataclasses import dataclass, replace
-
 from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.modules.declaration import Module
 from core.modules.parameters import Caution
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import ifov_mrad
+from core.records import dataclass, replace
 
 Band = tuple[float, float]
 

@@ -1,6 +1,5 @@
 """Steps that several modules take."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from core.evaluation.recipes import (
 )
 from core.evaluation.work import Work
 from core.physics.detector.readout import quantize, rounding_variances
+from core.records import dataclass
 from core.transfer.factors import Grid
 from core.transfer.scan_lines import filter_lines
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from core.modules.declaration import Caution, Module, NodeContext, Section, read
 from core.modules.parameters import Formula, param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
+from core.records import replace
 from core.transfer.factors import Edges, Grid
 from nodes.shared.shared_warnings import apart
 

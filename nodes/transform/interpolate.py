@@ -1,6 +1,5 @@
 """Interpolate: other numbers of samples over the same field, as a frame grabber takes them."""
 
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.physics.sampling.detector_sampling import (
     resampling_response,
     takes_the_later,
 )
+from core.records import dataclass
 from core.transfer.factors import Edges, Factor, Grid, Law
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth

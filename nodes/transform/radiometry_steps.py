@@ -1,6 +1,5 @@
 """The steps of To Radiance and To Temperature."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Section, param, warning
 from core.physics.radiometry import spectra
+from core.records import dataclass
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -26,6 +25,7 @@ from app.editor.widgets import Menu, filled, labelled
 from core.editing.backdrops import backdrops_of, change, nodes_on, remove
 from core.editing.operations import ABSENT, named, rewire, set_node_field, together
 from core.editing.wire_dots import moved_with_dots
+from core.records import replace
 
 _TYPE = QEvent.Type
 

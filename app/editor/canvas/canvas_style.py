@@ -6,7 +6,6 @@ large as that of the window.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -16,6 +15,7 @@ from app.editor.declared_text import says_more
 from app.editor.theme import Look, Theme
 from core.modules.declaration import Declaration, Port, package_of
 from core.network.network import Link, Node
+from core.records import dataclass
 
 # What a node shows of itself, from its module's declaration or, for lack of one, its links.
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -36,6 +35,7 @@ from core.editing.wire_dots import dots_of
 from core.modules.declaration import Library
 from core.network.macro import SEPARATOR, declared_node, face_of_macro
 from core.network.network import Link, Network, Node, topological
+from core.records import dataclass
 
 
 class Content:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
@@ -26,6 +25,7 @@ from core.editing.operations import Operation, rewire, together
 from core.editing.wire_dots import add_dot, move_dot, moved_with_dots, remove_dot
 from core.editing.wiring import refusal
 from core.network.network import Link, Network
+from core.records import replace
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 _ALT, _SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier

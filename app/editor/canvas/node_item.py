@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
@@ -29,6 +28,7 @@ from app.editor.evaluation.queries import Badge, BadgeKind
 from core.editing.backdrops import Backdrop
 from core.editing.layout import Box
 from core.modules.declaration import Port
+from core.records import replace
 
 GAP_BESIDE = 72.0  # at most, that a title takes of the ground between its node and another
 _TITLE_FROM = 0.92  # of the natural zoom; below, titles are drawn as large as there

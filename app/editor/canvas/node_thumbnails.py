@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,6 +24,7 @@ from core.chain.wires import Image, Pupil
 from core.editing.operations import picture_node
 from core.errors import ImagechainError, NetworkError
 from core.evaluation.recipes import number_bits
+from core.records import dataclass
 from core.transfer.factors import Part
 
 _OWNER = "canvas.thumbnails"

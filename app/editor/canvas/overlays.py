@@ -1,7 +1,6 @@
 """What lies over the canvas: lists of choices, the way to a macro, and the title that is edited."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -37,6 +36,7 @@ from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED
 from app.editor.widgets import RIGHT, filled, labelled, plain_label, tool_button
+from core.records import dataclass
 
 _ROLE = Qt.ItemDataRole.UserRole
 _ROWS = 9

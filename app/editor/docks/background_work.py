@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import labelled
 from core.chain.wires import Image
 from core.errors import Cancelled, UsageError
+from core.records import dataclass
 from nodes.files.common.file_format import JSON
 
 # Pictures that viewers show, ready to be measured.

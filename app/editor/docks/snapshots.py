@@ -1,7 +1,6 @@
 """Snapshots of the open document: what was shown of a state, A, beside the present one, B."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, ClassVar
@@ -23,6 +22,7 @@ from core.chain.engine import Plan
 from core.editing.operations import restored
 from core.errors import Cancelled, ImagechainError
 from core.network.network import Network
+from core.records import dataclass, replace
 
 NOTHING_KEPT = "there are no snapshots yet: press Ctrl+K to keep the current state"
 _OWNER = "snapshots.kept"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -38,6 +37,7 @@ from core.errors import ParameterError, UsageError, thaw
 from core.modules.parameters import Parameter, plain
 from core.modules.preview import Axis
 from core.network.network import MACRO
+from core.records import dataclass
 
 Vector = NDArray[np.float64]
 DECADES_FROM = 100.0  # the largest over the smallest value, from which on decades are shown

@@ -8,7 +8,6 @@ seconds stays.
 
 import math
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -17,6 +16,7 @@ from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.wires import Image, Magnitude, Phase
 from core.network.network import Link, Network, Node
 from core.physics.detector.readout import dwell_time_s
+from core.records import dataclass, field, replace
 
 Change = frozenset[tuple[str, str] | str | Link] | None
 """Parameters by node, nodes, links and "seed"; the same edit again is equal to it."""

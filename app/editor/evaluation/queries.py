@@ -5,7 +5,6 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -13,6 +12,7 @@ from core.chain.engine import Engine, Plan
 from core.errors import ImagechainError
 from core.evaluation.work import Work
 from core.network.network import Network
+from core.records import dataclass, field
 
 BadgeKind = Literal["stale", "running", "error", "incomplete", "warning", "skipped", "disabled"]
 

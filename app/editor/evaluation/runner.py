@@ -9,7 +9,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Collection, Hashable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,6 +43,7 @@ from core.machine import Workers
 from core.modules.declaration import Library
 from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
+from core.records import dataclass, replace
 
 
 @dataclass(frozen=True)

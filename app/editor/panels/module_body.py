@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
@@ -59,6 +58,7 @@ from core.modules.declaration import Declaration, Port
 from core.modules.parameters import Parameter, Section
 from core.network.linked_values import LinkError, expression_text
 from core.network.network import Network, Node
+from core.records import dataclass
 
 
 class ModuleBody(QWidget):

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -35,6 +34,7 @@ from core.modules.preview import (
     brief,
     signed,
 )
+from core.records import dataclass, replace
 
 NOTHING = "nothing to show"
 

@@ -1,7 +1,6 @@
 """MTF or PTF of a node along both axes, and the preview of it."""
 
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -27,6 +26,7 @@ from core.modules.preview import (
     pair,
     round_step,
 )
+from core.records import dataclass, replace
 from core.transfer.factors import Part
 
 Vector = NDArray[np.float64]

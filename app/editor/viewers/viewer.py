@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Hashable, Iterable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
@@ -20,6 +19,7 @@ from app.editor.widgets import ElidedLabel
 from core.modules.declaration import Library
 from core.network.macro import declared_node
 from core.network.network import Network, Node, passed_through
+from core.records import dataclass, replace
 
 
 class Viewer(QWidget):

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
@@ -33,6 +32,7 @@ from core.editing.operations import (
 from core.editing.wire_dots import dots_of, moved_with_dots, straighten
 from core.editing.wiring import detached, dissolved
 from core.errors import ImagechainError
+from core.records import dataclass
 
 Scope = Literal["application", "window", "canvas"]
 

@@ -1,7 +1,6 @@
 """Runs beside the window: what lists and reports them, and the dialog that adds one."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +43,7 @@ from app.run.staging import check_folder
 from app.tradeoff.values import taken_value
 from core.errors import ImagechainError, UsageError, shown
 from core.network.network import MACRO
+from core.records import replace
 from nodes.files.common.file_format import HTML, dialog_filter, suffixes
 
 Next = Callable[[], object]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass, replace
 from functools import partial
 from os.path import realpath
 from pathlib import Path
@@ -43,6 +41,7 @@ from core.network.file import parse_network, read_text
 from core.network.macro import expanded, unfolded
 from core.network.network import Network
 from core.network.validation import NetworkProblems, problems
+from core.records import dataclass, replace
 
 NETWORK_SUFFIX = ".json"
 _FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"

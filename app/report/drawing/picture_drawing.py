@@ -7,7 +7,6 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from core.errors import ImagechainError, NetworkError, close, printable
 from core.network.network import Network
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
+from core.records import dataclass
 
 Array = NDArray[Any]
 DPI = 144

@@ -6,7 +6,6 @@ does not, as the wavelengths that the air absorbs are gone after the first part 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from core.physics.radiometry.planck import (
     spectral_radiance,
 )
 from core.physics.radiometry.spectra import SUN_SHARE, SUNLIGHT_K
+from core.records import dataclass, replace
 
 Points = tuple[tuple[float, float], ...]
 Band = tuple[float, float]

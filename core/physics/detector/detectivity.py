@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from math import degrees, isfinite, pi, radians, sin, sqrt
 from typing import Literal
@@ -28,6 +27,7 @@ from core.physics.radiometry.planck import (
     unit_rule,
 )
 from core.physics.radiometry.spectra import Material
+from core.records import dataclass
 
 SpectralFunction = Callable[[Floats], Floats]
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
@@ -14,6 +13,7 @@ from core.errors import DataError, ParameterError
 from core.physics import numerics
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.radiometry import planck
+from core.records import dataclass
 
 PHOTON_ENERGY_J_UM = planck.PLANCK_J_S * planck.SPEED_OF_LIGHT_M_S * 1e6
 """Energy of a photon times its wavelength, J µm."""

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -20,6 +19,7 @@ from core.physics.measurement.spread_fit import (
     fit_spread,
     line_transform,
 )
+from core.records import dataclass
 
 _GROUPS = 24  # pieces of the edge, whose differences enter the error
 _ALIKE = 8  # neighbouring pieces, over which texture may hang together

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from core.arrays import Matrix, Vector
 from core.errors import several
 from core.physics.measurement import found_edge, ridges
 from core.physics.measurement.spread_fit import SpreadFit, fit_spread
+from core.records import replace
 
 _LARGEST_REACH = 20
 _BEYOND = 2  # samples beyond the reach that are looked at, for a neighbour's blur

@@ -6,7 +6,6 @@ from place to place, no more than its own finest waves, and that choice's bias i
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from core.arrays import Mask, Matrix, Vector
 from core.kernels import special
+from core.records import dataclass, replace
 
 # Noise variance over level: a straight line through blocks, its gain and its read noise.
 #

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Vector
 from core.physics.measurement.sample_noise import compressed_in_blocks
+from core.records import dataclass, replace
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ here, electrons of a number; that of EMVA 1288 is its inverse.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.records import dataclass
 
 # Mean, temporal variance and fixed pattern of frames of a flat field, taken one by one.
 

@@ -5,7 +5,6 @@ It is what is random from sample to sample: shot and read noise, and rounding; n
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from core.physics.measurement.flat_blocks import (
     variance_line,
 )
 from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
+from core.records import dataclass
 
 _COMPRESSED = (
     f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does, so the "

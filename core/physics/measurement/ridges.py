@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Index, Vector
+from core.records import dataclass, fields
 
 _SECTOR_DEG = 40.0
 _LARGEST_TURN_DEG = 25.0  # between neighbours

@@ -1,13 +1,12 @@
 """MTF from the mean of rows across an upright edge or line, as the thesis measured it."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from core import kernels
 from core.arrays import Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.slanted_edge import Target, jackknife_error
+from core.records import dataclass
 
 LEAST_SAMPLES = 8
 _GROUPS = 24

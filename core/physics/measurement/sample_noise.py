@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from core.arrays import Mask, Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.flat_blocks import SIDE, VarianceLine
+from core.records import dataclass
 
 # What digitising leaves in a picture: clipping, rounding steps, blocks of compression.
 

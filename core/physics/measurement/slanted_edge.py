@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ from core.arrays import Complex, Matrix, Vector
 from core.errors import DataError
 from core.physics.measurement.found_edge import why_clipped
 from core.physics.numerics import sinc
+from core.records import dataclass
 
 Target = Literal["edge", "line"]
 Window = Literal["tukey", "hamming", "none"]

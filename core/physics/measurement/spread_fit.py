@@ -1,11 +1,10 @@
 """Least squares fit of an edge's spread and course to the samples about it."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from core.arrays import Complex, Index, Matrix, Vector
 from core.physics.measurement.found_edge import EdgeSamples
+from core.records import dataclass
 
 _QUADRATURE = 6  # points an interval: exact to 1e-9 for two radians
 _FINE = 2.5  # samples from the middle to where intervals begin to widen

@@ -10,7 +10,6 @@ response as Planck's law at one wavelength.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from core.arrays import Mask, Vector
 from core.errors import DataError
 from core.physics.measurement.photon_transfer import FlatField
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise
+from core.records import dataclass
 
 _OF_TIME = ("tvh", "tv", "th", "t")
 _LEAST_RISE = 5.0  # standard errors of the slope

@@ -11,7 +11,6 @@ with the frequencies drawn at random within their strata.
 """
 
 import math
-from dataclasses import dataclass
 from math import ceil, log, log2, sqrt
 from typing import TypeVar
 
@@ -22,6 +21,7 @@ from core.arrays import Array
 from core.errors import DataError, ParameterError
 from core.kernels import special
 from core.physics.numerics import finite, non_negative, positive, within
+from core.records import dataclass
 
 
 @dataclass(frozen=True)

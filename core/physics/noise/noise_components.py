@@ -9,7 +9,6 @@ for imaging system noise, Proc. SPIE 1488; used by FLIR92 (Scott and D'Agostino 
 """
 
 import math
-from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from core.arrays import Vector
 from core.errors import DataError, ParameterError
+from core.records import dataclass, fields
 
 
 @dataclass(frozen=True)

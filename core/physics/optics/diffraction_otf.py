@@ -10,7 +10,6 @@ integrated exactly in narrow panels, over each of which the OTF is taken for a c
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
@@ -23,7 +22,12 @@ from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import chebyshev_sum, gauss_legendre, positive
 from core.physics.optics.overlap_area import annular_otf
-from core.physics.optics.polychromatic import SpectralWeighting, Spectrum, panel_wavelengths
+from core.physics.optics.polychromatic import (
+    SpectralWeighting,
+    Spectrum,
+    panel_wavelengths,
+)
+from core.records import dataclass
 
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 FINEST_TOLERANCE = 1e-13

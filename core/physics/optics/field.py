@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -14,6 +13,7 @@ from core import kernels
 from core.arrays import Array
 from core.physics.numerics import all_from_zero, positive, within
 from core.physics.optics.measured_otf import tabulated_mtf
+from core.records import dataclass
 
 # Relative illumination over the field of a lens: natural vignetting and measured curves.
 

@@ -1,6 +1,5 @@
 """Transfer functions that were measured: tables of points, and point spread functions."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -9,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.arrays import Array
 from core.errors import DataError
 from core.physics.numerics import positive
+from core.records import dataclass
 
 # MTF and PTF of a table of points: monotone between them, nothing beyond the last.
 

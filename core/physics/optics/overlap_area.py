@@ -3,13 +3,12 @@
 All come from Green's theorem over the overlap's boundary: arcs and chords, no quadrature.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Floats, Mask
 from core.errors import DataError, ParameterError
+from core.records import dataclass
 
 
 def arc_half_angle(*, radius: ArrayLike, disc_radius: ArrayLike, distance: ArrayLike) -> Floats:

@@ -4,7 +4,6 @@ A response of the detector, or of a filter, may weight it besides.
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
@@ -16,6 +15,7 @@ from core.errors import ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import gauss_legendre, positive
 from core.physics.radiometry.planck import SECOND_RADIATION_CONSTANT_M_K
+from core.records import dataclass
 
 SpectralWeighting = Literal["photons", "energy", "uniform"]
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
 
@@ -32,6 +31,7 @@ from core.physics.optics.strip_overlap import (
     strip_pupil_area,
 )
 from core.physics.optics.wavefront import sampled_otf
+from core.records import dataclass
 
 # Overlap area of an annulus with strips that hide where they cross, as a sum over strips.
 #

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Floats
 from core.errors import ParameterError
+from core.records import dataclass
 
 SHAPES = ("clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider")
 OBSCURED_SHAPES = ("cassegrain", "cassegrain_slit", "spider")

@@ -8,13 +8,13 @@ kind for the opposite lag.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Floats
 from core.physics.optics.overlap_area import arc_half_angle, half_chord
+from core.records import dataclass
 
 _FAR = 1e300
 _POINTS_PER_BLOCK = 4096  # keeps a block's rows in the processor's cache

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +10,7 @@ from core import kernels
 from core.arrays import Array, Complex
 from core.errors import DataError, ParameterError
 from core.kernels import special
+from core.records import dataclass
 
 HIGHEST_NOLL_INDEX = 861  # 40 radial orders; beyond, samples of a pupil do not resolve them
 

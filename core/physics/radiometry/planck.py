@@ -6,7 +6,6 @@ k and e are exact by definition of the SI since 2019.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from math import pi
@@ -18,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.arrays import Floats
 from core.errors import DataError, ParameterError
 from core.physics.numerics import chebyshev_fit, chebyshev_sum, gauss_legendre, positive
+from core.records import dataclass
 
 PLANCK_J_S = 6.62607015e-34
 SPEED_OF_LIGHT_M_S = 299792458.0

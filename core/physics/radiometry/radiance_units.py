@@ -8,10 +8,10 @@ the one way that makes a radiance; where both ways do, it is refused.
 """
 
 import re
-from dataclasses import dataclass
 from typing import Literal
 
 from core.errors import DataError
+from core.records import dataclass
 
 Spectral = Literal["", "µm", "cm⁻¹"]
 _Powers = tuple[tuple[str, int], ...]

@@ -13,7 +13,6 @@ sums as Crow 1984.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Literal
 
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 
 from core.machine import ForEach, in_turn
 from core.physics.sampling.detector_sampling import cubic_weights
+from core.records import dataclass, replace
 from core.scratch import Empty
 
 Array = NDArray[Any]

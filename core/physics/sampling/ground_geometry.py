@@ -17,7 +17,6 @@ of them follows from the geometry alone.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from core.arrays import Vector
 from core.errors import DataError, ParameterError
 from core.physics.numerics import non_negative, positive
 from core.physics.sampling.platform_motion import view_angles_rad
+from core.records import dataclass
 
 Kind = Literal["line", "pushbroom", "framing"]
 

@@ -2,7 +2,6 @@
 
 import math
 import sys
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -13,6 +12,7 @@ from core.arrays import Vector
 from core.errors import ParameterError
 from core.kernels import special
 from core.physics.numerics import finite, gauss_legendre, non_negative, positive, sinc
+from core.records import dataclass
 
 
 def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> float:

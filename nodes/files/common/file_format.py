@@ -1,7 +1,8 @@
 """What a format of files is, and those of curves, tables and reports."""
 
-from dataclasses import dataclass
 from pathlib import Path
+
+from core.records import dataclass
 
 
 @dataclass(frozen=True)

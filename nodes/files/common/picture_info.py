@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from core.machine import usable_bytes
+from core.records import dataclass
 
 MetadataValue = str | int | float
 Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C order

@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer, Signal
@@ -28,6 +27,7 @@ from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter
 from core.modules.preview import round_step
 from core.network.linked_values import expression
+from core.records import dataclass
 
 WHEEL_REST_MS = 400
 _HOW_TO_DRAG = "Drag the name sideways to change the value (Shift: finer, Ctrl: coarser)"

@@ -1,7 +1,6 @@
 """The node that a panel is of: what the panel edits, copies, and asks of the window."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QGuiApplication
@@ -11,6 +10,7 @@ from core.editing.clipboard import copied_values, pasted_values
 from core.editing.operations import ABSENT, Operation, named, set_parameter, together
 from core.errors import ImagechainError, thaw
 from core.network.expressions import quoted
+from core.records import dataclass
 
 
 class Requests(QObject):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -46,6 +45,7 @@ from core.atomic import write_bytes
 from core.chain.wires import Image
 from core.errors import UsageError
 from core.network.network import Network
+from core.records import dataclass, replace
 from nodes.files.common.file_format import suffixes
 from nodes.files.formats import PNG, SAVED
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import replace
 from functools import partial
 from itertools import zip_longest
 from typing import Any
@@ -31,6 +30,7 @@ from app.editor.widgets import (
     tool_button,
 )
 from core.chain.band_stack import BandStack
+from core.records import replace
 
 
 class PictureBar(QWidget):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,6 +18,7 @@ from app.editor.viewers.pixels.picture_facts import bands_of
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes, thick
 from core.chain.engine import Plan
+from core.records import dataclass
 
 Vector = NDArray[np.float64]
 LINES = 8  # of text that a plot is high

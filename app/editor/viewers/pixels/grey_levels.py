@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any
@@ -14,6 +13,7 @@ import pyqtgraph as pg
 from numpy.typing import NDArray
 
 from core.machine import ForEach, in_turn
+from core.records import dataclass
 
 Array = NDArray[Any]
 Levels = NDArray[np.uint8]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -15,6 +14,7 @@ from core.chain.band_stack import BandStack
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
 from core.errors import NetworkError
 from core.network.network import Network
+from core.records import dataclass, replace
 from core.transfer.factors import Grid
 
 Band = tuple[float, float]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -43,6 +42,7 @@ from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
+from core.records import dataclass, replace
 from nodes.files.read import check_finite
 
 Array = NDArray[Any]

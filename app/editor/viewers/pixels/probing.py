@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from app.editor.viewers.pixels.picture_facts import CHANNELS, Choices, Facts
 from app.editor.viewers.pixels.picture_query import Picture
+from core.records import dataclass
 from nodes.input_output.examine_image import apparent_temperature
 from nodes.shared.shared_warnings import is_radiance
 

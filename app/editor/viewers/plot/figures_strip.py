@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from PySide6.QtCore import QEvent
@@ -21,6 +20,7 @@ from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.output import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
+from core.records import dataclass
 
 RUN_TIME = "run_time"
 OUTPUT = "output"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.chain.engine import Plan
 from core.chain.wires import Curve, CurveData, CurveMark, Table, TableData
 from core.errors import NetworkError
 from core.network.macro import SEPARATOR
+from core.records import dataclass, replace
 from core.transfer.factors import Grid, Planar
 from nodes.analysis.lineage import Line as Direction
 
