@@ -5,9 +5,11 @@ import re
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 ForEach = Callable[[Callable[[Any], None], Sequence[Any]], None]
 """Calls a function on every item of a sequence, in whatever order."""
@@ -58,7 +60,9 @@ class Workers:
         for future in begun:
             future.result()
 
-    def _threads(self, count: int) -> ThreadPoolExecutor:
+    def _threads(self, count: int) -> "ThreadPoolExecutor":
+        from concurrent.futures import ThreadPoolExecutor  # takes 3 ms, and many need none
+
         with self._lock:
             if self._pool is None or self._size < count:
                 self._pool = ThreadPoolExecutor(count, thread_name_prefix="imagechain")

@@ -4,11 +4,10 @@ import re
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from core.errors import in_line
-from core.evaluation.float_guard import PLUG_INS, with_place
+from core.evaluation.float_guard import plug_ins, with_place
 from core.modules.declaration import (
     Library,
     Module,
@@ -17,6 +16,9 @@ from core.modules.declaration import (
     local_key,
     package_of,
 )
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 # A line for each: its folder, and its file, which is named as its key.
 _FILES = (
@@ -127,7 +129,7 @@ def installed_plug_ins() -> tuple[dict[str, type[Module]], dict[str, str]]:
     """
     modules: dict[str, type[Module]] = {}
     faults: dict[str, str] = {}
-    for point in sorted(entry_points(group=PLUG_INS), key=lambda one: (_package(one), one.name)):
+    for point in sorted(plug_ins(), key=lambda one: (_package(one), one.name)):
         package = _package(point)
         try:
             for module in _modules_at(point, package):
@@ -148,12 +150,12 @@ def missing_modules(library: Library) -> list[str]:
     ]
 
 
-def _package(point: EntryPoint) -> str:
+def _package(point: "EntryPoint") -> str:
     name = point.dist.name if point.dist is not None else point.module.partition(".")[0]
     return re.sub(r"[-_.]+", "_", name).lower()
 
 
-def _modules_at(point: EntryPoint, package: str) -> tuple[type[Module], ...]:
+def _modules_at(point: "EntryPoint", package: str) -> tuple[type[Module], ...]:
     loaded: Any = point.load()
     if isinstance(loaded, Mapping):
         loaded = loaded.values()

@@ -6,17 +6,17 @@ Analysis, section 2), or of the scatter between edges where residuals have the s
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtri, ndtr, stdtrit
 
 from app.fit.chain_transfer import ChainAt, EdgeTransfer, NoiseProblem
 from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
 from app.fit.free_parameter import FreeParameter, apart, inner, middle_of, starts
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
+from core.kernels import special
+from core.records import dataclass
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -134,7 +134,7 @@ def _excess(per_degree: float, degrees: int) -> float:
     """What is left for each degree, where noise alone would hardly ever leave as much."""
     if degrees < _LEAST_DEGREES:
         return 1.0
-    return per_degree if per_degree * degrees > float(chdtri(degrees, _RARE)) else 1.0
+    return per_degree if per_degree * degrees > float(special("chdtri")(degrees, _RARE)) else 1.0
 
 
 @dataclass(frozen=True)
@@ -491,7 +491,7 @@ def of_each_edge(residual: Matrix, count: int) -> tuple[Vector, NDArray[np.intp]
 
 def student_factor(edges: float) -> float:
     """By which a deviation of so few is multiplied for an interval that covers 68 %."""
-    return float(stdtrit(max(_LEAST_FREEDOM, edges - 1.0), ndtr(1.0)))
+    return float(special("stdtrit")(max(_LEAST_FREEDOM, edges - 1.0), special("ndtr")(1.0)))
 
 
 def _count(shares: Matrix, axis: Vector) -> float:

@@ -1,7 +1,6 @@
 """Blocks of rows of the planar factors: by low rank, kept whole, tabulated or evaluated anew."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from core.arrays import Array
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
+from core.records import dataclass, field
 from core.transfer.factors import Grid, Planar, Product
 
 # A function of the radial frequency, tabulated for linear interpolation.
@@ -413,4 +413,5 @@ def _probes(size: int, turn: int) -> Array:
     places = np.minimum((np.arange(count) + shift) / max(count - 1, 1), 1.0)
     dense = np.arange(min(size, 8)) + int(8 * shift)
     spread = np.concatenate([(size - 1) * places, (size - 1) * places**3]).round()
-    return np.unique(np.minimum(np.concatenate([dense, spread]), size - 1).astype(np.int64))
+    chosen = np.minimum(np.concatenate([dense, spread]), size - 1).astype(np.int64)
+    return np.flatnonzero(np.bincount(chosen))  # np.unique loads np.ma first

@@ -14,8 +14,6 @@ import os
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.records import dataclass
 from core.scratch import Empty
 from nodes.files.common.picture_info import Samples, delivered_dtype
 from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
@@ -303,6 +302,8 @@ def _each_block(work: Callable[[_Block], None], blocks: Iterable[_Block]) -> Non
         for block in blocks:
             work(block)
         return
+    from concurrent.futures import ThreadPoolExecutor
+
     with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(work, blocks):
             pass

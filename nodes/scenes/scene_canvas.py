@@ -7,12 +7,12 @@ Strokes give where which surface is, not how bright it is: that is given when it
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from core.machine import ForEach, in_turn
+from core.records import dataclass, replace
 from core.scratch import Empty
 from nodes.scenes import coverage
 
@@ -514,7 +514,7 @@ class _Sheet:
         kinds = np.array([names.index(name) for name in self._used])[surface[order]]
         self._used.clear()
         start = 0
-        for several in np.unique(count):
+        for several in np.flatnonzero(np.bincount(count)).tolist():
             where = np.flatnonzero(count == several)
             part = slice(start, start + where.size * several)
             start = part.stop

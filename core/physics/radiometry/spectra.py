@@ -5,7 +5,6 @@ The values are typical published ones, not those of one device; a measured D* is
 """
 
 import math
-from dataclasses import dataclass
 from math import inf
 from types import MappingProxyType
 from typing import Any, Literal
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Floats
 from core.errors import DataError, ParameterError
+from core.physics.numerics import gauss_legendre
 from core.physics.radiometry.planck import (
     STEFAN_BOLTZMANN_W_M2_K4,
     band_radiance,
@@ -22,6 +22,7 @@ from core.physics.radiometry.planck import (
     brightness_temperature_of_samples,
     spectral_radiance,
 )
+from core.records import dataclass
 
 MANUAL = "manual"
 """The choice of a D* typed in by hand, in every region."""
@@ -178,8 +179,6 @@ def white_surface_radiance(
 
 # Spectra given at a few wavelengths, straight between them, and their means over a band.
 
-_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-
 
 @dataclass(frozen=True)
 class CoarseSpectrum:
@@ -213,8 +212,9 @@ def mean_by_planck(
     inside = sorted(point for point in points if cut_on_um < point < cut_off_um)
     ends = np.array([cut_on_um, *inside, cut_off_um])
     middle, half = (ends[1:] + ends[:-1]) / 2.0, np.diff(ends) / 2.0
-    places = (middle[:, None] + half[:, None] * _PLACES).ravel()
-    widths = (half[:, None] * _WEIGHTS).ravel()
+    nodes, weights = gauss_legendre(12)
+    places = (middle[:, None] + half[:, None] * nodes).ravel()
+    widths = (half[:, None] * weights).ravel()
     kelvins = np.atleast_1d(np.asarray(temperature_K, float))
     light = widths * spectral_radiance(places, kelvins[:, None])
     light[~(light.sum(axis=1) > 0.0)] = widths
