@@ -54,20 +54,20 @@ def edit(
     """Open the editor, or save a screenshot of it."""
     if network:
         find_network(network)  # a misspelt name is told before what takes long to load
-    from app.editor.qt_libraries import check_libraries, leave_sources_unread, nothing_collected
+    from app.editor import qt_libraries as qt
 
     if screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):
         check_display(os.environ)
     platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]
-    check_libraries(window=platform in ("", "xcb"))
+    qt.check_libraries(window=platform in ("", "xcb"))
     try:
         import PySide6.QtWidgets  # noqa: F401
     except ImportError as error:
         raise UsageError(f"the editor needs Qt, which cannot be loaded: {error}") from error
-    leave_sources_unread()
-    with nothing_collected():
+    qt.leave_sources_unread()
+    with qt.nothing_collected(), qt.names_looked_up():
         from app.editor.window.start import start
 
     start(stop, network, look=look, size=size, screenshot=screenshot, part=part)

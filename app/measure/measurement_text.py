@@ -1,14 +1,19 @@
 """A measurement in words, in rows of figures and as files."""
 
+from __future__ import annotations
+
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.measure import picture_measurement as results
 from app.run.readout_tables import number_text
-from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
+
+if TYPE_CHECKING:
+    from app.measure import picture_measurement as results
+    from core.physics.measurement.edge_mtf import MtfCurve
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
@@ -114,6 +119,8 @@ def frame_rows(measured: results.PictureMeasurement) -> list[Row]:
 
 def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
+    from app.measure.picture_measurement import WITH_LOSS
+
     lines = [
         f"{file.name}: {_GAMMA[file.gamma]}, but are treated as linear. If the camera applied a "
         "gamma curve, the figures are wrong: use raw or linear samples"
@@ -121,7 +128,7 @@ def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
         if file.gamma and not file.is_lossy
     ]
     lines += [
-        f"{file.name}: {results.WITH_LOSS}. Give a picture that the camera stored without loss"
+        f"{file.name}: {WITH_LOSS}. Give a picture that the camera stored without loss"
         for file in files
         if file.is_lossy
     ]
@@ -135,6 +142,8 @@ def exceeds_one(curve: MtfCurve, least: float) -> bool:
 
 def remarks(measured: results.PictureMeasurement) -> list[str]:
     """What was measured of files with bands, and what could not be measured, and why."""
+    from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG
+
     lines = [f"measured from {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]

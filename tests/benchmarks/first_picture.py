@@ -12,14 +12,14 @@ import time
 
 import PySide6.QtWidgets  # noqa: F401  # before all that imports it, as the command does
 
-from app.editor.qt_libraries import leave_sources_unread, nothing_collected
+from app.editor.qt_libraries import leave_sources_unread, names_looked_up, nothing_collected
 
 PATIENCE_S = 60.0
 
 
 def main(network: str) -> None:
     """Open the window with a network, and wait for the picture."""
-    with nothing_collected():
+    with nothing_collected(), names_looked_up():
         from trial_window import PaintedPictures, live, trial_window
 
     with trial_window(network) as (_, window):

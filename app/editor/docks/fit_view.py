@@ -6,7 +6,6 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,17 +42,17 @@ from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
-from app.fit.fit_result import FittedParameter, hardly_determined
 from core.editing.operations import Operation, set_parameter, together
 from core.errors import ParameterError, UsageError
 from core.evaluation.store import Store
 from core.evaluation.work import Policy
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network
+from core.records import replace
 
 if TYPE_CHECKING:
     from app.fit.edge_fit import EdgesAt, Patch
-    from app.fit.fit_result import FitResult
+    from app.fit.fit_result import FitResult, FittedParameter
     from app.fit.free_parameter import FreeParameter
     from app.fit.picture_fit import FittedPictures
 
@@ -244,11 +243,14 @@ class FitView(WorkerView):
 
     @property
     def _determined(self) -> list[FittedParameter]:
-        found = self.outcome.parameters if self.outcome is not None else ()
+        if self.outcome is None:
+            return []
+        from app.fit.fit_result import hardly_determined  # start-up time
+
         free = {one.port for one in self._session.free.all}
         return [
             one
-            for one in found
+            for one in self.outcome.parameters
             if one.value is not None
             and not hardly_determined(one.value, one.sigma)
             and one.port in free

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -41,7 +40,6 @@ from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button
 from app.run.transfer_chain import SYSTEM, TOTAL
-from app.tradeoff.tradeoff_drawing import csv_text
 from app.tradeoff.tradeoff_results import (
     SENSORS,
     Figure,
@@ -58,6 +56,7 @@ from core.errors import ImagechainError, UsageError
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.network.network import Network
+from core.records import dataclass
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
@@ -117,6 +116,8 @@ class TradeOffView(Viewer):
         save_plot(self.plots, numbers, path)
 
     def _numbers(self) -> str:
+        from app.tradeoff.tradeoff_drawing import csv_text  # start-up time
+
         parameter, span = self.varied.parameter, self.span
         if parameter is None or span is None or not self.points:
             return ""

@@ -25,6 +25,18 @@ def test_the_bindings_keep_no_source_of_what_is_imported_after_them():
     assert answers_of(code) == ["False"]
 
 
+def test_pyqtgraph_has_qt_make_only_the_classes_that_it_uses():
+    code = (
+        "import PySide6.QtGui as bindings\n"
+        "from app.editor.qt_libraries import names_looked_up\n"
+        "with names_looked_up():\n"
+        "    from pyqtgraph.Qt import QtGui as mirror\n"
+        "print(len(vars(mirror)) < 100, mirror.QPdfWriter is bindings.QPdfWriter)\n"
+        "print('QPdfWriter' in dir(bindings))\n"
+    )
+    assert answers_of(code) == ["True", "True", "True"]
+
+
 def test_the_canvas_imports_no_more_than_the_view_layer():
     code = (
         "import app.editor.canvas.nodegraphqt as taken, sys\n"
