@@ -430,8 +430,8 @@ def anti_alias(
     """Filter out frequencies that would alias if only every factor-th sample were kept.
 
     No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
-    Detector MTF. `box` is the centred mean of `factor` samples (for an even factor, the transfer
-    function centres the mean). `gaussian` halves the contrast at the new Nyquist frequency.
+    Detector MTF. `box` is the mean of `factor` samples, centred for even factors too. `gaussian`
+    halves the contrast at the new Nyquist frequency.
     `lanczos` is a sinc with its cutoff at the new Nyquist frequency and a three-lobe window. The
     frame is mirrored at its edges. A factor of 1 changes nothing. Sources: Tantalo 1996, section
     4.1; Duchon 1979 (Lanczos).
@@ -1807,15 +1807,19 @@ def detector_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     detector_x_um : float | Expression | None
-        horizontal detector pitch [µm]: a number of at least 0 or empty; default empty
+        horizontal detector pitch; empty: from Init & Trans [µm]: a number of at least 0 or empty;
+        default empty
     detector_y_um : float | Expression | None
-        vertical detector pitch [µm]: a number of at least 0 or empty; default empty
+        vertical detector pitch; empty: from Init & Trans [µm]: a number of at least 0 or empty;
+        default empty
     focal_length_mm : float | Expression | None
-        effective focal length [mm]: a number of at least 0 or empty; default empty
+        effective focal length; empty: from Init & Trans [mm]: a number of at least 0 or empty;
+        default empty
     fill_x : float | Expression | None
-        horizontal fill factor: a number from 0 to 1 or empty; default empty
+        horizontal fill factor; empty: from Init & Trans: a number from 0 to 1 or empty; default
+        empty
     fill_y : float | Expression | None
-        vertical fill factor: a number from 0 to 1 or empty; default empty
+        vertical fill factor; empty: from Init & Trans: a number from 0 to 1 or empty; default empty
 
     Notes
     -----

@@ -1,6 +1,7 @@
 """Image Quality: the interpretability of a picture by the image quality equations."""
 
 import math
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np

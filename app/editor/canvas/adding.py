@@ -1,7 +1,6 @@
 """The lists that add nodes and wires: search, what fits a loose wire, wiring by the keyboard."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import replace
 from functools import partial
 from operator import itemgetter
 from typing import Any
@@ -40,6 +39,7 @@ from core.errors import ImagechainError
 from core.modules.declaration import Library, Port, declaration, local_key
 from core.network.macro import declared_node
 from core.network.network import Link, Network, Node, reached
+from core.records import replace
 
 
 class Adding:
