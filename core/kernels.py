@@ -1,14 +1,17 @@
 """Transforms and special functions of SciPy, straight from its compiled modules.
 
 `import scipy.fft` or `scipy.special` first loads 250 modules that no transform needs, in the time
-of a third of a small network's run. Where SciPy keeps a function elsewhere, and for arguments out
-of the ordinary, the public function answers: the same code, and so the same bits.
+of a third of a small network's run. With a SciPy that was not checked, where it keeps a function
+elsewhere, and for arguments out of the ordinary, the public function answers: the same code, and
+so the same bits.
 """
 
+import re
 from functools import cache, partial
 from importlib import import_module
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, module_from_spec
+from pathlib import Path
 from threading import Lock
 from typing import Any
 
@@ -16,6 +19,9 @@ import numpy as np
 
 from core.arrays import Array
 
+# Minor versions whose modules were compared with the public functions; 1.15 does not bear a second
+# copy of its modules in one process.
+CHECKED = ("1.16.", "1.17.")
 _LOADING = Lock()
 
 
@@ -29,12 +35,15 @@ def _compiled(folder: str, name: str) -> Any:
 def _loaded(folder: str, name: str) -> Any:
     """A compiled module of SciPy under a name of ours, or None where none loads."""
     try:
-        places = find_spec("scipy").submodule_search_locations  # type: ignore[union-attr]
-        within = [f"{place}/{folder}" for place in places or ()]
+        place = next(iter(find_spec("scipy").submodule_search_locations))  # type: ignore[arg-type,union-attr]
+        version = re.search(r'^version = "(.*)"', Path(place, "version.py").read_text(), re.M)
+        if version is None or not version[1].startswith(CHECKED):
+            return None
+        within = [f"{place}/{folder}"]
         spec = PathFinder.find_spec(f"{__name__}.{name}", within)
         module = module_from_spec(spec)  # type: ignore[arg-type]
         spec.loader.exec_module(module)  # type: ignore[union-attr]
-    except (ImportError, AttributeError):
+    except (ImportError, AttributeError, ValueError, OSError):
         return None
     return module
 

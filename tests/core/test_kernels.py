@@ -46,6 +46,13 @@ def test_transforms_equal_those_of_scipy(dtype, kernel, monkeypatch):
     same("rfft2", np.stack([picture, picture]))
 
 
+def test_a_scipy_that_was_not_checked_answers_by_its_public_functions(monkeypatch):
+    for checked in (kernels.CHECKED, ("0.",)):
+        monkeypatch.setattr(kernels, "CHECKED", checked)
+        found = kernels._loaded.__wrapped__("fft/_pocketfft", "pypocketfft")
+        assert (found is not None) == scipy.__version__.startswith(checked)
+
+
 def test_overwritten_samples_hold_the_result():
     frame = np.ones((4, 8))
     assert np.shares_memory(kernels.dct(frame, type=2, axis=0, overwrite_x=True), frame)
