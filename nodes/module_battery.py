@@ -263,21 +263,16 @@ def _of_transfer(trial: _Trial, passive: bool) -> Iterator[str]:
 
 
 def _of_steps(trial: _Trial) -> Iterator[str]:
-    waiting: list[Recipe] = []
+    """Of the pictures put out, and of those that they stem from."""
     for wire in trial.in_double()[3].values():
-        waiting += [one for one in vars(wire).values() if isinstance(one, Recipe)]
-    seen: set[str] = set()
-    while waiting:
-        recipe = waiting.pop()
-        if recipe.key in seen:
-            continue
-        seen.add(recipe.key)
-        if isinstance(recipe, Step) and not callable(getattr(recipe.function, "lineage", None)):
-            yield (
-                f"{recipe.function.__qualname__} does not state how it changes a picture: mark "
-                "it with picture_step, source_step or ends_lineage"
-            )
-        waiting += [*recipe.made_of, *recipe.inputs]
+        recipe: Recipe | None = wire.recipe if isinstance(wire, Image) else None
+        while recipe is not None:
+            if isinstance(recipe, Step) and not callable(getattr(recipe.function, "lineage", None)):
+                yield (
+                    f"{recipe.function.__qualname__} does not state how it changes a picture: mark "
+                    "it with picture_step, source_step or ends_lineage"
+                )
+            recipe = recipe.lineage and recipe.lineage.picture
 
 
 def _of_gain(trial: _Trial) -> Iterator[str]:

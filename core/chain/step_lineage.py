@@ -21,8 +21,8 @@ takes values. A new source of noise is complete in its file:
     @picture_step(noise=_shot, looks_at=("image",))
     def with_shot_noise(work: Work, image: Array, deviates: Array, *, electrons: float) -> Array: …
 
-What carries no picture on is marked by `core.evaluation.recipes.ends_lineage`. What differs from
-frame to frame needs no mark: it is what a `Stream` among the parameters draws, unless fixed.
+A picture that carries none on is marked by `core.evaluation.recipes.ends_lineage`. What differs
+from frame to frame needs no mark: it is what a `Stream` among the parameters draws, unless fixed.
 """
 
 from abc import ABC, abstractmethod

@@ -355,10 +355,10 @@ def number_bits(recipe: Recipe) -> int | None:
 
 
 def ends_lineage(function: F) -> F:
-    """Mark a step's function that carries no picture on.
+    """Mark a step's function that makes a picture, but carries none on.
 
-    It makes figures, curves or patterns, or a picture of which no transfer function is known.
-    Functions that do carry one on are marked in the words of `core.chain.step_lineage`.
+    It makes a pattern, or a picture of which no transfer function is known; figures and curves need
+    no mark. What does carry one on is marked in the words of `core.chain.step_lineage`.
     """
     return marked(lineage=_ended)(function)
 

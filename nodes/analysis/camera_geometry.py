@@ -46,7 +46,6 @@ FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
 
 
-@ends_lineage
 def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> Footprints:
     to_samples = np.array(
         [
@@ -96,7 +95,6 @@ def swath_m(camera: Camera) -> float:
     return float(np.hypot(x[1] - x[0], y[1] - y[0]))
 
 
-@ends_lineage
 def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     count = min(camera.columns, CURVE_POINTS)
     u = np.linspace(0.5, camera.columns - 0.5, count)
@@ -113,7 +111,6 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
 
 
 @in_blocks()
-@ends_lineage
 def geometry_table(
     work: Work,
     scene: Array,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core import kernels
 from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, param
 from core.transfer.factors import Array, Edges, Grid
@@ -95,7 +95,6 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
 
 
 @in_blocks()
-@ends_lineage
 def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableData:
     largest, sums = 0.0, []
     for a, b in zip(blocks(image, work.check), blocks(reference, work.check), strict=True):
@@ -133,7 +132,6 @@ _ABOVE_ROUNDING = 100.0
 
 
 @in_blocks()  # numpy averages the rows as they come
-@ends_lineage
 def axes_ratio(
     work: Work, image: Array, reference: Array, *, grid: Grid, edges: Edges, unit: str
 ) -> CurveData:
@@ -158,7 +156,6 @@ def axes_ratio(
     return _curves(series, unit)
 
 
-@ends_lineage
 def radial_ratio(
     work: Work, image: MeanFree, reference: MeanFree, *, grid: Grid, edges: Edges, unit: str
 ) -> CurveData:

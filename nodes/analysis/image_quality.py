@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.chain.step_lineage import LevelChange
 from core.chain.wires import Context, Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.acquisition import giqe
@@ -271,7 +271,6 @@ class EdgeQuality:
     response: tuple[Vector, Vector]
 
 
-@ends_lineage
 def edge_quality(work: Work, *, stages: tuple[lineage.Stage, ...], grid: Grid) -> EdgeQuality:
     lines = (lineage.HORIZONTAL, grid.interval_x_mrad), (lineage.VERTICAL, grid.interval_y_mrad)
     results = []
@@ -283,7 +282,6 @@ def edge_quality(work: Work, *, stages: tuple[lineage.Stage, ...], grid: Grid) -
     return EdgeQuality(*zip(*results, strict=True))
 
 
-@ends_lineage
 def signal_over_noise(
     work: Work,
     seen: lineage.ImageNoise,
@@ -323,7 +321,6 @@ def signal_over_noise(
     return signal / noise if noise > 0.0 else math.inf
 
 
-@ends_lineage
 def quality_table(
     work: Work,
     edge: EdgeQuality,
@@ -391,7 +388,6 @@ def _mean(what: str, values: tuple[float, float]) -> float:
     return math.sqrt(values[0] * values[1])
 
 
-@ends_lineage
 def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
     series = tuple(
         Series(name, _DRAWN, response)
@@ -400,7 +396,6 @@ def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
     return CurveData("Edge response", "distance from the edge (samples)", "response", series)
 
 
-@ends_lineage
 def limits_caution(work: Work, table: TableData) -> Caution | None:
     figures = table.as_dict()
     values = {name: figures[name] for name in ("gsd_inch", "rer", "overshoot", "snr")}

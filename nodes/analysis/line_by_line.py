@@ -33,7 +33,6 @@ from nodes.shared.steps import difference
 Scan = Literal["x", "y"]
 
 
-@ends_lineage
 def mixed(
     work: Work,
     image: Array,
@@ -54,7 +53,6 @@ def picture_of(_: Work, filtered: Filtered) -> Array:
     return filtered.picture
 
 
-@ends_lineage
 def by_view_angle(
     _: Work, picture: Array, whole: Array, *, scan: Scan, view_angles_rad: tuple[float, ...]
 ) -> CurveData:
@@ -69,7 +67,6 @@ def by_view_angle(
     )
 
 
-@ends_lineage
 def difference_table(
     _: Work,
     filtered: Filtered,

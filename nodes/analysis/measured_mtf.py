@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Curve, CurveData, CurveMark, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Region, Step, ends_lineage, marked
+from core.evaluation.recipes import Region, Step, holds_region
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.measurement.row_average import row_average
@@ -61,8 +61,7 @@ def _size(*, where: Region, **_: Any) -> tuple[int, int]:
     return where.shape
 
 
-@marked(held_size=_size)
-@ends_lineage
+@holds_region(_size)
 def measured_slanted(
     work: Work,
     image: Array,
@@ -111,8 +110,7 @@ def measured_slanted(
     )
 
 
-@marked(held_size=_size)
-@ends_lineage
+@holds_region(_size)
 def measured_rows(
     work: Work,
     image: Array,
@@ -239,7 +237,6 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
     }
 
 
-@ends_lineage
 def expected(
     work: Work,
     measured: Measured,
@@ -310,7 +307,6 @@ NYQUIST = 0.5  # cycles per pixel
 UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixel"}
 
 
-@ends_lineage
 def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) -> CurveData:
     axis, factor = _axis(measured, axis)
     x = measured.frequency * factor
@@ -328,7 +324,6 @@ def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) ->
     )
 
 
-@ends_lineage
 def spread_of(work: Work, measured: Measured, *, unit: str) -> CurveData:
     y_label = f"value ({unit})" if unit else "value"
     series = (
@@ -338,7 +333,6 @@ def spread_of(work: Work, measured: Measured, *, unit: str) -> CurveData:
     return CurveData(f"Spread {measured.direction}", "distance (pixels)", y_label, series)
 
 
-@ends_lineage
 def table_of(
     work: Work, measured: Measured, *expected: Expected, axis: Axis, unit: str
 ) -> TableData:
@@ -387,7 +381,6 @@ def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
     return "cyc_per_pixel", 1.0
 
 
-@ends_lineage
 def figures_of(work: Work, measured: Measured, *expected: Expected) -> TableData:
     def per_mrad(value: float | None) -> float | None:
         return None if value is None or measured.per_mrad is None else value * measured.per_mrad

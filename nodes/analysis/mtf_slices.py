@@ -14,7 +14,7 @@ from core.chain.wires import (
     Series,
     Transfer,
 )
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
 from core.transfer.factors import Grid, Part
@@ -132,14 +132,12 @@ def _at(transfer: Transfer | Magnitude, axis: str, which: int) -> Recipe | None:
     return Step.of(value_at, stage=whole, part=part, line=line, frequency=frequency)
 
 
-@ends_lineage
 def value_at(
     work: Work, *, stage: lineage.Stage, part: Part, line: lineage.Line, frequency: float
 ) -> float:
     return float(lineage.stage_along(work, stage, part, line, np.array([frequency]))[0])
 
 
-@ends_lineage
 def slices(
     work: Work,
     *,
@@ -165,7 +163,6 @@ def slices(
     return _curves(series, part, lines, marks)
 
 
-@ends_lineage
 def own_slices(
     work: Work,
     sampled: SampledTransfer,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.chain.frame_sequence import at_frame
 from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, ends_lineage
+from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
@@ -149,7 +149,6 @@ def _described(path: Path, stamps: tuple[Stamp, ...]) -> FrameFile:
     return open_frames(path)
 
 
-@ends_lineage
 def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> MeasuredNoise:
     """Components of the noise; all that stays from frame to frame counts as a pattern."""
     check_unchanged(path, stamps)
@@ -206,7 +205,6 @@ class FrameNoise(Recipe):
         return cube.measured()
 
 
-@ends_lineage
 def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> TableData:
     predicted, measured = _kinds(noises)
     rows = []
@@ -257,7 +255,6 @@ def _expected(predicted: ImageNoise | None) -> NoiseVariances | None:
     return predicted.total
 
 
-@ends_lineage
 def bars_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> CurveData:
     """The seven components as bars; those estimated below zero are drawn at zero."""
     predicted, measured = _kinds(noises)

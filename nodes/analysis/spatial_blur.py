@@ -14,7 +14,7 @@ from core.chain.step_lineage import Array, Filtering, picture_step
 from core.chain.wires import Curve, CurveData, Image, Magnitude, Phase, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.float_guard import require_finite
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.records import dataclass
@@ -140,7 +140,6 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: 
     return values
 
 
-@ends_lineage
 def response(_: Work, kernels: Kernels, *, grid: Grid) -> CurveData:
     series = []
     for kernel in kernels.passes:
@@ -161,7 +160,6 @@ def _lags(size: int, before: int, interval_mrad: float) -> NDArray[np.float64]:
     return np.asarray((np.arange(size) - before) * interval_mrad, np.float64)
 
 
-@ends_lineage
 def kernel_table(_: Work, kernels: Kernels) -> TableData:
     planes = [kernel for kernel in kernels.passes if min(kernel.taps.shape) > 1]
     lines = [kernel for kernel in kernels.passes if min(kernel.taps.shape) == 1]
@@ -279,7 +277,6 @@ class Kernels:
         return total
 
 
-@ends_lineage
 def impulse_responses(
     work: Work,
     *,

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from core.chain.step_lineage import LevelChange
 from core.chain.wires import CurveData, Series, TableData, TableRow
 from core.errors import DataError
-from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.acquisition import target_acquisition
 from core.physics.acquisition.eye import (
@@ -100,7 +99,6 @@ class Thresholds:
     both: Vector
 
 
-@ends_lineage
 def sensitivity(
     work: Work,
     seen: lineage.ImageNoise,
@@ -157,7 +155,6 @@ def sensitivity(
     return noise_figures
 
 
-@ends_lineage
 def thresholds(
     work: Work,
     noise_figures: Sensitivity | Unseen,
@@ -226,7 +223,6 @@ def _to_first_zero(
     return np.where(passed, total, 0.0)
 
 
-@ends_lineage
 def mrtd_curve(work: Work, mrtd: Thresholds | Unseen) -> CurveData:
     if isinstance(mrtd, Unseen):
         return CurveData("MRTD", "frequency (cyc/mrad)", "MRTD (K)", ())
@@ -243,7 +239,6 @@ def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
     return (Series(label, x[there], y[there]),) if there.any() else ()
 
 
-@ends_lineage
 def mdtd_curve(
     work: Work,
     noise_figures: Sensitivity | Unseen,
@@ -377,7 +372,6 @@ class Acquisition:
     ttp_range: float | None
 
 
-@ends_lineage
 def acquisition(
     work: Work,
     thresholds: Thresholds | Unseen,
@@ -500,7 +494,6 @@ def _relative_noise(
     return np.asarray(np.sqrt(total) / task.scene_contrast_K, np.float64)
 
 
-@ends_lineage
 def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
     if isinstance(result, Unseen):
         return CurveData("Target acquisition", "range (km)", "probability", ())
@@ -513,7 +506,6 @@ def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
     return CurveData("Target acquisition", "range (km)", "probability", tuple(series))
 
 
-@ends_lineage
 def merit_table(
     work: Work,
     seen: Sensitivity | Unseen,

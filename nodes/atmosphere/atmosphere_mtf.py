@@ -8,7 +8,7 @@ from core.chain.band_stack import BandStack
 from core.chain.engine import transfer_plane
 from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Step, ends_lineage
+from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.atmosphere.air_path import VISIBLE_UM
@@ -348,7 +348,6 @@ def _by_bands(blur: tuple[Planar, ...], law: Law, bands: BandStack | None) -> tu
     return tuple(at_each_band(one, AtWavelength(law), bands, "photons") for one in blur)
 
 
-@ends_lineage
 def _largest_change(work: Work, *, transfer: Transfer) -> float:
     """Look along the radius to the band's corner: every form here depends on ρ alone."""
     corner = np.hypot(transfer.grid.nyquist_x, transfer.grid.nyquist_y)
@@ -356,6 +355,5 @@ def _largest_change(work: Work, *, transfer: Transfer) -> float:
     return float(np.max(np.abs(1.0 - line)))
 
 
-@ends_lineage
 def _negligible(work: Work, largest: float) -> str:
     return "yes" if largest < NEGLIGIBLE else "no"

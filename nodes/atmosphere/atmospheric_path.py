@@ -14,7 +14,7 @@ from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
 from core.chain.wires import Context, Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError, how_to_install
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
@@ -354,7 +354,6 @@ _LISTED = 21  # wavelengths in the table
 
 
 @in_blocks()
-@ends_lineage
 def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Band) -> float:
     """Brightness temperature of a picture's mean; `factor` makes W/m²/sr of its samples."""
     mean = factor * float(np.mean(samples, dtype=np.float64))
@@ -367,7 +366,6 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
     return float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
 
 
-@ends_lineage
 def path_over_band(
     work: Work, *scene_K: float, air: AirPath, band_um: Band | None, source_K: float
 ) -> PathBand:
@@ -376,7 +374,6 @@ def path_over_band(
     return air.over_band(*band_um, source_K=scene_K[0] if scene_K else source_K)
 
 
-@ends_lineage
 def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> PathBand:
     added = float(np.dot(weights, offset))
     if min(gain) == max(gain):
@@ -410,7 +407,6 @@ class ThroughAir(Linear):
         return power.scaled(work.value(self.over).transmission)
 
 
-@ends_lineage
 def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
     return LevelChange(over.transmission, mean, over.transmission * mean)
 
@@ -425,7 +421,6 @@ def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> A
     return made
 
 
-@ends_lineage
 def path_table(
     work: Work,
     over: PathBand,

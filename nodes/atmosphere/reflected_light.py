@@ -11,7 +11,7 @@ from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image, Table, TableData
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Region, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, Region, Step, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.atmosphere.air_path import Sunlight, relative_air_mass
@@ -308,19 +308,16 @@ class GreyBands(BandStack):
 
 
 @in_blocks()
-@ends_lineage
 def _means(work: Work, image: Array, *, white: Row) -> Array:
     return np.asarray(float(np.mean(image, dtype=np.float64)) * np.array(white))
 
 
 @in_blocks()
-@ends_lineage
 def _means_there(work: Work, image: Array, *, white: Row, region: Region) -> Array:
     return np.asarray(float(np.mean(region.cut(image), dtype=np.float64)) * np.array(white))
 
 
 @in_blocks()
-@ends_lineage
 def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
     """Reflectances above 1; `share` is what one unit of the samples is of 1."""
     most = float(image.max()) * share
@@ -333,7 +330,6 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
     )
 
 
-@ends_lineage
 def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) -> TableData:
     total = light.over_band(*band_um)
     lux = light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux

@@ -4,7 +4,7 @@ import numpy as np
 
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, param, warning
 from core.physics.detector.readout import bloomed
@@ -60,7 +60,6 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
         return Step.of(well_caution, seen, full_well=self.full_well, unit=image.unit)
 
 
-@ends_lineage
 def well_caution(work: Work, seen: PictureRange, *, full_well: float, unit: str) -> Caution | None:
     if full_well <= _FAR * max(seen.high, 0.0):
         return None

@@ -138,7 +138,6 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
         return Step.of(joined_decibels, own, *ends)
 
 
-@ends_lineage
 def joined_decibels(
     work: Work, own_dB: float | None, high: float | None, low: float | None
 ) -> float | None:
@@ -147,7 +146,6 @@ def joined_decibels(
     return own_dB + 20.0 * math.log10(low / high)
 
 
-@ends_lineage
 def factor_caution(
     work: Work, signal: float, of_low: float, *gains: float, factor: float, unit: str
 ) -> Caution | None:
@@ -166,7 +164,6 @@ def factor_caution(
     )
 
 
-@ends_lineage
 def switch_caution(
     work: Work, high: PictureRange, low: PictureRange, *, level: float, factor: float
 ) -> Caution | None:
@@ -196,7 +193,6 @@ def share_of_low(work: Work, high: Array, *, level: float | None, blend: float) 
 
 
 @in_blocks()
-@ends_lineage
 def percent_of(work: Work, share: Array) -> float:
     return 100.0 * float(np.mean(share, dtype=np.float64))
 

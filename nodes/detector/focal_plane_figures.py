@@ -12,7 +12,6 @@ import numpy as np
 from core.chain.step_lineage import LevelChange
 from core.chain.wires import TableData
 from core.errors import DataError
-from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.parameters import Caution
 from core.modules.preview import Bar, Bars, Preview, Stack, brief, electrons, kelvin
@@ -129,7 +128,6 @@ class ElectronLevels:
         return max(float(scene[0]) + self.pedestal_e, 0.0)
 
 
-@ends_lineage
 def electron_levels(
     work: Work, seen: PictureRange, per_photon: float | None = None, *, collection: Collection
 ) -> ElectronLevels:
@@ -159,7 +157,6 @@ def electron_levels(
     )
 
 
-@ends_lineage
 def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
     """The change from radiance to electrons, for what follows differences through it.
 
@@ -185,13 +182,11 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
     )
 
 
-@ends_lineage
 def bent_level(work: Work, levels: ElectronLevels, **response: float) -> LevelChange:
     slope = focal_plane_array.bent_slope(electrons=levels.total_e, **response)
     return LevelChange(slope, levels.total_e, levels.signal_e * slope)
 
 
-@ends_lineage
 def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
     gain = 1.0 / levels.slope if levels.slope > 0.0 else 0.0
     gain *= levels.radiance_per_photon or 1.0
@@ -244,7 +239,6 @@ def _bent_slope(electrons: float, reading: ReadOut) -> float:
     )
 
 
-@ends_lineage
 def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
     """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
 
@@ -264,7 +258,6 @@ def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) ->
     return None
 
 
-@ends_lineage
 def reference_caution(work: Work, found: TableData) -> Caution | None:
     (row,) = (row for row in found.rows if row.name == "snr_at_reference")
     if not row.reason:
@@ -275,7 +268,6 @@ def reference_caution(work: Work, found: TableData) -> Caution | None:
     )
 
 
-@ends_lineage
 def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> LevelChange:
     """What a read-out that ends does to small differences about the mean: nothing, or all."""
     clipped = mean_clipped(levels, reading)
@@ -284,7 +276,6 @@ def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> L
     return LevelChange(0.0, levels.total_e, 0.0, clipped.message)
 
 
-@ends_lineage
 def figures(
     work: Work,
     levels: ElectronLevels,

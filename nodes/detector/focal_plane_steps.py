@@ -230,7 +230,6 @@ Places = tuple[Array, Array]
 """Rows and columns of pixels."""
 
 
-@ends_lineage
 def bad_pixels(
     work: Work, *, stream: Stream, shape: tuple[int, int], percent: float
 ) -> list[Places]:
@@ -384,12 +383,10 @@ def saturated_pixels(
 
 
 @in_blocks()
-@ends_lineage
 def count_of(work: Work, marked: Array) -> int:
     return int(np.count_nonzero(marked))
 
 
-@ends_lineage
 def with_saturated(work: Work, table: TableData, count: int) -> TableData:
     row = TableRow(
         "saturated_pixels",

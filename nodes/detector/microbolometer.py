@@ -10,7 +10,7 @@ from core.chain.random_fields import FrameNumber
 from core.chain.step_lineage import Array, AtStep, Linear, Noise, picture_step
 from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radiance, share_kept
@@ -486,7 +486,6 @@ def with_temporal_noise(
     return made
 
 
-@ends_lineage
 def range_caution(
     work: Work, seen: PictureRange, *, limits: tuple[float, float], kelvin: tuple[float, float]
 ) -> Caution | None:
@@ -500,7 +499,6 @@ def range_caution(
 
 
 @in_blocks()
-@ends_lineage
 def figures(
     work: Work,
     picture: Array,

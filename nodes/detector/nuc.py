@@ -205,7 +205,6 @@ def drifted(
     return np.asarray(offset + deviates * deviates.dtype.type(size))
 
 
-@ends_lineage
 def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) -> TableData:
     rise = float(np.mean(high) - np.mean(low))
     weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
@@ -218,7 +217,6 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
     )  # fmt: skip
 
 
-@ends_lineage
 def no_figures(work: Work) -> TableData:
     names = ("pattern_low", "pattern_high", "response_per_kelvin", "weak_pixels")
     return TableData(

@@ -14,7 +14,7 @@ from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, param
@@ -186,7 +186,6 @@ class SpectralResponse(
         )
 
 
-@ends_lineage
 def mean_response(
     work: Work, samples: Array, *, response: ResponseCurve, band_um: Band, source_K: float | None
 ) -> float:
@@ -221,13 +220,11 @@ def weighted(work: Work, image: Array, counted: float) -> Array:
     return np.multiply(image, work.policy.dtype.type(counted), dtype=work.policy.dtype)
 
 
-@ends_lineage
 def _level(work: Work, samples: Array, counted: float) -> LevelChange:
     mean = float(np.mean(samples, dtype=np.float64))
     return LevelChange(counted, mean, counted * mean)
 
 
-@ends_lineage
 def _share(
     work: Work, means: Array, *, weights: tuple[float, ...], gain: tuple[float, ...]
 ) -> float | None:
@@ -351,7 +348,6 @@ def radiance_per_photon(image: Image, efficiency: QuantumEfficiency, node: str) 
     return Step.of(_ratio, bands.means(), node=node, radiance=bands.whole, photons=weights)
 
 
-@ends_lineage
 def _ratio(work: Work, means: NDArray[Any], *, radiance: Row, photons: Row) -> float:
     counted = float(np.dot(means, photons))
     if not counted > 0.0:

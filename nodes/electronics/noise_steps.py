@@ -55,7 +55,6 @@ class DetectorFigures:
     netd_K: float
 
 
-@ends_lineage
 def detector_figures(
     work: Work, seen: PictureRange, *, detector: Detector, vignetting: float
 ) -> DetectorFigures:
@@ -83,7 +82,6 @@ def detector_figures(
     return DetectorFigures(background, throughput, d_star, nep, ner, netd)
 
 
-@ends_lineage
 def figures(
     work: Work,
     seen: PictureRange,
@@ -150,7 +148,6 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
     return float(d_star)
 
 
-@ends_lineage
 @pointwise
 def in_double(work: Work, pattern: Array) -> Array:
     """A pattern of one line or one sample, whose digits cost nothing."""
@@ -158,7 +155,6 @@ def in_double(work: Work, pattern: Array) -> Array:
 
 
 @in_blocks()
-@ends_lineage
 def value_range(
     work: Work, picture: Array, *, low: float | None, high: float | None
 ) -> tuple[float, float]:
@@ -176,7 +172,6 @@ def value_range(
 
 
 @in_blocks()
-@ends_lineage
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
     rms = 0.0 if final is before else quantization_rms(original=before, quantized=final)
     row = TableRow("quantization_rms", rms, "W/m²/sr", "quantization noise")

@@ -197,12 +197,10 @@ def added(work: Work, image: Array, noise: Array) -> Array:
 
 
 @in_blocks()
-@ends_lineage
 def _moments(work: Work, noise: Array) -> Statistics:
     return statistics(noise, for_each=work.for_each)
 
 
-@ends_lineage
 def _moment(work: Work, moments: Statistics, *, which: str) -> float:
     moment: float = getattr(moments, which)
     return moment

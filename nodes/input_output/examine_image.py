@@ -22,7 +22,7 @@ from core.chain.wires import (
     Transfer,
 )
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import ends_lineage, in_blocks
+from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.parameters import Caution, Formula, Section, param
@@ -135,7 +135,6 @@ class ExamineImage(
     )
 
 
-@ends_lineage
 def realized(work: Work, *known: Any, value: Any) -> Array:
     """Samples of a magnitude, phase or transfer function; of a complex one the modulus."""
     samples: Array = realize(value, work)
@@ -143,7 +142,6 @@ def realized(work: Work, *known: Any, value: Any) -> Array:
 
 
 @in_blocks()
-@ends_lineage
 def figures(
     work: Work,
     samples: Array,
@@ -192,7 +190,6 @@ def apparent_temperature(radiance: float, band_um: Band) -> float | None:
 
 
 @in_blocks(lambda display, **_: display == "linear")
-@ends_lineage
 def displayed_histogram(
     work: Work, samples: Array, *, display: Display, bins: int, label: str, is_image: bool
 ) -> CurveData:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from core.chain.band_stack import BandStack, Row, Rows
 from core.chain.step_lineage import source_step
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
@@ -117,7 +117,6 @@ def read_scaled(
 
 
 @in_blocks()
-@ends_lineage
 def count_missing(
     work: Work,
     *,
@@ -532,7 +531,6 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
 
 
 @in_blocks(_is_file)
-@ends_lineage
 def _sums(
     work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Rows, missing: Missing
 ) -> Array:
@@ -547,7 +545,6 @@ def _sum(
     return np.asarray(_made_sums(work, fills, cube, places, (weights,), missing)[0])
 
 
-@ends_lineage
 def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: Missing) -> Array:
     """Mean of every band that counts, as stored; of its samples that are finite, or all but 0."""
     with _opened(cube) as layout:
@@ -567,12 +564,10 @@ def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: M
     return means
 
 
-@ends_lineage
 def _means(work: Work, stored: Array, *, places: tuple[int, ...], factors: Row) -> Array:
     return np.asarray(stored[list(places)] * np.array(factors))
 
 
-@ends_lineage
 def _spectrum(
     work: Work,
     *,

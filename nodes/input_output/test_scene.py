@@ -12,7 +12,7 @@ from core.chain.band_stack import BandStack, Row, Rows, stacked
 from core.chain.step_lineage import source_step
 from core.chain.wires import Header, Image
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula, Section, param
@@ -235,7 +235,6 @@ def drawn(work: Work, *shares: Shares, **values: Any) -> NDArray[np.floating]:
     return _pictured(work, shares, radiances, **places)
 
 
-@ends_lineage
 def shares_drawn(work: Work, *, kind: str, width: int, height: int, **geometry: float) -> Shares:
     return draw.draw_shares(kind, _canvas(work, width, height), **geometry)
 
@@ -272,7 +271,6 @@ class SceneBands(BandStack):
         return Step.of(means_drawn, self.spectra, *self.shares, node=self.node, **how)
 
 
-@ends_lineage
 def spectra_made(_: Work, **values: Any) -> Spectra:
     return draw.scene_spectra(**values)
 
@@ -285,7 +283,6 @@ def sum_drawn(
     return _pictured(work, shares, draw.weighted(spectra, weights), **drawing)
 
 
-@ends_lineage
 def means_drawn(
     work: Work, spectra: Spectra, *shares: Shares, width: int = 0, height: int = 0, **drawing: Any
 ) -> NDArray[np.float64]:

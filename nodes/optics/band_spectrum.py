@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.chain.band_stack import BandStack, Row, over_bands
 from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Param
 from core.physics.detector.detectivity import ResponseCurve
@@ -79,7 +79,6 @@ def source_temperature(
 
 
 @in_blocks()
-@ends_lineage
 def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
     mean = float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
@@ -88,7 +87,6 @@ def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
 
 
 @in_blocks()
-@ends_lineage
 def mean_brightness(
     work: Work, samples: NDArray[Any], *, cut_on_um: float, cut_off_um: float
 ) -> float:

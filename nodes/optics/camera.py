@@ -4,7 +4,6 @@ import math
 from typing import Any, NamedTuple
 
 from core.chain.wires import CameraSheet, Image, Table, TableData
-from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
@@ -415,7 +414,6 @@ def _field_caution(
 Band = tuple[float, float]
 
 
-@ends_lineage
 def camera_figures(
     work: Work,
     *,

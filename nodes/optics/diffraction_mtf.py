@@ -5,7 +5,7 @@ from typing import Any, Literal
 from core.chain.band_stack import BandStack
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.diffraction_otf import (
@@ -319,7 +319,6 @@ def _needed(outputs: OtfOutputs, wanted: str) -> Step:
     return Step.of(_wavelengths_needed, temperature, node=factor.node, wanted=wanted, **bound)
 
 
-@ends_lineage
 def _wavelengths_needed(
     work: Work,
     temperature_K: float,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.chain.engine import PlannedNode
 from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Step, ends_lineage
+from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, param
@@ -274,7 +274,6 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         return Step.of(_circled, pupil.samples) if pupil.radius is None else pupil.radius
 
 
-@ends_lineage
 def _circled(work: Work, samples: Array) -> float:
     return support_circle(samples)[2]
 
@@ -282,7 +281,6 @@ def _circled(work: Work, samples: Array) -> float:
 # Steps that read the amplitude and the wavefront of a pupil from files.
 
 
-@ends_lineage
 def loaded_opening(work: Work, *, file: Path, **reading: Any) -> Array:
     """Amplitude transmission over its largest; of complex samples their modulus."""
     samples = stored_samples(file=file, **reading)
@@ -295,12 +293,10 @@ def loaded_opening(work: Work, *, file: Path, **reading: Any) -> Array:
     return np.asarray(samples / samples.max())
 
 
-@ends_lineage
 def loaded_phase(work: Work, *, file: Path, **reading: Any) -> Array:
     return wrapped_waves(stored_samples(file=file, **reading))
 
 
-@ends_lineage
 def loaded_map(work: Work, *, factor: float, file: Path, **reading: Any) -> Array:
     try:
         return factor * known_wavefront(stored_samples(file=file, **reading))
@@ -308,7 +304,6 @@ def loaded_map(work: Work, *, factor: float, file: Path, **reading: Any) -> Arra
         raise DataError(f"{file.name}: {error.message}") from error
 
 
-@ends_lineage
 def known_opening(
     work: Work, wavefront: Array, opening: Array | None = None, *, name: str
 ) -> Array:
@@ -320,7 +315,6 @@ def known_opening(
     return np.asarray(samples / samples.max())
 
 
-@ends_lineage
 def known_waves(work: Work, wavefront: Array) -> Array:
     return np.nan_to_num(wavefront, nan=0.0)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.polychromatic import Spectrum, band_wavelengths
@@ -237,7 +237,6 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         return sampled_error(pupil, scale, self.title)
 
 
-@ends_lineage
 def _weights_by_light(
     work: Work,
     temperature_K: float,
@@ -258,7 +257,6 @@ def _weights_by_light(
     return (*shares[:-1], 1.0 - sum(shares[:-1]))
 
 
-@ends_lineage
 def _lit_extent(work: Work, samples: NDArray[np.float64], *, axis: int, interval: float) -> float:
     """From the first to the last transparent sample."""
     lit = np.flatnonzero(samples.any(axis=1 - axis))

@@ -14,7 +14,7 @@ from core import kernels
 from core.chain.step_lineage import Array, Filtering, picture_step
 from core.chain.wires import CameraSheet, Context, Image, Magnitude
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param, param
@@ -245,7 +245,6 @@ class FieldSpread:
         return np.asarray(sum(parts[1:], start=parts[0]))
 
 
-@ends_lineage
 def _otf_table(work: Work, *, factors: tuple[Factor, ...]) -> tuple[Array, float]:
     """OTF of a PSF file up to its Nyquist frequency, finely enough to interpolate; and the step."""
     bound = dict(factors[0].laws[0].parameters)
@@ -335,7 +334,6 @@ def blurred(
     return made
 
 
-@ends_lineage
 def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int) -> float:
     """At the middles of cells and of their sides, in a quadrant."""
     tile, reach, side = _sides(work, spread, grid, tile)
@@ -366,7 +364,6 @@ def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile
     return 100.0 * worst
 
 
-@ends_lineage
 def _error_caution(work: Work, percent: float) -> Caution | None:
     if percent <= _DOUBTFUL:
         return None

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.measured_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
@@ -226,7 +226,6 @@ def _centroid(outputs: OtfOutputs, axis: int) -> Step | None:
     return Step.of(_centroid_mrad, bound["psf"], axis=axis, pitch_mrad=pitch)
 
 
-@ends_lineage
 def _point_spread(
     work: Work, *, background: float, keep_centroid: bool, file: Path, **reading: Any
 ) -> PointSpread:
@@ -238,18 +237,15 @@ def _point_spread(
         raise DataError(f"{file}: {error.message}") from error
 
 
-@ends_lineage
 def _centroid_mrad(work: Work, psf: PointSpread, *, axis: int, pitch_mrad: float) -> float:
     place = psf.centroid_column if axis == 1 else psf.centroid_row
     return float(pitch_mrad * (place - (psf.weights.shape[axis] - 1) / 2))
 
 
-@ends_lineage
 def _total(work: Work, psf: PointSpread) -> float:
     return psf.total
 
 
-@ends_lineage
 def _border_caution(work: Work, psf: PointSpread) -> Caution | None:
     share = edge_share(psf)
     if share <= EDGE_ENERGY:
@@ -261,7 +257,6 @@ def _border_caution(work: Work, psf: PointSpread) -> Caution | None:
     )
 
 
-@ends_lineage
 def _coarse_caution(work: Work, psf: PointSpread) -> Caution | None:
     rest = coarseness(psf)
     if rest <= COARSE:

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.chain.wires import Pupil, SampledTransfer
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.physics.optics import pupil_otf, pupil_shapes
 from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
@@ -232,7 +232,6 @@ def _complex_samples(
     return complex_pupil(transmission=samples, wavefront_waves=wavefront + measured)
 
 
-@ends_lineage
 def _correlations(
     work: Work,
     samples: Array,
@@ -249,7 +248,6 @@ def _correlations(
     return tuple(autocorrelations)
 
 
-@ends_lineage
 def _raw(
     work: Work,
     autocorrelations: tuple[Array, ...],
@@ -267,12 +265,10 @@ def _raw(
     return SampledTransfer(values.astype(work.policy.dtype), interval_x, interval_y)
 
 
-@ends_lineage
 def sampled(work: Work, *, shape: pupil_shapes.PupilShape, **how: int) -> Array:
     return pupil_shapes.sample_pupil(shape, **how)
 
 
-@ends_lineage
 def _error(
     work: Work,
     samples: Array,

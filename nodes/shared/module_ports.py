@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from core.chain.engine import TransferAt
 from core.chain.wires import Context, Image, Magnitude, Phase, Table, TableData, Transfer
-from core.evaluation.recipes import Recipe, Step, ends_lineage, marked
+from core.evaluation.recipes import Recipe, Step, with_reason
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Param, readout, warning
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -183,14 +183,12 @@ LightingSource = Annotated[
 # Read-outs that are one figure of a module's table.
 
 
-@ends_lineage
 def figure_reason(work: Work, table: TableData, *, name: str) -> str:
     """Why that value of a table is none."""
     return next((row.reason for row in table.rows if row.name == name), "")
 
 
-@marked(reason=figure_reason)
-@ends_lineage
+@with_reason(figure_reason)
 def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
     return table.as_dict().get(name)
 

@@ -48,13 +48,11 @@ def even(work: Work, *, shape: tuple[int, int], value: float) -> Array:
     return picture
 
 
-@ends_lineage
 def number(work: Work, *, value: float) -> float:
     return value
 
 
 @in_blocks()
-@ends_lineage
 def mean_of(work: Work, samples: Array) -> float:
     return float(np.mean(samples, dtype=np.float64))
 
@@ -67,7 +65,6 @@ class PictureRange:
 
 
 @in_blocks()
-@ends_lineage
 def picture_range(work: Work, image: Array) -> PictureRange:
     return PictureRange(
         float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))

@@ -7,7 +7,7 @@ import numpy as np
 from core.chain.step_lineage import Array, LevelChange, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Section, param, warning
 from core.physics.radiometry import spectra
@@ -34,7 +34,6 @@ class Surface:
         return {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
 
 
-@ends_lineage
 def radiance_change(
     work: Work, mean: float, *shares: float, surface: Surface, unit: str
 ) -> LevelChange:
@@ -49,7 +48,6 @@ def radiance_change(
     return LevelChange(slope * per_unit, mean, float(made))
 
 
-@ends_lineage
 def temperature_change(
     work: Work, mean: float, *shares: float, surface: Surface, factor: float
 ) -> LevelChange:
