@@ -16,7 +16,6 @@ from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Caution, Formula, Param, Section, param
 from core.transfer.factors import Law, Planar, Separable
 from nodes.shared.deviates import SeededModule
-from nodes.shared.factors import radial, separable
 from nodes.shared.module_ports import (
     Apply,
     ImageOutput,
@@ -24,6 +23,8 @@ from nodes.shared.module_ports import (
     MtfOutputs,
     PtfModule,
     PtfOutputs,
+    radial,
+    separable,
 )
 
 __all__ = [

@@ -27,6 +27,7 @@ from core.modules.parameters import Caution
 from core.network.validation import NetworkProblems
 from core.records import asdict, dataclass
 from nodes.files.common.file_format import ZARR
+from nodes.files.formats import check_finite
 from nodes.files.frames import (
     STORE,
     FrameFormat,
@@ -34,7 +35,6 @@ from nodes.files.frames import (
     header_beside_frames,
     refuse_without_room,
 )
-from nodes.files.read import check_finite
 
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 KEPT_BYTES = 1 << 29

@@ -14,9 +14,8 @@ from core.records import dataclass
 from nodes.files.arrays import npy_header
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import readable_file
-from nodes.files.formats import NPY, TIFF, format_of
+from nodes.files.formats import NPY, TIFF, check_finite, format_of, read_info, read_pixels
 from nodes.files.frames import FrameFile, open_frames, tiff_pages
-from nodes.files.read import check_finite, read_info, read_pixels
 from nodes.input_output.source_file import LUMINANCE
 
 Matrix = NDArray[np.float64]

@@ -27,8 +27,7 @@ from core.network.validation import NetworkProblems
 from core.records import dataclass, field
 from core.scratch import ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR
-from nodes.files.formats import NPY, TIFF
-from nodes.files.read import check_finite
+from nodes.files.formats import NPY, TIFF, check_finite
 
 Readouts = dict[str, dict[str, Any]]
 

@@ -22,11 +22,11 @@ from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from core.records import dataclass, replace
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_ends_um, coverage
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 from nodes.input_output.read_image import header_band
 from nodes.input_output.sample_unit import is_spectral
 from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance
-from nodes.shared.shared_warnings import is_radiance, is_temperature
+from nodes.shared.context_defaults import is_radiance, is_temperature
 
 READ_IMAGE = "read_image"
 RELATIVE = "relative"

@@ -24,7 +24,15 @@ from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.stored_samples import integer_type
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, write_picture, written_format
+from nodes.files.formats import (
+    PNG,
+    SAVED,
+    TIFF,
+    WRITTEN,
+    check_finite,
+    write_picture,
+    written_format,
+)
 from nodes.files.frames import (
     FrameFormat,
     FrameSeries,
@@ -34,7 +42,6 @@ from nodes.files.frames import (
     write_frames,
     write_tiled_tiff,
 )
-from nodes.files.read import check_finite
 from nodes.files.zarr_array import check_zarr, write_store
 from nodes.input_output.write_image import Cube
 from nodes.input_output.write_matrix import curve_columns

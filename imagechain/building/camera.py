@@ -22,7 +22,7 @@ from core.network.validation import NetworkProblems
 from core.records import replace
 from imagechain.building.chain_state import ChainState, planned_scene
 from imagechain.parts.plain_errors import plain_errors
-from nodes.files.read import check_finite
+from nodes.files.formats import check_finite
 from nodes.input_output.source_file import HeldSamples
 from nodes.library import standard_library
 

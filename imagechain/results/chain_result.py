@@ -29,8 +29,8 @@ from core.modules.parameters import Caution
 from core.records import replace
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results import tables
+from nodes.files.formats import check_finite
 from nodes.files.frames import header_beside_frames
-from nodes.files.read import check_finite
 
 _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 

@@ -14,9 +14,15 @@ from core.records import replace
 from core.transfer.factors import Grid
 from nodes.analysis import threshold_curves
 from nodes.analysis.lineage import NoiseOf, transfer_of
-from nodes.shared.context_defaults import given_band, with_interval
+from nodes.shared.context_defaults import (
+    NEAR,
+    alike,
+    band_caution,
+    given_band,
+    unit_caution,
+    with_interval,
+)
 from nodes.shared.module_ports import CutOff, CutOn, TableFigures
-from nodes.shared.shared_warnings import NEAR, alike, band_caution, unit_caution
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 

@@ -19,9 +19,8 @@ from core.records import dataclass
 from core.transfer.factors import Grid
 from nodes.analysis import lineage
 from nodes.analysis.threshold_curves import Unseen, unseen
-from nodes.shared.context_defaults import given, with_interval
+from nodes.shared.context_defaults import apart_caution, apart_from_context, given, with_interval
 from nodes.shared.module_ports import TableFigures
-from nodes.shared.shared_warnings import apart_caution, apart_from_context
 from nodes.shared.steps import number
 
 

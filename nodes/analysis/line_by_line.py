@@ -5,18 +5,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from core.chain import wires
 from core.chain.back_transformed import back_transform
-from core.chain.wires import (
-    Context,
-    Curve,
-    CurveData,
-    Image,
-    Magnitude,
-    Phase,
-    Series,
-    Table,
-    TableData,
-)
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
@@ -55,15 +45,18 @@ def picture_of(_: Work, filtered: Filtered) -> Array:
 
 def by_view_angle(
     _: Work, picture: Array, whole: Array, *, scan: Scan, view_angles_rad: tuple[float, ...]
-) -> CurveData:
+) -> wires.CurveData:
     rms, largest = _along_flight(picture, whole, scan)
     percent = _percent(_range(whole))
     angles = np.degrees(view_angles_rad)
-    return CurveData(
+    return wires.CurveData(
         "Line by line minus whole image",
         "view angle from nadir (°)",
         "difference (% of range)",
-        (Series("largest", angles, largest * percent), Series("rms", angles, rms * percent)),
+        (
+            wires.Series("largest", angles, largest * percent),
+            wires.Series("rms", angles, rms * percent),
+        ),
     )
 
 
@@ -77,14 +70,14 @@ def difference_table(
     view_angles_rad: tuple[float, ...],
     intervals_mrad: tuple[float, ...],
     unit: str,
-) -> TableData:
+) -> wires.TableData:
     rms, largest = _along_flight(picture, whole, scan)
     percent = _percent(_range(whole))
     degrees = np.degrees(view_angles_rad)
     worst, worst_rms = int(np.argmax(largest)), int(np.argmax(rms))
     scale = float(rms.max())
     total = scale * math.sqrt(float(np.mean((rms / scale) ** 2))) if scale > 0.0 else 0.0
-    return TableData.of(
+    return wires.TableData.of(
         ("rms_percent", total * percent, "%",
          "rms difference, as a fraction of the picture's range"),
         ("max_percent", float(largest[worst]) * percent, "%",
@@ -135,11 +128,11 @@ def _percent(span: float) -> float:
 
 
 class LineOutputs(NamedTuple):
-    image: Image
-    whole: Image
-    difference: Image
-    curve: Curve
-    table: Table
+    image: wires.Image
+    whole: wires.Image
+    difference: wires.Image
+    curve: wires.Curve
+    table: wires.Table
 
 
 class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analysis"):
@@ -235,7 +228,11 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             )
 
     def run(
-        self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
+        self,
+        context: wires.Context,
+        magnitude: wires.Magnitude,
+        phase: wires.Phase,
+        here: NodeContext,
     ) -> LineOutputs:
         source = one_source(
             magnitude, phase, wanted="frame to scan", refusal="Line by Line cannot combine"
@@ -269,8 +266,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             whole.with_recipe(picture),
             whole,
             whole.with_recipe(here.step(difference, *pair)),
-            Curve(here.step(by_view_angle, *pair, **places)),
-            Table(
+            wires.Curve(here.step(by_view_angle, *pair, **places)),
+            wires.Table(
                 here.step(
                     difference_table,
                     filtered,
@@ -302,7 +299,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         return tuple(angles.tolist())
 
     def _intervals(
-        self, chain: ScanChain, context: Context, angles: tuple[float, ...]
+        self, chain: ScanChain, context: wires.Context, angles: tuple[float, ...]
     ) -> tuple[float, ...]:
         grid = chain.grid
         of_frame = grid.interval_x_mrad if chain.turned else grid.interval_y_mrad
@@ -318,7 +315,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         )
         return tuple(intervals.tolist())
 
-    def _line_spacing_m(self, context: Context) -> float:
+    def _line_spacing_m(self, context: wires.Context) -> float:
         if self.spacing == "typed":
             if self.line_spacing_m is None:
                 allowed = "give the line spacing, or set spacing to frame or flight"

@@ -25,10 +25,8 @@ from core.physics.atmosphere.scattering_and_turbulence import (
 from core.physics.optics.veiling_glare import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import at_each_band
-from nodes.shared.context_defaults import of_context
-from nodes.shared.factors import radial, separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, apart, wavelength_caution
+from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, apart, of_context, wavelength_caution
+from nodes.shared.module_ports import MtfModule, MtfOutputs, radial, separable
 
 NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 

@@ -17,9 +17,8 @@ from core.modules.declaration import Caution, Formula, Module, NodeContext, Sect
 from core.physics.atmosphere.air_path import Sunlight, relative_air_mass
 from core.records import dataclass, field
 from nodes.files.spectrum_tables import read_wavelengths
-from nodes.shared.context_defaults import given_band
+from nodes.shared.context_defaults import Band, given_band, is_radiance, is_temperature
 from nodes.shared.module_ports import CutOff, CutOn, PictureTable, TableFigures
-from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
 from nodes.shared.steps import Scaled
 
 _SHARES = {"": 1.0, "1": 1.0, "-": 1.0, "reflectance": 1.0, "albedo": 1.0, "%": 0.01}

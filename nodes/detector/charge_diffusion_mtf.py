@@ -8,8 +8,7 @@ from core.modules.declaration import Formula, NodeContext, Section, param, reado
 from core.physics.detector.detector_mtf import Side, band_diffusion_mtf, silicon_absorption_per_um
 from core.physics.radiometry.planck import band_nodes
 from nodes.shared.context_defaults import given_band, of_context
-from nodes.shared.factors import radial
-from nodes.shared.module_ports import CutOff, CutOn, MtfModule, MtfOutputs
+from nodes.shared.module_ports import CutOff, CutOn, MtfModule, MtfOutputs, radial
 
 _SILICON_UM = (0.25, 1.2)
 

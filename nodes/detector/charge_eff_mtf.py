@@ -7,8 +7,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.detector.detector_mtf import charge_transfer_mtf
 from nodes.shared.context_defaults import pixel_mrad
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class ChargeTransfer(Module):

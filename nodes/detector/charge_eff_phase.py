@@ -4,8 +4,7 @@ from core.chain.wires import Context, Phase
 from core.modules.declaration import Formula, NodeContext
 from core.physics.detector.detector_mtf import charge_transfer_ptf
 from nodes.detector.charge_eff_mtf import ChargeTransfer
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import PtfModule, PtfOutputs
+from nodes.shared.module_ports import PtfModule, PtfOutputs, separable
 
 
 class ChargeEffPhase(

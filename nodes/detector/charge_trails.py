@@ -16,8 +16,7 @@ from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_trans
 from core.physics.detector.readout import trail_length, trailed
 from core.records import dataclass
 from core.transfer.factors import Factor, Grid, Separable
-from nodes.shared.factors import passed_factors, separable
-from nodes.shared.module_ports import ImageOutput, OfPixels
+from nodes.shared.module_ports import ImageOutput, OfPixels, passed_factors, separable
 from nodes.shared.steps import stepped
 
 _BLOCK_SAMPLES = 1 << 18

@@ -7,10 +7,8 @@ from core.modules.declaration import Caution, Formula, NodeContext, Section, par
 from core.physics.detector.detector_mtf import crosstalk_kernel, crosstalk_otf
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Law, Planar
-from nodes.shared.context_defaults import of_context
-from nodes.shared.factors import OtfOutputs, otf_outputs
-from nodes.shared.module_ports import Apply, NyquistReadouts
-from nodes.shared.shared_warnings import unlinked_phase_caution
+from nodes.shared.context_defaults import of_context, unlinked_phase_caution
+from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs
 
 _NONE = "0 0 0; 0 1 0; 0 0 0"
 

@@ -34,10 +34,9 @@ from nodes.detector.spectral_response import (
     radiance_per_photon,
     response_preview,
 )
-from nodes.shared.context_defaults import pixel_mrad, pixel_of, t_number_caution
-from nodes.shared.factors import passed_factors
-from nodes.shared.module_ports import TableFigures
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, apart, unit_caution
+from nodes.shared import context_defaults
+from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, Band, alike
+from nodes.shared.module_ports import TableFigures, passed_factors
 from nodes.shared.steps import difference, picture_range
 
 
@@ -164,7 +163,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             figures,
             of_bins,
             reading=self.delivered(),
-            area_cm2=detector_area_cm2(**pixel_of(context)) * self.pixels,
+            area_cm2=detector_area_cm2(**context_defaults.pixel_of(context)) * self.pixels,
             reference_radiance=self.reference_radiance,
         )
 
@@ -302,7 +301,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def unit(self, image: Image) -> Caution | None:
         """The picture is not in units of radiance."""
-        return unit_caution(image.unit, meant="counting photons")
+        return context_defaults.unit_caution(image.unit, meant="counting photons")
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:
@@ -356,7 +355,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def transmission(self, context: Context) -> Caution | None:
         """The transmission is not used, because the T-number includes it."""
-        return t_number_caution(context, self.optics_transmission)
+        return context_defaults.t_number_caution(context, self.optics_transmission)
 
     @warning
     def stages(self, image: Image) -> Caution | None:
@@ -376,7 +375,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         """The integration time differs from its value on Frame Transfer Smear."""
         for factor, bound in _laws(image):
             if {"ratio", "sides"} <= bound.keys():
-                return apart(
+                return context_defaults.apart(
                     self,
                     {"integration_time_s": image.exposure_s},
                     where=f"on {factor.node}",
@@ -391,7 +390,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         speed, range_m = context.velocity_m_per_s, context.range_m
         if context.platform != "push" or not speed or not range_m:
             return None
-        ground_m = pixel_mrad("y", context) * range_m / 1000.0
+        ground_m = context_defaults.pixel_mrad("y", context) * range_m / 1000.0
         line_s = ground_m / abs(speed)
         own, stages = self.integration_time_s, self.tdi_stages
         if own <= line_s * (1 + NEAR) and (stages == 1 or own >= line_s * (1 - NEAR)):

@@ -20,13 +20,7 @@ from core.evaluation.recipes import (
     pointwise,
 )
 from core.evaluation.work import Work
-from core.physics.detector.focal_plane_array import (
-    DEAD,
-    HOT,
-    bad_pixel_places,
-    bent_response,
-    multiplied_charge,
-)
+from core.physics.detector import focal_plane_array
 from core.physics.noise.flicker_noise import poisson_of_normal
 from core.records import dataclass
 from nodes.detector.focal_plane_figures import (
@@ -164,7 +158,7 @@ def multiplied(
     def block(rows: slice, made: Array) -> None:
         number = picture.dtype.type(frames)
         charge = picture[rows] if frames == 1 else picture[rows] * number
-        multiplied_charge(
+        focal_plane_array.multiplied_charge(
             electrons=charge, deviates=deviates[rows], excess_noise_factor=factor, out=made
         )
         if frames != 1:
@@ -180,7 +174,7 @@ def multiplied(
 @pointwise
 def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) -> Array:
     def block(rows: slice, made: Array) -> None:
-        bent_response(electrons=picture[rows], out=made, **response)
+        focal_plane_array.bent_response(electrons=picture[rows], out=made, **response)
 
     return _by_rows(work, picture, block)
 
@@ -235,10 +229,13 @@ def bad_pixels(
 ) -> list[Places]:
     """Dead pixels, and hot ones."""
     rows, columns = shape
-    places, kinds = bad_pixel_places(
+    places, kinds = focal_plane_array.bad_pixel_places(
         rows=rows, columns=columns, percent=percent, generator=stream.generator(0)
     )
-    return [np.divmod(places[kinds == kind], columns) for kind in (DEAD, HOT)]
+    return [
+        np.divmod(places[kinds == kind], columns)
+        for kind in (focal_plane_array.DEAD, focal_plane_array.HOT)
+    ]
 
 
 def _bad_part(

@@ -19,11 +19,8 @@ from core.physics.noise import flicker_noise
 from core.physics.radiometry import planck
 from core.records import dataclass
 from core.transfer.factors import Separable
-from nodes.shared.context_defaults import Lens, given_band, lens, t_number_caution, with_interval
+from nodes.shared import context_defaults, module_ports
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
-from nodes.shared.factors import separable, transfers
-from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, TableFigures
-from nodes.shared.shared_warnings import apart_from_context, band_caution, unit_caution
 from nodes.shared.steps import PictureRange, difference, filtered_lines, picture_range, quantized
 
 _MOST_FRAMES = 64
@@ -109,8 +106,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         "integration time of the camera; leave both integration times empty if they are equal",
         (0, 1e3),
     )
-    cut_on_um: CutOn = None
-    cut_off_um: CutOff = None
+    cut_on_um: module_ports.CutOn = None
+    cut_off_um: module_ports.CutOff = None
     time_constant_s: float = param(0.01, "thermal time constant", (0, 1e3), slider=(0, 0.03))
     frame_rate_Hz: float = param(30.0, "frame rate", (1e-6, 1e9), slider=(1, 120))
     filter_frames: float = param(
@@ -137,7 +134,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         (0, 1e9),
         slider=(0, 10),
     )
-    longest_period_s: LongestPeriod = 60.0
+    longest_period_s: module_ports.LongestPeriod = 60.0
     response_percent: float = param(
         0.0, "PRNU: spread of the response between pixels", (0, 100), slider=(0, 10)
     )
@@ -191,7 +188,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             self._flicker_band()
 
     def run(self, image: Image, context: Context, here: NodeContext) -> BolometerOutputs:
-        band = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+        band = context_defaults.given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         white = self._white(context, band)
         flicker = 0.0
         if self.corner_Hz:
@@ -223,7 +220,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             vignetting=image.vignetting,
         )
         noise = here.step(difference, made, slow)
-        mtf, ptf = transfers(factors, with_interval(image, context), self.title)
+        mtf, ptf = module_ports.transfers(
+            factors, context_defaults.with_interval(image, context), self.title
+        )
         return BolometerOutputs(
             image=image.with_recipe(made, frame_rate_Hz=self.frame_rate_Hz),
             noise=image.with_recipe(noise),
@@ -233,8 +232,10 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         )
 
     def _white(self, context: Context, band: tuple[float, float]) -> float:
-        optics = lens(context, optics_transmission=self.optics_transmission, f_number=self.f_number)
-        reference = Lens(self.reference_f_number, 0.0, context.irradiance, 1.0)
+        optics = context_defaults.lens(
+            context, optics_transmission=self.optics_transmission, f_number=self.f_number
+        )
+        reference = context_defaults.Lens(self.reference_f_number, 0.0, context.irradiance, 1.0)
         noise = netd_noise_radiance(
             netd_K=self.netd_mK / 1000.0,
             reference_K=self.reference_K,
@@ -289,8 +290,10 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             return ()
         law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": self.time_constant_s}
         return (
-            *separable(lowpass_mtf, x=law, label=self.title, node=here.node),
-            *separable(lowpass_ptf, x=law, part="ptf", label=self.title, node=here.node),
+            *module_ports.separable(lowpass_mtf, x=law, label=self.title, node=here.node),
+            *module_ports.separable(
+                lowpass_ptf, x=law, part="ptf", label=self.title, node=here.node
+            ),
         )
 
     def _scanned(
@@ -298,7 +301,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ) -> Recipe:
         if not factors:
             return image.recipe
-        grid = with_interval(image, context).grid()
+        grid = context_defaults.with_interval(image, context).grid()
         how = {"factors": factors, "grid": grid, "edges": context.edges, "label": "Thermal lag"}
         return here.step(filtered_lines, image.recipe, **how)
 
@@ -361,22 +364,22 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     @warning
     def unit(self, image: Image) -> Caution | None:
         """The picture is not in units of radiance."""
-        return unit_caution(image.unit, meant="a NETD")
+        return context_defaults.unit_caution(image.unit, meant="a NETD")
 
     @warning
     def band(self, image: Image) -> Caution | None:
         """The band differs from the picture's band."""
-        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+        return context_defaults.band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
         """The F-number differs from its value on Init & Trans."""
-        return apart_from_context(self, context, "f_number")
+        return context_defaults.apart_from_context(self, context, "f_number")
 
     @warning
     def transmission(self, context: Context) -> Caution | None:
         """The transmission is not used, because the T-number includes it."""
-        return t_number_caution(context, self.optics_transmission)
+        return context_defaults.t_number_caution(context, self.optics_transmission)
 
     @warning
     def settling(self) -> Caution | None:
@@ -402,8 +405,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         seen, band = Step.of(picture_range, *table.inputs), dict(table.parameters)["band"]
         return Step.of(range_caution, seen, limits=self._limits(band), kelvin=(low, high))
 
-    figures = TableFigures(
-        ("netd_K", "K", "NETD: temporal noise as a temperature difference."),
+    figures = module_ports.TableFigures(
+        ("netd_K", "K", "Temporal noise as a temperature difference."),
         ("white_netd_K", "K", "White noise as a temperature difference."),
         ("flicker_K", "K", "1/f noise as a temperature difference."),
         ("quantization_K", "K", "Quantization noise as a temperature difference."),

@@ -9,8 +9,8 @@ from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.detector.readout import persistence
+from nodes.shared.context_defaults import is_radiance
 from nodes.shared.module_ports import BeforeDigits, ImageOutput
-from nodes.shared.shared_warnings import is_radiance
 
 
 class Persistence(BeforeDigits, key="persistence", title="Persistence", group="Detector"):

@@ -29,8 +29,8 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.records import dataclass
 from nodes.files.spectrum_tables import read_wavelengths
+from nodes.shared.context_defaults import Band, unit_caution
 from nodes.shared.module_ports import ImageOutput, WeightingSource
-from nodes.shared.shared_warnings import Band, unit_caution
 
 
 class SpectralResponse(

@@ -9,10 +9,15 @@ from core.physics.detector.detector_mtf import image_motion, smear_mrad, tdi_ask
 from core.physics.numerics import positive
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Law, Planar
-from nodes.shared.context_defaults import given, of_context
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import ELECTRONICS, apart_caution, apart_from_context, first
+from nodes.shared.context_defaults import (
+    ELECTRONICS,
+    apart_caution,
+    apart_from_context,
+    first,
+    given,
+    of_context,
+)
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):

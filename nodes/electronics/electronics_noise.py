@@ -39,10 +39,9 @@ from nodes.electronics import noise_steps as steps
 from nodes.electronics.noise_steps import Detector, detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared import context_defaults
+from nodes.shared.context_defaults import apart_caution, band_caution, is_radiance, unit_caution
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.factors import separable, transfers
-from nodes.shared.module_ports import CutOff, CutOn, TableFigures
-from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
+from nodes.shared.module_ports import CutOff, CutOn, TableFigures, separable, transfers
 from nodes.shared.steps import difference, filtered_lines, picture_range, quantized
 
 _MATERIALS = tuple(

@@ -16,8 +16,7 @@ from core.modules.declaration import Caution, Formula, NodeContext, Section, par
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.noise.noise_components import COMPONENTS
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates
-from nodes.shared.module_ports import LongestPeriod, NoiseOutputs
-from nodes.shared.picture_preview import PicturePreview
+from nodes.shared.module_ports import LongestPeriod, NoiseOutputs, PicturePreview
 
 _FIXED = ("vh", "v", "h")
 _FLICKER = "1/f"

@@ -13,9 +13,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.noise.flicker_noise import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
+from nodes.shared.context_defaults import is_temperature, unit_caution
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import NoiseOutputs
-from nodes.shared.shared_warnings import is_temperature, unit_caution
 from nodes.shared.steps import difference, even
 
 

@@ -28,8 +28,7 @@ from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.envi import band_of, info_of
 from nodes.files.envi_header import HEADER_SUFFIX, REAL_TYPES, is_envi, read_layout
-from nodes.files.formats import NPY, TIFF
-from nodes.files.read import check_finite, read_info
+from nodes.files.formats import NPY, TIFF, check_finite, read_info
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
 
 Array = NDArray[Any]

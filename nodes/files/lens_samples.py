@@ -17,7 +17,7 @@ from nodes.files.arrays import is_npy, npy_header, whole_npy
 from nodes.files.common.file_format import BLANKS, CSV
 from nodes.files.common.stored_bytes import checked_band, readable_file
 from nodes.files.common.table_cells import cells_of, lens_lines, line_refused, numbers_of
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 
 LARGEST_SIDE = 8192
 _TEXTS = (*CSV.suffixes, *BLANKS.suffixes, ".dat")

@@ -24,13 +24,12 @@ from core.chain.wires import (
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, warning
-from core.modules.parameters import Caution, Formula, Section, param
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_unit import histogram, statistics
+from nodes.shared.context_defaults import is_radiance, is_temperature
 from nodes.shared.module_ports import TableFigures
-from nodes.shared.shared_warnings import is_radiance, is_temperature
 
 Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]

@@ -8,8 +8,7 @@ import numpy as np
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import NodeContext, readout, warning
-from core.modules.parameters import Caution, Formula, Section, param
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import replace
 from nodes.files.common.picture_info import PictureInfo
@@ -24,9 +23,8 @@ from nodes.input_output.sample_unit import (
     sample_unit,
     spectral_unit,
 )
-from nodes.shared.module_ports import ImageOutput
-from nodes.shared.picture_preview import PicturePreview
-from nodes.shared.shared_warnings import is_radiance
+from nodes.shared.context_defaults import is_radiance
+from nodes.shared.module_ports import ImageOutput, PicturePreview
 
 _WHOLE = 0.99  # of the wavelengths: less is warned of
 

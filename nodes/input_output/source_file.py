@@ -26,7 +26,7 @@ from nodes.files import envi
 from nodes.files.common.picture_info import PictureInfo, oversized
 from nodes.files.envi import CubeInMemory, Layout, integrate_bands
 from nodes.files.envi_header import header_beside, read_layout
-from nodes.files.read import check_finite, read_info, read_pixels
+from nodes.files.formats import check_finite, read_info, read_pixels
 from nodes.files.store_folder import is_store, readable_picture, store_state
 
 Stamp = tuple[str, int, int]

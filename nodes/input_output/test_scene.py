@@ -14,8 +14,7 @@ from core.chain.wires import Header, Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext
-from core.modules.parameters import Formula, Section, param
+from core.modules.declaration import Formula, NodeContext, Section, param
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import dataclass, field, replace
 from nodes.files.common.picture_info import oversized
@@ -23,8 +22,7 @@ from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes import draw
 from nodes.scenes.draw import DRAWN, GEOMETRY, Emissivity, Kind, Shares, Spectra
 from nodes.scenes.scene_canvas import Canvas
-from nodes.shared.module_ports import ImageOutput
-from nodes.shared.picture_preview import PicturePreview
+from nodes.shared.module_ports import ImageOutput, PicturePreview
 
 DRAWING = ("kind", "width", "height", "angle_deg", "frequency")
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")

@@ -16,15 +16,12 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import Formula, Section, param
-from core.records import dataclass, field
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from nodes.files import frames
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
-from nodes.files.formats import WRITTEN, write_picture, written_format
-from nodes.files.read import check_finite
+from nodes.files.formats import WRITTEN, check_finite, write_picture, written_format
 from nodes.files.zarr_array import check_zarr, write_store
 
 Dtype = Literal["automatic", "float", "double", "half", "uint8", "uint16"]

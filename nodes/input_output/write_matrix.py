@@ -13,8 +13,7 @@ from core.chain.engine import realize
 from core.chain.wires import Curve, CurveData, Image, Transfer
 from core.errors import ParameterError
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.parameters import param
+from core.modules.declaration import Module, NodeContext, param
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, suffixes
 from nodes.files.formats import MATRICES

@@ -3,10 +3,8 @@
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, motion_mtf
-from nodes.shared.context_defaults import given
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_from_context
+from nodes.shared.context_defaults import apart_from_context, given
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):

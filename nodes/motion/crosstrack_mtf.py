@@ -3,9 +3,8 @@
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.sampling.platform_motion import motion_mtf, scan_blur_mrad
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_from_context
+from nodes.shared.context_defaults import apart_from_context
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):

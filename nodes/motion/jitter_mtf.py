@@ -5,8 +5,7 @@ import math
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.optics.veiling_glare import gaussian_mtf
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion"):

@@ -23,8 +23,7 @@ from core.physics.sampling.platform_motion import (
 )
 from nodes.files.spectrum_tables import read_motion
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.factors import OtfOutputs, otf_outputs, separable
-from nodes.shared.module_ports import Apply, NyquistReadouts
+from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs, separable
 
 Axes = tuple[MotionSpectrum, MotionSpectrum]
 

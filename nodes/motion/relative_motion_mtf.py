@@ -6,10 +6,8 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
-from nodes.shared.context_defaults import given
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_from_context
+from nodes.shared.context_defaults import apart_from_context, given
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class RelativeMotionMTF(

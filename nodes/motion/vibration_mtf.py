@@ -5,8 +5,7 @@ from typing import Any
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.sampling.platform_motion import vibration_mtf
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):

@@ -20,7 +20,7 @@ from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.records import replace
 from core.transfer.factors import Planar, WavelengthLaw
 from nodes.files.spectrum_tables import read_wavelengths
-from nodes.shared.shared_warnings import Band, is_radiance
+from nodes.shared.context_defaults import Band, is_radiance
 
 Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[

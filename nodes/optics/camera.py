@@ -7,16 +7,10 @@ from core.chain.wires import CameraSheet, Image, Table, TableData
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
+from core.physics.sampling import ground_geometry
 from core.physics.sampling.detector_sampling import field_of_view_deg
-from core.physics.sampling.ground_geometry import (
-    EARTH_RADIUS_KM,
-    LookDirection,
-    OrbitView,
-    orbit_view,
-)
-from core.records import replace
+from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, alike, apart, apart_caution, first
 from nodes.shared.module_ports import TableFigures
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart, apart_caution, first
 
 
 class CameraOutputs(NamedTuple):
@@ -25,7 +19,9 @@ class CameraOutputs(NamedTuple):
 
 
 _LOW_ORBIT_KM = 2000.0  # up to here the Earth's rotation changes the speed by less than 9 %
-_EARTH_M_PER_S = 2.0 * math.pi * EARTH_RADIUS_KM * 1e3 / 86164.1  # at the equator; sidereal day
+_EARTH_M_PER_S = (
+    2.0 * math.pi * ground_geometry.EARTH_RADIUS_KM * 1e3 / 86164.1
+)  # at the equator; sidereal day
 _ORBIT = (
     ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
     ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
@@ -140,7 +136,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     look_angle_deg: float = param(
         0.0, "angle of the line of sight off nadir", (0, 89), slider=(0, 50)
     )
-    look_direction: LookDirection = param(
+    look_direction: ground_geometry.LookDirection = param(
         "across", "direction of the look angle: across the track, or ahead along it"
     )
 
@@ -179,7 +175,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             aperture = focal / f_number
         orbit, range_m = None, self.range_m
         if self.altitude_km is not None:
-            orbit = orbit_view(
+            orbit = ground_geometry.orbit_view(
                 altitude_km=self.altitude_km,
                 look_angle_deg=self.look_angle_deg,
                 direction=self.look_direction,
@@ -455,7 +451,7 @@ def camera_figures(
     )  # fmt: skip
 
 
-def _rotation_caution(orbit: OrbitView) -> Caution | None:
+def _rotation_caution(orbit: ground_geometry.OrbitView) -> Caution | None:
     if orbit.altitude_km <= _LOW_ORBIT_KM:
         return None
     share = 100.0 * _EARTH_M_PER_S / orbit.ground_speed_m_per_s
@@ -467,7 +463,7 @@ def _rotation_caution(orbit: OrbitView) -> Caution | None:
 
 
 def _orbit_rows(
-    orbit: OrbitView | None, gsd_x_m: float | None, gsd_y_m: float | None
+    orbit: ground_geometry.OrbitView | None, gsd_x_m: float | None, gsd_y_m: float | None
 ) -> list[tuple[Any, ...]]:
     values: list[float | None] = [None] * len(_ORBIT)
     if orbit is not None:

@@ -20,24 +20,23 @@ from core.physics.optics.diffraction_otf import (
 from core.physics.optics.polychromatic import Spectrum
 from core.records import replace
 from core.transfer.factors import AtWavelength, Law, Planar
-from nodes.optics.band_spectrum import (
-    DetectorResponse,
-    Responses,
-    at_each_band,
-    kelvin_caution,
-    one_wavelength_caution,
-    source_temperature,
-    weighting_responses,
-)
-from nodes.shared.context_defaults import given_band
-from nodes.shared.factors import OtfOutputs, otf_outputs
-from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
-from nodes.shared.shared_warnings import (
+from nodes.optics import band_spectrum
+from nodes.shared.context_defaults import (
     F_NUMBER_NEAR,
     Band,
     apart,
     apart_from_context,
+    given_band,
     middle_caution,
+)
+from nodes.shared.module_ports import (
+    Apply,
+    CutOff,
+    CutOn,
+    LightingSource,
+    NyquistReadouts,
+    OtfOutputs,
+    otf_outputs,
 )
 from nodes.shared.steps import number
 
@@ -115,7 +114,7 @@ class DiffractionMTF(
         "weighting of the wavelengths: by photons (as in a photon detector), by energy, or equal",
     )
     source_K: LightingSource = None
-    response: DetectorResponse = None
+    response: band_spectrum.DetectorResponse = None
     wavelengths: Number = param(
         "auto",
         "auto: as many wavelengths as the tolerance requires; a number sets how "
@@ -152,7 +151,9 @@ class DiffractionMTF(
         aperture.check(band[0])
         # Bands have their own light: no black body's over all of them is ever summed up.
         weighting = self.weighting if self._bands(magnitude) is None else "uniform"
-        responses = weighting_responses(self.response, here.folder, magnitude, weighting)
+        responses = band_spectrum.weighting_responses(
+            self.response, here.folder, magnitude, weighting
+        )
         spectrum = Spectrum(*band, weighting, responses=responses)
         law = Law.of(
             diffraction_otf,
@@ -171,12 +172,16 @@ class DiffractionMTF(
             Planar(law, radial=True, cutoff=(cutoff, cutoff), label=self.title, node=here.node),
             aperture,
             magnitude,
-            weighting_responses(self.response, here.folder, None, "uniform"),
+            band_spectrum.weighting_responses(self.response, here.folder, None, "uniform"),
         )
         return otf_outputs(self.apply, magnitude, phase, blur=(blur,), label=self.title)
 
     def _by_bands(
-        self, blur: Planar, aperture: Aperture, magnitude: Magnitude, detector: Responses
+        self,
+        blur: Planar,
+        aperture: Aperture,
+        magnitude: Magnitude,
+        detector: band_spectrum.Responses,
     ) -> Planar:
         """Each band of the picture at its own wavelength; the mean is weighted by their light."""
         bands = self._bands(magnitude)
@@ -195,7 +200,7 @@ class DiffractionMTF(
         law = AtWavelength(one, ("cut_on_um", "cut_off_um"))
         if self.weighting == "uniform":
             return replace(blur, by_wavelength=law)
-        return at_each_band(blur, law, bands, self.weighting, detector)
+        return band_spectrum.at_each_band(blur, law, bands, self.weighting, detector)
 
     def _bands(self, magnitude: Magnitude) -> BandStack | None:
         """Bands of the picture, where the wavelengths are not fixed here."""
@@ -233,7 +238,7 @@ class DiffractionMTF(
             return None
         if self._bands(magnitude) is not None:
             return None
-        return source_temperature(self.source_K, magnitude, band, node)
+        return band_spectrum.source_temperature(self.source_K, magnitude, band, node)
 
     @warning
     def band(self, context: Context) -> Caution | None:
@@ -252,12 +257,12 @@ class DiffractionMTF(
     @warning
     def kelvin(self, context: Context, magnitude: Magnitude) -> Caution | None:
         """The picture is in kelvin, and diffraction blurs it as if it were radiance."""
-        return kelvin_caution(magnitude, self._band(context), self.source_K)
+        return band_spectrum.kelvin_caution(magnitude, self._band(context), self.source_K)
 
     @warning
     def response_unused(self) -> Caution | None:
         """A response is entered, but it has no effect with a single wavelength."""
-        return one_wavelength_caution(self.response, self.wavelengths == 1)
+        return band_spectrum.one_wavelength_caution(self.response, self.wavelengths == 1)
 
     @readout("mm", name="aperture_mm")
     def diameter(self, context: Context) -> float:

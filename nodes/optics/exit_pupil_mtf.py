@@ -30,10 +30,16 @@ from nodes.optics.pupil_factor import (
     sampled_error,
     sampled_factors,
 )
-from nodes.shared.context_defaults import given_band
-from nodes.shared.factors import OtfOutputs, otf_outputs
-from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, middle_caution
+from nodes.shared.context_defaults import F_NUMBER_NEAR, alike, given_band, middle_caution
+from nodes.shared.module_ports import (
+    Apply,
+    CutOff,
+    CutOn,
+    LightingSource,
+    NyquistReadouts,
+    OtfOutputs,
+    otf_outputs,
+)
 from nodes.shared.steps import number
 
 Weighting = Literal["uniform", "photons", "energy"]

@@ -25,8 +25,7 @@ from core.records import dataclass, field
 from core.transfer.factors import Factor, Grid, Separable, factor_at
 from nodes.optics.mtf_file import MtfFile
 from nodes.optics.psf_file import PsfFile
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import ImageOutput
+from nodes.shared.module_ports import ImageOutput, separable
 from nodes.shared.steps import stepped
 from nodes.transform.interpolate import within_frame
 

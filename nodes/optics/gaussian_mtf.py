@@ -3,8 +3,7 @@
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param
 from core.physics.optics.veiling_glare import gaussian_mtf
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 
 
 class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Optics"):

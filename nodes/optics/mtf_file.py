@@ -27,10 +27,8 @@ from nodes.files.envi_header import header_beside
 from nodes.files.lens_samples import LensSamples, describe_lens_samples, read_lens_samples
 from nodes.files.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
-from nodes.shared.context_defaults import given
-from nodes.shared.factors import OtfOutputs, otf_outputs, separable
-from nodes.shared.module_ports import Apply, NyquistReadouts
-from nodes.shared.shared_warnings import ELECTRONICS, apart_from_context, unlinked_phase_caution
+from nodes.shared import context_defaults
+from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs, separable
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
 Scales = tuple[float, float]
@@ -138,11 +136,11 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             raise ParameterError("frequency_unit", "file", allowed)
         if unit == "cyc/mrad":
             return 1.0, 1.0
-        focal_length = given("focal_length_mm", self.focal_length_mm, context)
+        focal_length = context_defaults.given("focal_length_mm", self.focal_length_mm, context)
         if unit == "cyc/mm":
             return 1000.0 / focal_length, 1000.0 / focal_length
         x, y = (
-            given(name, getattr(self, name), context) / focal_length
+            context_defaults.given(name, getattr(self, name), context) / focal_length
             for name in ("detector_x_um", "detector_y_um")
         )
         return x, y
@@ -243,13 +241,15 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
         """The PTF does not reach the picture."""
-        return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
+        return context_defaults.unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
         """The pitch or focal length differs from its value on Init & Trans."""
         names = ("focal_length_mm", "detector_x_um", "detector_y_um")
-        return apart_from_context(self, context, *names, where=ELECTRONICS)
+        return context_defaults.apart_from_context(
+            self, context, *names, where=context_defaults.ELECTRONICS
+        )
 
     @readout("cyc/mrad")
     def end_x(self, axis: str, outputs: OtfOutputs) -> float | None:

@@ -10,12 +10,10 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.measured_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
 from core.transfer.factors import Factor, Law, Planar
-from nodes.files.read import check_finite
+from nodes.files.formats import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
-from nodes.shared.context_defaults import given
-from nodes.shared.factors import OtfOutputs, otf_outputs
-from nodes.shared.module_ports import Apply, NyquistReadouts
-from nodes.shared.shared_warnings import apart_from_context, unlinked_phase_caution
+from nodes.shared.context_defaults import apart_from_context, given, unlinked_phase_caution
+from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
 LARGEST_SIDE = 4096  # samples, whose sum is not fast

@@ -1,15 +1,17 @@
-"""Outputs that several modules share, and the bases of MTF and PTF modules."""
+"""Outputs and factors that several modules share, and the bases of MTF and PTF modules."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
-from core.chain.engine import TransferAt
+from core.chain.engine import PlannedNode, TransferAt
+from core.chain.step_lineage import lineage_of
 from core.chain.wires import Context, Image, Magnitude, Phase, Table, TableData, Transfer
 from core.evaluation.recipes import Recipe, Step, with_reason
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, Param, readout, warning
+from core.modules.declaration import Caution, Module, NodeContext, Param, readout, warning
+from core.modules.preview import Picture, Preview, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad
-from core.transfer.factors import Factor
+from core.transfer.factors import Factor, Grid, Law, Part, Planar, Separable
 from nodes.shared.context_defaults import pitch_in_samples
 
 _FINER = 1.05  # samples per pixel
@@ -220,3 +222,129 @@ class TableFigures:
             return Step.of(figure, self._table(outputs), name=row)
 
         return method
+
+
+# Factors of transfer functions for modules: made, passed on, and put out.
+
+
+def separable(
+    function: Callable[..., Any],
+    *,
+    x: Mapping[str, Any] | None = None,
+    y: Mapping[str, Any] | None = None,
+    part: Part = "mtf",
+    argument: str = "frequency",
+    scale_x: float = 1.0,
+    scale_y: float = 1.0,
+    label: str = "",
+    node: str | None = None,
+) -> tuple[Separable, ...]:
+    """A separable factor of one function with its parameters for each axis.
+
+    None for an axis is the identity there; none for both gives no factor at all.
+    """
+    if x is None and y is None:
+        return ()
+    laws = [
+        None if parameters is None else Law.of(function, scale=scale, **parameters)
+        for parameters, scale in ((x, scale_x), (y, scale_y))
+    ]
+    return (Separable(laws[0], laws[1], part, argument, label=label, node=node),)
+
+
+def radial(
+    function: Callable[..., Any], *, label: str = "", node: str | None = None, **parameters: Any
+) -> tuple[Planar, ...]:
+    """A factor of the radial frequency alone."""
+    return (Planar(Law.of(function, **parameters), radial=True, label=label, node=node),)
+
+
+# Transfer factors that a picture has gone through already.
+
+
+def passed_factors(image: Image) -> list[Factor]:
+    """The factors on the way to a picture, those of the last step first."""
+    here = Grid(*image.shape, image.interval_x_mrad or 1.0, image.interval_y_mrad or 1.0)
+    recipe = image.recipe
+    factors: list[Factor] = []
+    while (lineage := lineage_of(recipe)) is not None and lineage.picture is not None:
+        before = lineage.linear.grid_before(here)
+        factors += lineage.linear.transfer(before, here, recipe.node)
+        recipe, here = lineage.picture, before
+    return factors
+
+
+def transfers(factors: Sequence[Factor], image: Image, label: str) -> tuple[Transfer, Transfer]:
+    """MTF and PTF of what filters a picture itself, to look at."""
+    mtf, ptf = (
+        Transfer(
+            image.grid(),
+            part,
+            tuple(factor for factor in factors if factor.part == part),
+            label=label,
+            pixel_mrad=image.pixel_mrad,
+        )
+        for part in ("mtf", "ptf")
+    )
+    return mtf, ptf
+
+
+# What a module with an OTF delivers: both halves of the spectrum, and the OTF to look at.
+
+
+class OtfOutputs(NamedTuple):
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+def otf_outputs(
+    apply: Apply,
+    magnitude: Magnitude,
+    phase: Phase | None,
+    *,
+    blur: Sequence[Factor],
+    shift: Sequence[Factor] = (),
+    label: str,
+) -> OtfOutputs:
+    """The spectrum times the OTF, or the OTF alone; a phase that is not linked begins here."""
+    if phase is None:
+        phase = Phase(None, magnitude.grid, magnitude.edges)
+    mtf = magnitude.transfer("mtf", tuple(blur), label)
+    ptf = magnitude.transfer("ptf", tuple(shift), label)
+    if apply == "filter_only":
+        return OtfOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
+    return OtfOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+
+
+# The preview of a module that gives a picture: the picture, small, and what it is.
+
+
+class PicturePreview(Module):
+    """A module whose output `image` is shown at the top of its panel."""
+
+    preview_lines = 10.0
+
+    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
+        image: Image = planned.sound().outputs["image"]
+        samples = work.value(image.recipe)
+        x, y = image.interval_x_mrad, image.interval_y_mrad
+        low, high = float(samples.min()), float(samples.max())
+        facts = [
+            f"{image.columns} × {image.rows} samples",
+            f"{brief(low)} to {brief(high)} {image.unit}".rstrip(),
+            "no field of view" if x is None or y is None else f"interval {pair(x, y)} mrad",
+        ]
+        if image.band_um is not None:
+            facts.append(f"{brief(image.band_um[0])} to {brief(image.band_um[1])} µm")
+        picture = Picture(samples, low, high, _shape(image))
+        return Preview(", ".join(facts), (picture,), tuple(facts))
+
+
+def _shape(image: Image) -> tuple[float, float]:
+    """Width and height as they are seen: in mrad where both intervals are known."""
+    x, y = image.interval_x_mrad, image.interval_y_mrad
+    if x is None or y is None or not 0.1 < (x * image.columns) / (y * image.rows) < 10:
+        return float(image.columns), float(image.rows)
+    return x * image.columns, y * image.rows

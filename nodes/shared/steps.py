@@ -8,15 +8,7 @@ from core.chain.band_stack import BandStack, SteppedBands
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, AtStep, Filtering, Linear, Noise, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import (
-    Recipe,
-    Region,
-    Step,
-    ends_lineage,
-    in_blocks,
-    in_parts,
-    pointwise,
-)
+from core.evaluation import recipes
 from core.evaluation.work import Work
 from core.physics.detector.readout import quantize, rounding_variances
 from core.records import dataclass
@@ -26,7 +18,7 @@ from core.transfer.scan_lines import filter_lines
 _STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
 
 
-def stepped(image: Image, step: Step, *, gain: float = 1.0, **changes: Any) -> Image:
+def stepped(image: Image, step: recipes.Step, *, gain: float = 1.0, **changes: Any) -> Image:
     """A picture behind a linear step, and each of its bands behind the same."""
     bands: BandStack | None = image.bands
     if bands is not None:
@@ -34,14 +26,14 @@ def stepped(image: Image, step: Step, *, gain: float = 1.0, **changes: Any) -> I
     return image.with_recipe(step, bands=bands, **changes)
 
 
-@ends_lineage
-@pointwise
+@recipes.ends_lineage
+@recipes.pointwise
 def difference(work: Work, picture: Array, other: Array) -> Array:
     return np.subtract(picture, other, dtype=work.policy.dtype)
 
 
-@in_blocks()
-@ends_lineage
+@recipes.in_blocks()
+@recipes.ends_lineage
 def even(work: Work, *, shape: tuple[int, int], value: float) -> Array:
     picture: Array = work.empty(shape)
     picture.fill(value)
@@ -52,7 +44,7 @@ def number(work: Work, *, value: float) -> float:
     return value
 
 
-@in_blocks()
+@recipes.in_blocks()
 def mean_of(work: Work, samples: Array) -> float:
     return float(np.mean(samples, dtype=np.float64))
 
@@ -64,7 +56,7 @@ class PictureRange:
     high: float
 
 
-@in_blocks()
+@recipes.in_blocks()
 def picture_range(work: Work, image: Array) -> PictureRange:
     return PictureRange(
         float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
@@ -93,10 +85,10 @@ class Scaled(Linear):
 class AboutMean(Linear):
     """A change that is linear in small differences, with a gain that depends on the picture."""
 
-    change: Recipe
+    change: recipes.Recipe
 
     @property
-    def level(self) -> Recipe:
+    def level(self) -> recipes.Recipe:
         return self.change
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
@@ -104,15 +96,21 @@ class AboutMean(Linear):
 
 
 def _filtered_part(
-    work: Work, region: Region, picture: Recipe, *, grid: Grid, label: str, **how: Any
+    work: Work,
+    region: recipes.Region,
+    picture: recipes.Recipe,
+    *,
+    grid: Grid,
+    label: str,
+    **how: Any,
 ) -> Array:
-    wanted = Region(region.top, 0, region.rows, grid.columns)
+    wanted = recipes.Region(region.top, 0, region.rows, grid.columns)
     lines = filter_lines(work, work.part(picture, wanted), grid=grid, **how)
     return np.ascontiguousarray(lines[:, region.slices[1]])
 
 
 @picture_step(linear=lambda *_, **how: Filtering(**how))
-@in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
+@recipes.in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def filtered_lines(work: Work, picture: Array, *, label: str, **how: Any) -> Array:
     """The picture filtered along its lines, as one stage of this label."""
     return filter_lines(work, picture, **how)
@@ -129,14 +127,14 @@ def rounding_noises(at: AtStep, step: float) -> list[Noise]:
 
 @in_blocks()
 def _rounding(
-    at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
+    at: AtStep, picture: recipes.Recipe, limits: recipes.Recipe | tuple[float, float], *, bits: int
 ) -> list[Noise]:
-    low, high = at.work.value(limits) if isinstance(limits, Recipe) else limits
+    low, high = at.work.value(limits) if isinstance(limits, recipes.Recipe) else limits
     return rounding_noises(at, (high - low) / (2.0**bits - 1.0)) if high > low else []
 
 
 @picture_step(noise=_rounding, looks_at=("limits",))
-@pointwise
+@recipes.pointwise
 def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: int) -> Array:
     """Nearest of 2^bits levels between the limits."""
     low, high = limits

@@ -13,8 +13,7 @@ from core.modules.declaration import Formula, Module, NodeContext, param, readou
 from core.physics.optics.veiling_glare import gaussian_mtf
 from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.transfer.factors import Grid
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import ImageOutput
+from nodes.shared.module_ports import ImageOutput, separable
 
 Kernel = Literal["box", "gaussian", "lanczos"]
 _LOBES = 3

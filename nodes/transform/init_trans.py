@@ -17,7 +17,7 @@ from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brie
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
 from core.records import replace
 from core.transfer.factors import Edges, Grid
-from nodes.shared.shared_warnings import apart
+from nodes.shared.context_defaults import apart
 
 
 class InitOutputs(NamedTuple):

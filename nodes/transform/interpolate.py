@@ -19,8 +19,7 @@ from core.physics.sampling.detector_sampling import (
 )
 from core.records import dataclass
 from core.transfer.factors import Edges, Factor, Grid, Law
-from nodes.shared.factors import separable
-from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
+from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth, separable
 
 Vector = NDArray[np.float64]
 Taps = tuple[NDArray[np.intp], list[tuple[NDArray[np.intp], NDArray[np.float64]]]]

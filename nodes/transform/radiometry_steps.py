@@ -11,10 +11,8 @@ from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, Section, param, warning
 from core.physics.radiometry import spectra
-from core.records import dataclass
-from nodes.shared.context_defaults import given_band
+from nodes.shared.context_defaults import band_caution, given_band
 from nodes.shared.module_ports import CutOff, CutOn
-from nodes.shared.shared_warnings import band_caution
 from nodes.shared.steps import AboutMean, mean_of
 
 _BLOCK_SAMPLES = 1 << 16

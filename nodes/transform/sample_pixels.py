@@ -8,10 +8,8 @@ from core.modules.parameters import Formula, param
 from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.optics.measured_otf import radial_tabulated_mtf, tabulated_mtf
 from core.transfer.factors import Separable
-from nodes.shared.context_defaults import pitch_in_samples
-from nodes.shared.factors import passed_factors
-from nodes.shared.module_ports import ImageOutput
-from nodes.shared.shared_warnings import apart
+from nodes.shared.context_defaults import apart, pitch_in_samples
+from nodes.shared.module_ports import ImageOutput, passed_factors
 
 _LEAST = 1e-3
 

@@ -3,8 +3,8 @@
 from core.chain.wires import Image
 from core.errors import DataError
 from core.modules.declaration import Formula, NodeContext
+from nodes.shared.context_defaults import is_radiance, is_temperature
 from nodes.shared.module_ports import ImageOutput
-from nodes.shared.shared_warnings import is_radiance, is_temperature
 from nodes.transform.radiometry_steps import Radiometry, radiance_of_temperature
 
 

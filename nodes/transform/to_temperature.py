@@ -2,8 +2,8 @@
 
 from core.chain.wires import Image
 from core.modules.declaration import Formula, NodeContext
+from nodes.shared.context_defaults import watts_factor
 from nodes.shared.module_ports import ImageOutput
-from nodes.shared.shared_warnings import watts_factor
 from nodes.transform.radiometry_steps import Radiometry, temperature_of_radiance
 
 

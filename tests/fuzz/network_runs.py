@@ -15,7 +15,7 @@ from commands import contents, ended
 from library_networks import Document, Network
 
 from core.modules.declaration import declaration
-from nodes.files.read import read_pixels
+from nodes.files.formats import read_pixels
 from nodes.library import standard_library
 
 NAME = "net.json"

@@ -85,7 +85,7 @@ class Reader:
 
 def _serve(pipe: Connection) -> None:
     from core.errors import ImagechainError
-    from nodes.files.read import read_info, read_pixels
+    from nodes.files.formats import read_info, read_pixels
 
     warnings.simplefilter("ignore")  # libraries' own
     while True:

@@ -22,10 +22,10 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT)]
 
 from core.errors import FileError  # noqa: E402
+from nodes.files.formats import read_pixels  # noqa: E402
 from nodes.files.frames import open_frames  # noqa: E402
 from nodes.files.lens_samples import read_lens_samples  # noqa: E402
 from nodes.files.pictures import write_by_oiio  # noqa: E402
-from nodes.files.read import read_pixels  # noqa: E402
 
 LONGEST_WAIT_S = 0.012
 SHAPE = 1024, 1024

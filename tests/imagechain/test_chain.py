@@ -12,7 +12,7 @@ import imagechain as ic
 from command_line import run_here
 from core.network.file import load_network
 from core.scratch import is_on_disk
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 from nodes.library import standard_library
 
 SNR = "electronics.amplifier_snr"

@@ -12,7 +12,7 @@ import pytest
 
 import imagechain as ic
 from edge_truth import blur_network, gaussian_edge
-from nodes.files.read import read_pixels
+from nodes.files.formats import read_pixels
 
 EDGE = gaussian_edge(angle_deg=6.0, sigma=(0.6, 0.8), shape=(64, 64), noise=15.0, seed=1)
 

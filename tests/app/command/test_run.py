@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from nodes.files.read import read_pixels
+from nodes.files.formats import read_pixels
 
 
 def columns(path):

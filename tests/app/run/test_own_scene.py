@@ -10,8 +10,7 @@ from scipy.constants import c, h, k
 from scipy.integrate import quad
 
 from app.run.shipped import shipped_networks
-from nodes.files.read import read_info, read_pixels
-from picture_samples import envi
+from nodes.files.formats import read_info, read_pixels
 
 TWO_SCENES = {"magnitude_of_one_phase_of_another": "building"}
 Y, X = np.mgrid[0:24, 0:32]

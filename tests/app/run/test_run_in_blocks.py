@@ -8,7 +8,7 @@ import pytest
 import zarr
 
 from app.run.shipped import find_network
-from nodes.files.read import read_pixels
+from nodes.files.formats import read_pixels
 
 BUDGET = "100kB"
 LIMIT = 20_000  # bytes that a file may have

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 
 CAMERA = {
     "integration_time_s": 1e-4, "read_noise_e": 500.0, "full_well_e": 3e7, "bits": 12,

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image as Pillow
 
 from child_process import PEAK, ROOT, finished
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from app.command.cli import main
 from app.run.staging import Staging, WriteRecord, WriteRules, read_record, remember_chosen
 from core.atomic import write_text
 from core.errors import FileError
-from nodes.files.read import read_pixels
+from nodes.files.formats import read_pixels
 
 OWN = ["final.png", "mtf.csv", "readouts.json"]
 CHANGED = "the existing file was not written by this network, or has changed since"

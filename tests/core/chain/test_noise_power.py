@@ -14,7 +14,7 @@ from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_trans
 from core.physics.optics.veiling_glare import gaussian_mtf
 from core.transfer.factors import Grid, Law, Planar
 from nodes.library import standard_library
-from nodes.shared.factors import radial, separable
+from nodes.shared.module_ports import radial, separable
 from nodes.transform.interpolate import interpolator, resampled
 
 ROWS, COLUMNS = 8, 12

@@ -16,7 +16,7 @@ import pytest
 from core.errors import FileError
 from core.machine import usable_bytes
 from nodes.files.common.picture_info import PictureInfo, refuse_oversized
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 from picture_samples import png, tiff, tiff_tag
 
 ROOT = Path(__file__).parents[3]
@@ -143,7 +143,7 @@ def test_a_one_bit_png_takes_the_memory_of_its_samples(tmp_path):
     body = zlib.compress((b"\0" + b"\x55" * (columns // 8)) * rows)
     (tmp_path / "a.png").write_bytes(png(rows, columns, 1, body))
     program = (
-        "import resource, sys; from nodes.files.read import read_info, read_pixels\n"
+        "import resource, sys; from nodes.files.formats import read_info, read_pixels\n"
         "read_info(sys.argv[1])\n"
         "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
         "samples = read_pixels(sys.argv[1])\n"

@@ -7,7 +7,7 @@ import pytest
 from core.errors import FileError
 from nodes.files import envi
 from nodes.files.envi import weighted_sums
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 
 ROWS, COLUMNS, BANDS = 5, 7, 3
 TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}

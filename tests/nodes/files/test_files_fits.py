@@ -9,7 +9,7 @@ import pytest
 
 from core.errors import FileError
 from nodes.files.fits_header import read_fits_header
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 from picture_samples import fits
 
 STORED = np.array([[-32768, -1, 0], [1, 5, 32767]], dtype=">i2")

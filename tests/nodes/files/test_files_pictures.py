@@ -10,9 +10,8 @@ import pytest
 from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.common.stored_samples import as_stored
-from nodes.files.formats import write_picture
+from nodes.files.formats import read_pixels, write_picture
 from nodes.files.pictures import read_band, read_info
-from nodes.files.read import read_pixels
 from picture_samples import SPECIAL, fits, png, samples_of, tiff, tiff_tag
 
 KINDS = ("u1", "u2", "u4", "i1", "i2", "i4", "f2", "f4", "f8")

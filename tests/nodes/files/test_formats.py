@@ -7,8 +7,7 @@ import pytest
 
 from child_process import ROOT
 from nodes.files.common.file_format import CSV, HTML, JSON, SVG
-from nodes.files.formats import PICTURES, WRITTEN, format_of, write_picture
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import PICTURES, WRITTEN, format_of, read_info, read_pixels, write_picture
 
 WHOLE = np.arange(12.0).reshape(3, 4)  # exact in every type of sample
 # Where a suffix may stand in the source: the formats themselves, and what networks are called.

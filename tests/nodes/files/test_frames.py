@@ -13,6 +13,7 @@ from PIL import Image as Pillow
 
 from child_process import PEAK, ROOT
 from core.errors import FileError
+from nodes.files.formats import read_info, read_pixels
 from nodes.files.frames import (
     STORE,
     FrameSeries,
@@ -26,7 +27,6 @@ from nodes.files.frames import (
     write_frames,
     write_tiled_tiff,
 )
-from nodes.files.read import read_info, read_pixels
 from picture_samples import envi
 
 KNOWN = {"unit": "W/m²/sr", "fov_x_deg": 3.5, "fov_y_deg": 2.5, "focal_length_mm": 100.0}

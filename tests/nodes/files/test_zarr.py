@@ -10,7 +10,7 @@ import zarr
 
 from core.errors import FileError
 from nodes.files import zarr_array
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 from nodes.files.zarr_array import write_store
 
 RNG = np.random.default_rng(7)

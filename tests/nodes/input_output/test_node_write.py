@@ -11,7 +11,7 @@ from core.evaluation.recipes import Step
 from core.modules.declaration import Module
 from node_bench import NodeBench
 from nodes.files.arrays import read_matrix
-from nodes.files.read import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels
 from nodes.input_output.examine_image import ExamineImage
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.write_image import WriteImage

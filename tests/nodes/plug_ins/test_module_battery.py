@@ -16,8 +16,7 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from nodes.library import our_module
 from nodes.module_battery import check_module, faults_of
-from nodes.shared.factors import radial
-from nodes.shared.module_ports import ImageOutput, MtfModule, MtfOutputs
+from nodes.shared.module_ports import ImageOutput, MtfModule, MtfOutputs, radial
 
 COUNTER = itertools.count()
 GAIN = Annotated[float, Param("gain", low=0, high=10)]

@@ -6,7 +6,7 @@ from app.editor.viewers.pixels.picture_facts import CHANNELS, Choices, Facts
 from app.editor.viewers.pixels.picture_query import Picture
 from core.records import dataclass
 from nodes.input_output.examine_image import apparent_temperature
-from nodes.shared.shared_warnings import is_radiance
+from nodes.shared.context_defaults import is_radiance
 
 RADIANCE_PER_UM = "W/m²/sr/µm"
 
