@@ -1,7 +1,6 @@
 """Image Quality: the interpretability of a picture by the image quality equations."""
 
 import math
-from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +14,6 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.acquisition import giqe
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
-from core.records import dataclass
 from core.transfer.factors import Grid
 from nodes.analysis import lineage
 from nodes.analysis.threshold_curves import Unseen, unseen
@@ -170,11 +168,9 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         else:
             km = given("range_m", self.range_m, context) / 1000.0
             across, along = grid.interval_x_mrad * km, grid.interval_y_mrad * km
-        what = (
-            "contrast between 15 % and 7 % reflectance"
-            if self.snr_of == "contrast"
-            else "mean signal"
-        )
+        what = "mean signal"
+        if self.snr_of == "contrast":
+            what = "contrast between 15 % and 7 % reflectance"
         words = "as entered" if self.snr is not None else f"{what} divided by temporal noise"
         return {
             "across_m": across,
@@ -263,22 +259,27 @@ BRIGHT, DARK = 0.15, 0.07
 _DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge
 
 
-@dataclass(frozen=True)
-class EdgeQuality:
-    rer: tuple[float, float]
-    overshoot: tuple[float, float]
-    response: tuple[Vector, Vector]
+Pair = tuple[float, float]  # horizontal and vertical
 
 
-def edge_quality(work: Work, *, stages: tuple[lineage.Stage, ...], grid: Grid) -> EdgeQuality:
-    lines = (lineage.HORIZONTAL, grid.interval_x_mrad), (lineage.VERTICAL, grid.interval_y_mrad)
+def edge_quality(
+    work: Work, *, stages: lineage.Stages, grid: Grid
+) -> tuple[Pair, Pair, tuple[Vector, Vector]]:
+    """Relative edge response, overshoot and edge response."""
     results = []
-    for line, sample_mrad in lines:
-        edge: Any = {"mtf": partial(lineage.all_along, work, stages, line)}
-        edge |= {"sample_mrad": sample_mrad}
-        response = giqe.edge_response(places_px=_DRAWN, **edge)
-        results.append((giqe.relative_edge_response(**edge), giqe.edge_overshoot(**edge), response))
-    return EdgeQuality(*zip(*results, strict=True))
+    for line, sample_mrad in (
+        (lineage.HORIZONTAL, grid.interval_x_mrad),
+        (lineage.VERTICAL, grid.interval_y_mrad),
+    ):
+
+        def mtf(frequency: Vector, line: lineage.Line = line) -> Vector:
+            return lineage.all_along(work, stages, line, frequency)
+
+        how: dict[str, Any] = {"mtf": mtf, "sample_mrad": sample_mrad}
+        edge = giqe.relative_edge_response(**how), giqe.edge_overshoot(**how)
+        results.append((*edge, giqe.edge_response(places_px=_DRAWN, **how)))
+    rer, overshoot, response = zip(*results, strict=True)
+    return rer, overshoot, response
 
 
 def signal_over_noise(
@@ -303,8 +304,7 @@ def signal_over_noise(
         )
     of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)
-    clipped = unseen(gain, levels, "the picture has no signal")
-    if clipped:
+    if clipped := unseen(gain, levels, "the picture has no signal"):
         return clipped
     if snr_of == "contrast" and reflectance is not None:
         signal = (BRIGHT - DARK) / reflectance * of_sample / gain
@@ -322,7 +322,7 @@ def signal_over_noise(
 
 def quality_table(
     work: Work,
-    edge: EdgeQuality,
+    edge: tuple[Pair, Pair, Any],
     snr: float | Unseen,
     *,
     across_m: float,
@@ -341,11 +341,11 @@ def quality_table(
     gsd_m = math.sqrt(across_m * along_m)
     at = {"gsd": gsd_m, "elevation_deg": elevation_deg}
     ground, weighted = float(giqe.ground_gsd(**at)), float(giqe.weighted_gsd(**at))
-    rer_x, rer_y = (typed or own for typed, own in zip(typed_rer, edge.rer, strict=True))
+    rer_x, rer_y = (typed or own for typed, own in zip(typed_rer, edge[0], strict=True))
     rer = _mean("relative edge response", (rer_x, rer_y))
     worse_twice = float(giqe.weighted_rer(rer_x=rer_x, rer_y=rer_y))
     if overshoot is None:
-        overshoot = _mean("largest edge response near the edge", edge.overshoot)
+        overshoot = _mean("largest edge response near the edge", edge[1])
     why = snr if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
     if not isinstance(snr, Unseen):
@@ -377,7 +377,7 @@ def quality_table(
     )  # fmt: skip
 
 
-def _mean(what: str, values: tuple[float, float]) -> float:
+def _mean(what: str, values: Pair) -> float:
     if min(values) <= 0.0:
         across, along = values
         raise DataError(
@@ -387,11 +387,9 @@ def _mean(what: str, values: tuple[float, float]) -> float:
     return math.sqrt(values[0] * values[1])
 
 
-def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
-    series = tuple(
-        Series(name, _DRAWN, response)
-        for name, response in zip(("horizontal", "vertical"), edge.response, strict=True)
-    )
+def edge_curve(work: Work, edge: tuple[Pair, Pair, tuple[Vector, Vector]]) -> CurveData:
+    across, along = edge[2]
+    series = Series("horizontal", _DRAWN, across), Series("vertical", _DRAWN, along)
     return CurveData("Edge response", "distance from the edge (samples)", "response", series)
 
 

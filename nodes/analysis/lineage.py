@@ -72,7 +72,10 @@ class Stage:
         return "/".join((self.label, *(factor.key for factor in self.factors)))
 
 
-def stages_of(factors: tuple[Factor, ...]) -> tuple[Stage, ...]:
+Stages = tuple[Stage, ...]
+
+
+def stages_of(factors: tuple[Factor, ...]) -> Stages:
     """Factors grouped by the module they came from, in order, under unique names."""
     groups: dict[tuple[str | None, str], list[Factor]] = {}
     for factor in factors:
@@ -96,7 +99,7 @@ def stage_along(work: Work, stage: Stage, part: Part, line: Line, frequency: Vec
     return value
 
 
-def all_along(work: Work, stages: tuple[Stage, ...], line: Line, frequency: Vector) -> Vector:
+def all_along(work: Work, stages: Stages, line: Line, frequency: Vector) -> Vector:
     total = np.ones(len(frequency))
     for stage in stages:
         work.check()
@@ -120,12 +123,9 @@ def samples_along(
     rows, columns = sampled.values.shape
     highest_x, highest_y = (columns - 1) // 2, (rows - 1) // 2
     if line.along == 0.0 or line.across == 0.0:
-        highest, step = (
-            (highest_x, sampled.interval_x)
-            if line.along == 0.0
-            else (highest_y, sampled.interval_y)
-        )
-        frequency = np.arange(highest + 1) * step
+        frequency = np.arange(highest_x + 1) * sampled.interval_x
+        if line.across == 0.0:
+            frequency = np.arange(highest_y + 1) * sampled.interval_y
     else:
         end = line.end(highest_x * sampled.interval_x, highest_y * sampled.interval_y)
         frequency = np.linspace(0.0, end, samples)
@@ -170,7 +170,7 @@ class ImageTransfer:
     of 1 of the source, where the scene is lit surfaces.
     """
 
-    stages: tuple[Stage, ...]
+    stages: Stages
     grid: Grid
     source_grid: Grid
     source: Recipe
@@ -184,7 +184,7 @@ class ImageTransfer:
     def factors(self) -> tuple[Factor, ...]:
         return tuple(factor for stage in self.stages for factor in stage.factors)
 
-    def part(self, part: str) -> tuple[Stage, ...]:
+    def part(self, part: str) -> Stages:
         stages = (
             Stage(s.label, tuple(f for f in s.factors if f.part == part)) for s in self.stages
         )
@@ -329,8 +329,7 @@ class NoiseOf(Recipe):
         if any(noise.pattern for noise in noises):
             noises = self._with_patterns(work, noises)
         terms = tuple(
-            NoiseTerm(noise.node, noise.name, noise.temporal, _components(noise))
-            for noise in noises
+            NoiseTerm(one.node, one.name, one.temporal, _components(one)) for one in noises
         )
         mean = float(np.mean(work.value(self._mean_of), dtype=np.float64))
         spectrum = spectrum_of([noise.power for noise in noises if noise.temporal])
@@ -348,12 +347,8 @@ class NoiseOf(Recipe):
                 hint="raise the memory limit with --memory",
             )
         without = noise_free(picture)
-        alone = [
-            noise_free(picture, but=noise.pattern) if noise.pattern else None for noise in noises
-        ]
-        with work.hold(
-            [without, *(picture_alone for picture_alone in alone if picture_alone is not None)]
-        ) as held:
+        alone = [one.pattern and noise_free(picture, but=one.pattern) for one in noises]
+        with work.hold([without, *(one for one in alone if one is not None)]) as held:
             clean = work.value(without)
 
             def seen(noise: Noise, recipe: Recipe | None) -> Noise:

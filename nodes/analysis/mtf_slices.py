@@ -142,7 +142,7 @@ def slices(
     work: Work,
     *,
     lines: tuple[lineage.Line, ...],
-    stages: tuple[lineage.Stage, ...],
+    stages: lineage.Stages,
     part: Part,
     grid: Grid,
     samples: int,

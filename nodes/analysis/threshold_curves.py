@@ -37,6 +37,9 @@ from core.transfer.factors import Grid
 from nodes.analysis import lineage
 
 Vector = NDArray[np.float64]
+Unseen = str
+"""Why there are no figures, in their place: the picture is clipped and shows nothing of its scene.
+The rest of the network is delivered all the same."""
 Model = Literal["ratches_1976", "flir92"]
 _HIGHEST = 2.0  # times Nyquist: the samples' own rate, beyond which a picture shows no bars
 _SAMPLES = 512
@@ -67,6 +70,9 @@ class Sensitivity:
     @property
     def netd_K(self) -> float:  # noqa: N802
         return float(np.sqrt(max(self.noise_K2.temporal, 0.0)))
+
+
+Sensed = Sensitivity | Unseen
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ def sensitivity(
     background_K: float | None,
     gain: float | None = 1.0,
     gain_before: float = 1.0,
-) -> Sensitivity | Unseen:
+) -> Sensed:
     """Noise over the slope dL/dT at the background, by default that of the picture's mean.
 
     `gain` is what a uniform scene is multiplied by on its way to the picture. Where the picture is
@@ -126,8 +132,7 @@ def sensitivity(
             "temperature difference: use gain_model = per_pixel or published"
         )
     gain *= math.prod(level.gain for level in levels)
-    clipped = unseen(gain, levels, "there is nothing to detect")
-    if clipped:
+    if clipped := unseen(gain, levels, "there is nothing to detect"):
         return clipped
     scene = levels[0].mean / gain_before if levels else seen.mean / gain
     # What is in proportion to the scene, as a radiance at the slope of the response.
@@ -156,21 +161,16 @@ def sensitivity(
 
 
 def thresholds(
-    work: Work,
-    noise_figures: Sensitivity | Unseen,
-    *,
-    stages: tuple[lineage.Stage, ...],
-    grid: Grid,
-    observer: Observer,
+    work: Work, sensed: Sensed, *, stages: lineage.Stages, grid: Grid, observer: Observer
 ) -> Thresholds | Unseen:
     """MRTD up to the samples' own rate, or the first zero of the MTF, or Nyquist."""
-    if isinstance(noise_figures, Unseen):
-        return noise_figures
+    if isinstance(sensed, Unseen):
+        return sensed
     nyquist_x, nyquist_y = grid.nyquist_x, grid.nyquist_y
     frequency = np.linspace(0.0, _HIGHEST * max(nyquist_x, nyquist_y), _SAMPLES + 1)[1:]
     mtf_x = _to_first_zero(work, stages, lineage.HORIZONTAL, frequency)
     mtf_y = _to_first_zero(work, stages, lineage.VERTICAL, frequency)
-    spectrum = noise_figures.spectrum
+    spectrum = sensed.spectrum
     turned = None if spectrum is None else spectrum.T
     seen = {"snr_threshold": observer.snr_threshold, "frames": observer.frames}
     directions: tuple[Literal["horizontal", "vertical"], ...] = ("horizontal", "vertical")
@@ -178,7 +178,7 @@ def thresholds(
         mrtd_ratches_K(
             frequency=frequency,
             mtf=mtf,
-            netd_K=noise_figures.netd_K,
+            netd_K=sensed.netd_K,
             noise_bandwidth_cyc_per_mrad=across,
             detector_along_mrad=0.5 / along,
             spectrum=of_noise,
@@ -188,7 +188,7 @@ def thresholds(
         else mrtd_flir92_K(
             frequency=frequency,
             mtf=mtf,
-            noise=noise_figures.noise_K2,
+            noise=sensed.noise_K2,
             across_cyc_per_mrad=across,
             along_cyc_per_mrad=along,
             direction=direction,
@@ -208,7 +208,7 @@ def thresholds(
 
 
 def _to_first_zero(
-    work: Work, stages: tuple[lineage.Stage, ...], line: lineage.Line, frequency: Vector
+    work: Work, stages: lineage.Stages, line: lineage.Line, frequency: Vector
 ) -> Vector:
     """All stages, zero from the first zero of any factor on: two may share one between samples."""
     total, passed = np.ones(len(frequency)), np.ones(len(frequency), bool)
@@ -240,15 +240,10 @@ def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
 
 
 def mdtd_curve(
-    work: Work,
-    noise_figures: Sensitivity | Unseen,
-    *,
-    stages: tuple[lineage.Stage, ...],
-    grid: Grid,
-    observer: Observer,
+    work: Work, sensed: Sensed, *, stages: lineage.Stages, grid: Grid, observer: Observer
 ) -> CurveData:
     """MDTD of squares from a quarter of a sample to 25 samples wide."""
-    if isinstance(noise_figures, Unseen):
+    if isinstance(sensed, Unseen):
         return CurveData("MDTD", "target size (mrad)", "MDTD (K)", ())
     widest = max(grid.interval_x_mrad, grid.interval_y_mrad)
     size = np.geomspace(_SMALLEST, _LARGEST, _SIZES) * widest
@@ -260,9 +255,9 @@ def mdtd_curve(
     highest = min(_FINEST * max(grid.nyquist_x, grid.nyquist_y), enough)
     count = int(np.ceil(highest / step))
     frequency = step * np.arange(count + 1, dtype=np.float64)
-    noise = noise_figures.noise_K2
+    noise = sensed.noise_K2
     if observer.model == "ratches_1976":
-        noise = NoiseVariances(tvh=noise_figures.netd_K**2)
+        noise = NoiseVariances(tvh=sensed.netd_K**2)
     mdtd = mdtd_K(
         size_mrad=size,
         frequency=frequency,
@@ -275,21 +270,14 @@ def mdtd_curve(
         frames=observer.frames,
         window=observer.window,
         eye_limit_mrad=observer.eye_limit_mrad,
-        spectrum=noise_figures.spectrum,
+        spectrum=sensed.spectrum,
     )
     series = _shown("square target", size, mdtd)
     return CurveData("MDTD", "target size (mrad)", "MDTD (K)", series, log_y=True, log_x=True)
 
 
-# What stands in place of figures where a picture is clipped and shows nothing of its scene.
-
-
-Unseen = str
-"""Why there are no figures: the rest of the network is delivered all the same."""
-
-
-def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen:
-    """Why a picture does not follow the scene, and what cannot be had of it; empty where it does.
+def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen | None:
+    """Why a picture does not follow the scene, and what cannot be had of it; None where it does.
 
     `gain` is that from the scene to the picture, of whose `levels` one may have the reason.
     """
@@ -304,6 +292,7 @@ def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unse
 # Probability against range that a target is acquired, and the figures of merit as a table.
 
 
+Nyquists = tuple[float, float]  # across and along
 TtpForm = Literal["mrtd", "system_contrast_threshold"]
 TASKS = ("detection", "recognition", "identification")
 _POINTS = 201
@@ -361,25 +350,13 @@ class Task:
         )
 
 
-@dataclass(frozen=True)
-class Acquisition:
-    """Probabilities against range by task, and the ranges of one half in m."""
-
-    range_m: Vector
-    johnson: tuple[Vector, ...]
-    ttp: Vector
-    johnson_ranges: tuple[float | None, ...]
-    ttp_range: float | None
+Acquired = tuple[Vector, dict[str, Vector], dict[str, float | None]]
+"""Ranges in m, the probability at these by task, and by task the range of one half."""
 
 
 def acquisition(
-    work: Work,
-    thresholds: Thresholds | Unseen,
-    noise: Sensitivity | Unseen,
-    *,
-    task: Task,
-    grid: Grid,
-) -> Acquisition | Unseen:
+    work: Work, thresholds: Thresholds | Unseen, noise: Sensed, *, task: Task, grid: Grid
+) -> Acquired | Unseen:
     if isinstance(thresholds, Unseen):
         return thresholds
     assert not isinstance(noise, Unseen)
@@ -396,13 +373,17 @@ def acquisition(
         )
         return target_acquisition.johnson_probability(cycles=cycles, n50=n50)
 
-    spectrum = noise.spectrum
+    frequency, spectrum, nyquist = (
+        thresholds.frequency,
+        noise.spectrum,
+        (grid.nyquist_x, grid.nyquist_y),
+    )
     turned = None if spectrum is None else spectrum.T
     limits = [
-        TtpThreshold(thresholds.frequency, _contrast_threshold(task, noise, thresholds, *seen))
+        TtpThreshold(frequency, _contrast_threshold(task, noise, frequency, *seen))
         for seen in (
-            (thresholds.horizontal, thresholds.mtf_x, grid.nyquist_x, grid.nyquist_y, spectrum),
-            (thresholds.vertical, thresholds.mtf_y, grid.nyquist_y, grid.nyquist_x, turned),
+            (thresholds.horizontal, thresholds.mtf_x, nyquist, spectrum),
+            (thresholds.vertical, thresholds.mtf_y, nyquist[::-1], turned),
         )
     ]
 
@@ -420,38 +401,31 @@ def acquisition(
             probability_at=lambda range_m: johnson(n50, range_m), probability=probability
         )
 
-    half = tuple(johnson_reach(n50, 0.5) for n50 in task.n50)
+    by_task = dict(zip(TASKS, task.n50, strict=True))
+    half = {name: johnson_reach(n50, 0.5) for name, n50 in by_task.items()}
     work.check()
-    ttp_half = range_for_probability(probability_at=ttp, probability=0.5)
+    half["TTP"] = range_for_probability(probability_at=ttp, probability=0.5)
     if task.range_max_km is not None:
         farthest = 1000.0 * task.range_max_km
     else:
-        reach = (johnson_reach(min(task.n50), _LEAST), ttp_half)
+        reach = (johnson_reach(min(task.n50), _LEAST), half["TTP"])
         farthest = max(
             (range_m for range_m in reach if range_m and math.isfinite(range_m)), default=1000.0
         )
     range_m = farthest * np.arange(1, _POINTS + 1) / _POINTS
-    return Acquisition(
-        range_m, tuple(johnson(n50, range_m) for n50 in task.n50), ttp(range_m), half, ttp_half
-    )
+    curves = {name: johnson(n50, range_m) for name, n50 in by_task.items()}
+    return range_m, {**curves, "TTP": ttp(range_m)}, half
 
 
 def _contrast_threshold(
-    task: Task,
-    noise: Sensitivity,
-    thresholds: Thresholds,
-    mrtd: Vector,
-    mtf: Vector,
-    across: float,
-    along: float,
-    spectrum: Vector | None,
+    task: Task, noise: Sensitivity, frequency: Vector, mrtd: Vector, mtf: Vector, *of_noise: Any
 ) -> Vector:
     """The published one, of the eye through MTF and noise; or by the MRTD; as far as is sampled.
 
     By the MRTD it is the root of the squares of the eye's threshold through the sensor, and of its
     noise.
     """
-    frequency, resolved = thresholds.frequency, np.isfinite(mrtd)
+    resolved = np.isfinite(mrtd)
     seen = np.where(resolved, mtf, 1.0)
     display = {"luminance_cd_m2": task.luminance_cd_m2, "display_deg": task.display_deg}
     if task.ttp_threshold == "mrtd":
@@ -463,25 +437,20 @@ def _contrast_threshold(
         frequency=frequency,
         mtf=seen,
         magnification=task.magnification,
-        relative_noise=_relative_noise(task, noise, frequency, across, along, spectrum),
+        relative_noise=_relative_noise(task, noise, frequency, *of_noise),
         **display,
     )
     return np.where(resolved, threshold, np.inf)
 
 
 def _relative_noise(
-    task: Task,
-    noise: Sensitivity,
-    frequency: Vector,
-    across: float,
-    along: float,
-    spectrum: Vector | None,
+    task: Task, noise: Sensitivity, frequency: Vector, nyquist: Nyquists, spectrum: Vector | None
 ) -> Vector:
     def share(of: Vector | None) -> Vector:
         return perceived_share(
             frequency=frequency,
-            across_cyc_per_mrad=across,
-            along_cyc_per_mrad=along,
+            across_cyc_per_mrad=nyquist[0],
+            along_cyc_per_mrad=nyquist[1],
             magnification=task.magnification,
             luminance_cd_m2=task.luminance_cd_m2,
             spectrum=of,
@@ -494,23 +463,19 @@ def _relative_noise(
     return np.asarray(np.sqrt(total) / task.scene_contrast_K, np.float64)
 
 
-def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
+def probability_curve(work: Work, result: Acquired | Unseen) -> CurveData:
     if isinstance(result, Unseen):
         return CurveData("Target acquisition", "range (km)", "probability", ())
-    km = result.range_m / 1000.0
-    series = [
-        Series(task, km, probability)
-        for task, probability in zip(TASKS, result.johnson, strict=True)
-    ]
-    series.append(Series("TTP", km, result.ttp))
-    return CurveData("Target acquisition", "range (km)", "probability", tuple(series))
+    range_m, curves, _ = result
+    series = tuple(Series(name, range_m / 1000.0, curve) for name, curve in curves.items())
+    return CurveData("Target acquisition", "range (km)", "probability", series)
 
 
 def merit_table(
     work: Work,
-    seen: Sensitivity | Unseen,
+    seen: Sensed,
     thresholds: Thresholds | Unseen,
-    reached: Acquisition | Unseen,
+    reached: Acquired | Unseen,
     *,
     grid: Grid,
     unit: str,
@@ -525,9 +490,7 @@ def merit_table(
         for name in COMPONENTS:
             values[f"sigma_{name}_K"] = math.sqrt(seen.noise_K2.variance(name))
     if not isinstance(reached, Unseen):
-        for task, range_m in zip(TASKS, reached.johnson_ranges, strict=True):
-            values[f"{task}_range_km"] = _km(range_m)
-        values["ttp_range_km"] = _km(reached.ttp_range)
+        values |= {f"{task.lower()}_range_km": _km(half) for task, half in reached[2].items()}
 
     def row(name: str, unit: str, meaning: str) -> TableRow:
         return TableRow(name, values.get(name), unit, meaning, why)
