@@ -61,9 +61,9 @@ def _responses(evaluation: Evaluation) -> list[Fact]:
             continue
         drawn = drawn_of(planned, NodeContext(name, folder=evaluation.plan.folder))
         if drawn is not None:
-            title, about = planned.declaration.title, {"name": drawn.name}
-            about |= {"wavelength_um": drawn.wavelength_um, "values": drawn.values}
-            responses.append({"node": name, "title": title, **about})
+            drawn_name, _, wavelength_um, values = drawn
+            about = {"name": drawn_name, "wavelength_um": wavelength_um, "values": values}
+            responses.append({"node": name, "title": planned.declaration.title, **about})
     return responses
 
 

@@ -1,7 +1,5 @@
 """Camera Geometry: a wider scene as a line scanner, a pushbroom or a framing camera samples it."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal, NamedTuple
 
@@ -39,21 +37,21 @@ from core.physics.sampling.ground_geometry import (
     step_of_field_mrad,
     view_angles,
 )
-from core.records import dataclass
 from nodes.shared.module_ports import TableFigures
 
+Pair = tuple[float, float]
 FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
+_PREVIEW_POINTS = 65
+_OF_CAMERA = ("kind", "altitude_m", "roll_deg", "pitch_deg", "yaw_deg", "offset_x_m", "offset_y_m")
 
 
-def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> Footprints:
-    to_samples = np.array(
-        [
-            [1.0 / ground.interval_x_m, 0.0, 0.5 * ground.columns],
-            [0.0, 1.0 / ground.interval_y_m, 0.5 * ground.rows],
-            [0.0, 0.0, 1.0],
-        ]
-    )
+def laid_footprints(
+    _: Work, *, camera: Camera, scene: tuple[int, int], intervals_m: Pair, strips: int
+) -> Footprints:
+    """Of a scene of rows and columns at intervals across and along."""
+    (rows, columns), (x, y) = scene, intervals_m
+    to_samples = np.array([[1.0 / x, 0.0, 0.5 * columns], [0.0, 1.0 / y, 0.5 * rows], [0, 0, 1.0]])
     u, v = np.arange(camera.columns + 1.0), np.arange(camera.rows + 1.0)
     return footprints(
         matrix=to_samples @ ground_matrix(camera=camera),
@@ -61,7 +59,7 @@ def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> 
         along=along(camera=camera, v=v),
         middles=along(camera=camera, v=v[:-1] + 0.5),
         widths=line_widths(camera=camera, u=u[:-1] + 0.5),
-        scene=(ground.rows, ground.columns),
+        scene=scene,
         strips=strips,
     )
 
@@ -116,16 +114,16 @@ def geometry_table(
     scene: Array,
     laid: Footprints,
     *,
-    camera: Camera,
-    ground: Ground,
     strips: int,
     between_samples: Between,
+    **how: Any,
 ) -> TableData:
+    camera, (x, y) = how["camera"], how["intervals_m"]
     bounds = ground_bounds(camera=camera)
     middle = ground_sample(camera=camera, u=0.5 * camera.columns, v=0.5 * camera.rows)
     error = 0.0
     if not laid.level:
-        finer = laid_footprints(work, camera=camera, ground=ground, strips=FINER * strips)
+        finer = laid_footprints(work, strips=FINER * strips, **how)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
     where = "edge of the covered ground, measured from the scene's centre"
     samples = "scene samples per camera sample at the centre"
@@ -135,10 +133,8 @@ def geometry_table(
         ("right_m", bounds.right, "m", where),
         ("top_m", bounds.top, "m", where),
         ("bottom_m", bounds.low, "m", where),
-        ("scene_samples_x", middle.across_m / ground.interval_x_m, "",
-         f"{samples}, across the track"),
-        ("scene_samples_y", middle.along_m / ground.interval_y_m, "",
-         f"{samples}, along the track"),
+        ("scene_samples_x", middle.across_m / x, "", f"{samples}, across the track"),
+        ("scene_samples_y", middle.along_m / y, "", f"{samples}, along the track"),
         ("strips", laid.strips, "", "strips per footprint"),
         ("footprint_error", error, "",
          "largest change when footprints are cut into four times as many strips, as "
@@ -146,18 +142,43 @@ def geometry_table(
     )  # fmt: skip
 
 
-# Where a camera stands and looks, and how it samples: parameters, and what follows from them.
+class CameraOutputs(NamedTuple):
+    image: Image
+    coverage: Image
+    curve: Curve
+    table: Table
 
 
-@dataclass(frozen=True)
-class Ground:
-    rows: int
-    columns: int
-    interval_x_m: float
-    interval_y_m: float
+class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", group="Analysis"):
+    """Sample a scene on flat ground as a line scanner, pushbroom or framing camera does.
 
+    The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
+    samples at equal angles, so its ground samples grow with the view angle θ, as sec²θ across the
+    track and as sec θ along it (panoramic distortion). A pushbroom scanner and a framing camera
+    sample at equal steps in the focal plane. The flight direction is down the picture, and scan
+    lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
+    footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
+    choose samples finer than the detector, and combine pixels after the detector's MTF.
 
-class CameraSettings(Module):
+    Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
+    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
+    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
+    1996, sections 2 and 5.3, for the Salacain camera.
+    """
+
+    formulas = (
+        Formula(
+            r"x=h\,\tan\theta,\quad\frac{dx}{d\theta}=\frac{h}{\cos^2\theta},\quad\frac{dy}{d"
+            r"\phi}=\frac{h}{\cos\theta}",
+            where="h: altitude; θ: view angle across the track; a line scanner's samples grow by "
+            "these factors across and along the track",
+        ),
+        Formula(
+            r"L'_{jk}=\frac{1}{|A_{jk}|}\iint_{A_{jk}}L\,dx\,dy",
+            where="A: footprint of a sample on the ground",
+        ),
+    )
+
     kind: Kind = param(
         "line", "line scanner, pushbroom, or framing camera (exposes all lines at once)"
     )
@@ -209,6 +230,96 @@ class CameraSettings(Module):
     offset_y_m: float = param(
         0.0, "distance of the camera from the scene's centre, down the picture", slider=(-500, 500)
     )
+    interpolation: Between = param(
+        "area", "interpolation between scene samples: constant, linear, or parabolic"
+    )
+    strips: int = param(4, "number of strips per oblique footprint", (1, 64))
+    outside: Literal["refuse", "fill"] = param(
+        "refuse", "footprints beyond the scene: an error (refuse), or fill_value (fill)"
+    )
+    fill_value: float = param(0.0, "value beyond the scene, in the scene's unit")
+
+    preview_lines = 10.5
+    panel = (
+        Section("Camera", ("kind", "altitude_m", "columns", "rows"), page="Camera"),
+        Section(
+            "Samples", ("fov_x_deg", "pitch_x_um", "pitch_y_um", "focal_length_mm"), page="Camera"
+        ),
+        Section(
+            "Flight",
+            ("velocity_m_per_s", "line_rate_Hz"),
+            page="Camera",
+            shown_when=("kind", ("line", "pushbroom")),
+        ),
+        Section("Attitude", ("roll_deg", "pitch_deg", "yaw_deg"), page="Attitude"),
+        Section(
+            "Scene",
+            ("ground_interval_m", "ground_interval_y_m", "offset_x_m", "offset_y_m"),
+            page="Scene",
+        ),
+        Section("Sampling", ("interpolation", "strips", "outside"), page="Scene"),
+        Section("", ("fill_value",), page="Scene", shown_when=("outside", ("fill",))),
+    )
+
+    def run(self, image: Image, here: NodeContext) -> CameraOutputs:
+        camera, intervals = self.camera(image), self.intervals_m(image)
+        check_horizon(camera=camera)
+        if self.outside == "refuse":
+            _check_inside(camera, image.columns * intervals[0], image.rows * intervals[1])
+        laid: dict[str, Any] = {"camera": camera, "scene": image.shape, "intervals_m": intervals}
+        footprints = here.step(laid_footprints, strips=self.strips, **laid)
+        coverage = here.step(covered, footprints)
+        inputs: tuple[Recipe, ...] = (image.recipe, footprints)
+        filled: dict[str, Any] = {}
+        if self.outside == "fill":
+            inputs, filled = (*inputs, coverage), {"fill": self.fill_value}
+        kind = {"between_samples": self.interpolation}
+        picture = here.step(sampled, *inputs, **kind, **filled)
+        table = here.step(
+            geometry_table, image.recipe, footprints, strips=self.strips, **kind, **laid
+        )
+        along = camera.step_y_mrad
+        if camera.kind != "framing":
+            along = 1000.0 * (camera.line_spacing_m / camera.altitude_m)
+        seen = image.with_recipe(
+            picture,
+            rows=camera.rows,
+            columns=camera.columns,
+            interval_x_mrad=camera.step_x_mrad,
+            interval_y_mrad=along,
+            header=Header(fov_x_deg=field_deg(camera=camera), focal_length_mm=self.focal_length_mm),
+            edges=None,
+        )
+        return CameraOutputs(
+            seen,
+            seen.with_recipe(coverage, unit="", band_um=None),
+            Curve(here.step(ground_curve, camera=camera)),
+            Table(table),
+        )
+
+    def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
+        camera = self.camera(planned.sound().inputs["image"])
+        u, v = np.linspace(0.5, camera.columns - 0.5, _PREVIEW_POINTS), 0.5 * camera.rows
+        samples = [ground_sample(camera=camera, u=place, v=v) for place in u.tolist()]
+        sizes = np.array(samples).T
+        angles = np.degrees(view_angles(camera=camera, u=u))
+        title = "angle from the optical axis" if camera.kind == "framing" else "view angle"
+        half = max(float(angles[-1] - angles[0]) / 2, 1e-6)
+        middle = float(angles[-1] + angles[0]) / 2
+        drawn = Plot(
+            Axis(middle - half, middle + half, f"{title} (deg)"),
+            Axis(0.0, 1.12 * float(sizes.max()), "m"),
+            curves=(
+                DrawnCurve(angles, sizes[0], name="across the track"),
+                DrawnCurve(angles, sizes[1], 1, "dashed", name="along the track"),
+            ),
+        )
+        return Preview(
+            f"field {brief(field_deg(camera=camera))}°, ground sample "
+            f"{pair(*samples[_PREVIEW_POINTS // 2])} m at the centre, "
+            f"{pair(*max(samples[0], samples[-1]))} m at the end",
+            (drawn,),
+        )
 
     def camera(self, image: Image) -> Camera:
         columns, rows = self.columns or image.columns, self.rows or image.rows
@@ -222,19 +333,14 @@ class CameraSettings(Module):
                 allowed = "give a focal length or pitch_x_um, because pitch_y_um is given"
                 raise ParameterError("focal_length_mm", None, allowed)
             step_y = self.pitch_y_um / focal_length
+        values = self.values()
         return Camera(
-            kind=self.kind,
-            altitude_m=self.altitude_m,
             columns=columns,
             rows=rows,
             step_x_mrad=step_x,
             step_y_mrad=step_y,
             line_spacing_m=self._line_spacing_m(step_y),
-            roll_deg=self.roll_deg,
-            pitch_deg=self.pitch_deg,
-            yaw_deg=self.yaw_deg,
-            offset_x_m=self.offset_x_m,
-            offset_y_m=self.offset_y_m,
+            **{name: values[name] for name in _OF_CAMERA},
         )
 
     def _step_x(self, columns: int) -> float:
@@ -272,7 +378,8 @@ class CameraSettings(Module):
             )
         return velocity / rate
 
-    def ground(self, image: Image) -> Ground:
+    def intervals_m(self, image: Image) -> Pair:
+        """Sampling intervals of the scene on the ground, across and along."""
         x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
         if x is None and image.interval_x_mrad is not None:
             x = image.interval_x_mrad / 1000.0 * self.altitude_m
@@ -291,157 +398,7 @@ class CameraSettings(Module):
                 raise ParameterError(
                     name, interval, "the scene's extent on the ground must be a finite number"
                 )
-        return Ground(image.rows, image.columns, x, y)
-
-
-class CameraOutputs(NamedTuple):
-    image: Image
-    coverage: Image
-    curve: Curve
-    table: Table
-
-
-class CameraGeometry(
-    CameraSettings, key="camera_geometry", title="Camera Geometry", group="Analysis"
-):
-    """Sample a scene on flat ground as a line scanner, pushbroom or framing camera does.
-
-    The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples at equal angles, so its ground samples grow with the view angle θ, as sec²θ across the
-    track and as sec θ along it (panoramic distortion). A pushbroom scanner and a framing camera
-    sample at equal steps in the focal plane. The flight direction is down the picture, and scan
-    lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
-    footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
-    choose samples finer than the detector, and combine pixels after the detector's MTF.
-
-    Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
-    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
-    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
-    1996, sections 2 and 5.3, for the Salacain camera.
-    """
-
-    formulas = (
-        Formula(
-            r"x=h\,\tan\theta,\quad\frac{dx}{d\theta}=\frac{h}{\cos^2\theta},\quad\frac{dy}{d"
-            r"\phi}=\frac{h}{\cos\theta}",
-            where="h: altitude; θ: view angle across the track; a line scanner's samples grow by "
-            "these factors across and along the track",
-        ),
-        Formula(
-            r"L'_{jk}=\frac{1}{|A_{jk}|}\iint_{A_{jk}}L\,dx\,dy",
-            where="A: footprint of a sample on the ground",
-        ),
-    )
-
-    interpolation: Between = param(
-        "area", "interpolation between scene samples: constant, linear, or parabolic"
-    )
-    strips: int = param(4, "number of strips per oblique footprint", (1, 64))
-    outside: Literal["refuse", "fill"] = param(
-        "refuse",
-        "if a footprint lies beyond the scene: report an error (refuse), or use fill_value (fill)",
-    )
-    fill_value: float = param(0.0, "value beyond the scene, in the scene's unit")
-
-    preview_lines = 10.5
-    panel = (
-        Section("Camera", ("kind", "altitude_m", "columns", "rows"), page="Camera"),
-        Section(
-            "Samples", ("fov_x_deg", "pitch_x_um", "pitch_y_um", "focal_length_mm"), page="Camera"
-        ),
-        Section(
-            "Flight",
-            ("velocity_m_per_s", "line_rate_Hz"),
-            page="Camera",
-            shown_when=("kind", ("line", "pushbroom")),
-        ),
-        Section("Attitude", ("roll_deg", "pitch_deg", "yaw_deg"), page="Attitude"),
-        Section(
-            "Scene",
-            ("ground_interval_m", "ground_interval_y_m", "offset_x_m", "offset_y_m"),
-            page="Scene",
-        ),
-        Section("Sampling", ("interpolation", "strips", "outside"), page="Scene"),
-        Section("", ("fill_value",), page="Scene", shown_when=("outside", ("fill",))),
-    )
-
-    def run(self, image: Image, here: NodeContext) -> CameraOutputs:
-        camera, ground = self.camera(image), self.ground(image)
-        check_horizon(camera=camera)
-        self._check_inside(camera, ground)
-        laid: dict[str, Any] = {"camera": camera, "ground": ground}
-        footprints = here.step(laid_footprints, strips=self.strips, **laid)
-        coverage = here.step(covered, footprints)
-        inputs: tuple[Recipe, ...] = (image.recipe, footprints)
-        filled: dict[str, Any] = {}
-        if self.outside == "fill":
-            inputs, filled = (*inputs, coverage), {"fill": self.fill_value}
-        kind = {"between_samples": self.interpolation}
-        picture = here.step(sampled, *inputs, **kind, **filled)
-        table = here.step(
-            geometry_table, image.recipe, footprints, strips=self.strips, **kind, **laid
-        )
-        along = camera.step_y_mrad
-        if camera.kind != "framing":
-            along = 1000.0 * (camera.line_spacing_m / camera.altitude_m)
-        seen = image.with_recipe(
-            picture,
-            rows=camera.rows,
-            columns=camera.columns,
-            interval_x_mrad=camera.step_x_mrad,
-            interval_y_mrad=along,
-            header=Header(fov_x_deg=field_deg(camera=camera), focal_length_mm=self.focal_length_mm),
-            edges=None,
-        )
-        return CameraOutputs(
-            seen,
-            seen.with_recipe(coverage, unit="", band_um=None),
-            Curve(here.step(ground_curve, camera=camera)),
-            Table(table),
-        )
-
-    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
-        camera = self.camera(planned.sound().inputs["image"])
-        data = ground_curve(work, camera=camera)
-        across, along = data.series[:2]
-        low, high = float(across.x[0]), float(across.x[-1])
-        middle, half = (low + high) / 2, max((high - low) / 2, 1e-6)
-        drawn = Plot(
-            Axis(middle - half, middle + half, data.x_label),
-            Axis(0.0, 1.12 * float(max(across.y.max(), along.y.max())), "m"),
-            curves=(
-                DrawnCurve(across.x, across.y, name=across.label),
-                DrawnCurve(along.x, along.y, 1, "dashed", name=along.label),
-            ),
-        )
-        return Preview(
-            f"field {brief(field_deg(camera=camera))}°, ground sample "
-            f"{pair(*_sample(camera, 0.5))} m at the centre, "
-            f"{pair(*max(_sample(camera, 0.0), _sample(camera, 1.0)))} m at the end",
-            (drawn,),
-        )
-
-    def _check_inside(self, camera: Camera, ground: Ground) -> None:
-        if self.outside == "fill":
-            return
-        bounds = ground_bounds(camera=camera)
-        half_x = 0.5 * ground.columns * ground.interval_x_m
-        half_y = 0.5 * ground.rows * ground.interval_y_m
-        beyond = {
-            "left": -half_x - bounds.left,
-            "right": bounds.right - half_x,
-            "top": -half_y - bounds.top,
-            "bottom": bounds.low - half_y,
-        }
-        past = {side: by for side, by in beyond.items() if by > 1e-9 * (half_x + half_y)}
-        if not past:
-            return
-        sides = ", ".join(f"{by:.4g} m past the {side} edge" for side, by in past.items())
-        raise DataError(
-            f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the field of view "
-            f"extends {sides}; lower altitude_m, narrow the field of view, use fewer rows, enlarge "
-            "ground_interval_m, or set outside = fill"
-        )
+        return x, y
 
     @readout("m")
     def swath_m(self, image: Image) -> float:
@@ -491,3 +448,23 @@ def _sample(camera: Camera, share: float) -> tuple[float, float]:
     """Ground sample at a share of the middle line; at its ends, of the outermost sample."""
     u = min(max(share * camera.columns, 0.5), camera.columns - 0.5)
     return ground_sample(camera=camera, u=u, v=0.5 * camera.rows)
+
+
+def _check_inside(camera: Camera, width_m: float, height_m: float) -> None:
+    bounds = ground_bounds(camera=camera)
+    half_x, half_y = 0.5 * width_m, 0.5 * height_m
+    beyond = {
+        "left": -half_x - bounds.left,
+        "right": bounds.right - half_x,
+        "top": -half_y - bounds.top,
+        "bottom": bounds.low - half_y,
+    }
+    past = {side: by for side, by in beyond.items() if by > 1e-9 * (half_x + half_y)}
+    if not past:
+        return
+    sides = ", ".join(f"{by:.4g} m past the {side} edge" for side, by in past.items())
+    raise DataError(
+        f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the field of view "
+        f"extends {sides}; lower altitude_m, narrow the field of view, use fewer rows, enlarge "
+        "ground_interval_m, or set outside = fill"
+    )

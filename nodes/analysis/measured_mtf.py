@@ -31,10 +31,8 @@ Direction = Literal["automatic", "horizontal", "vertical"]
 _BLOCK = 4
 
 
-@dataclass(frozen=True)
-class Figure:
-    value: float | None
-    error: float | None = None
+Figure = tuple[float | None, float | None]
+"""A value and its standard error, None where not known."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +99,7 @@ def measured_slanted(
         -edge.line.angle_deg if across == "horizontal" else 90.0 + edge.line.angle_deg,
         _crossing(fine, edge.mtf[samples:], edge.replicas[:, samples:], 0.5),
         _crossing(fine, edge.mtf[samples:], edge.replicas[:, samples:], 0.1),
-        Figure(float(edge.mtf[samples + 128]), float(edge.error[samples + 128])),
+        (float(edge.mtf[samples + 128]), float(edge.error[samples + 128])),
         abs(height) * scale,
         edge.spread.noise * scale,
         away[inner],
@@ -132,9 +130,8 @@ def measured_rows(
     spread = np.diff(average.clipped) if target == "edge" else average.clipped
     from_sample = np.arange(len(spread), dtype=np.float64) + (0.5 if target == "edge" else 0.0)
     nyquist = len(average.frequency) - 1
-    at_nyquist = Figure(
-        float(np.interp(0.5, average.frequency, average.mtf)), float(average.error[nyquist])
-    )
+    at_nyquist = float(np.interp(0.5, average.frequency, average.mtf))
+    curve = {"frequency": average.frequency, "mtf": average.mtf}
     return Measured(
         average.frequency,
         average.mtf,
@@ -142,9 +139,9 @@ def measured_rows(
         _per_mrad(intervals, across, 0.0),
         across,
         0.0 if across == "horizontal" else 90.0,
-        Figure(falls_to(frequency=average.frequency, mtf=average.mtf, level=0.5)),
-        Figure(falls_to(frequency=average.frequency, mtf=average.mtf, level=0.1)),
-        at_nyquist,
+        (falls_to(level=0.5, **curve), None),
+        (falls_to(level=0.1, **curve), None),
+        (at_nyquist, float(average.error[nyquist])),
         average.contrast * scale,
         average.noise * scale,
         from_sample,
@@ -189,8 +186,8 @@ def _crossing(frequency: Vector, mtf: Vector, replicas: Array, level: float) -> 
     crossings = [falls_to(frequency=frequency, mtf=one, level=level) for one in replicas]
     known = [one for one in crossings if one is not None]
     if value is None or len(known) < len(crossings):
-        return Figure(value)
-    return Figure(value, float(jackknife_error(replicas=np.array(known))))
+        return value, None
+    return value, float(jackknife_error(replicas=np.array(known)))
 
 
 # What a measured MTF is expected to be: the chain's own, along the same direction.
@@ -288,15 +285,8 @@ def expected(
 
 def _end(source: Grid, xi_per_pixel: float, eta_per_pixel: float) -> float:
     """Nyquist, or where the source's samples end if these are coarser."""
-    ends = [
-        nyquist / per_pixel
-        for nyquist, per_pixel in (
-            (source.nyquist_x, xi_per_pixel),
-            (source.nyquist_y, eta_per_pixel),
-        )
-        if per_pixel > 0.0
-    ]
-    least = min(ends)
+    pairs = (source.nyquist_x, xi_per_pixel), (source.nyquist_y, eta_per_pixel)
+    least = min(nyquist / per_pixel for nyquist, per_pixel in pairs if per_pixel > 0.0)
     return 0.5 if least >= 0.5 * (1.0 - 1e-9) else least
 
 
@@ -326,10 +316,8 @@ def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) ->
 
 def spread_of(work: Work, measured: Measured, *, unit: str) -> CurveData:
     y_label = f"value ({unit})" if unit else "value"
-    series = (
-        Series("edge spread", measured.away, measured.spread),
-        Series("line spread", measured.away, measured.line_spread),
-    )
+    spreads = ("edge spread", measured.spread), ("line spread", measured.line_spread)
+    series = tuple(Series(name, measured.away, values) for name, values in spreads)
     return CurveData(f"Spread {measured.direction}", "distance (pixels)", y_label, series)
 
 
@@ -347,18 +335,16 @@ def table_of(
         ("direction", measured.direction, "", "direction of the measurement"),
         ("edge_angle_deg", measured.angle_deg, "deg", "direction of the edge's normal"),
     ]
-    for name, figure, meaning in (
+    for name, (value, error), meaning in (
         ("mtf50", measured.mtf50, "frequency at which the MTF falls to 0.5"),
         ("mtf10", measured.mtf10, "frequency at which the MTF falls to 0.1"),
     ):
-        rows.append((name, scaled(figure.value), unit_of_axis, meaning))
-        rows.append(
-            (f"{name}_error", scaled(figure.error), unit_of_axis, f"standard error of {name}")
-        )
+        rows.append((name, scaled(value), unit_of_axis, meaning))
+        rows.append((f"{name}_error", scaled(error), unit_of_axis, "standard error"))
     rows += [
-        ("nyquist", NYQUIST * factor, unit_of_axis, "Nyquist frequency: half a cycle per pixel"),
-        ("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
-        ("at_nyquist_error", measured.nyquist.error, "", "standard error of at_nyquist"),
+        ("nyquist", NYQUIST * factor, unit_of_axis, "half a cycle per pixel"),
+        ("at_nyquist", measured.nyquist[0], "", "MTF at Nyquist"),
+        ("at_nyquist_error", measured.nyquist[1], "", "standard error"),
         ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
         ("noise", measured.noise, unit, "standard deviation of the noise in one sample"),
         ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
@@ -385,15 +371,15 @@ def figures_of(work: Work, measured: Measured, *expected: Expected) -> TableData
     def per_mrad(value: float | None) -> float | None:
         return None if value is None or measured.per_mrad is None else value * measured.per_mrad
 
-    half, tenth = measured.mtf50, measured.mtf10
+    (half, error), tenth = measured.mtf50, measured.mtf10[0]
     values: dict[str, float | None] = {
-        "mtf50": per_mrad(half.value),
-        "mtf50_error": per_mrad(half.error),
-        "mtf50_per_pixel": half.value,
-        "mtf10": per_mrad(tenth.value),
-        "mtf10_per_pixel": tenth.value,
-        "at_nyquist": measured.nyquist.value,
-        "at_nyquist_error": measured.nyquist.error,
+        "mtf50": per_mrad(half),
+        "mtf50_error": per_mrad(error),
+        "mtf50_per_pixel": half,
+        "mtf10": per_mrad(tenth),
+        "mtf10_per_pixel": tenth,
+        "at_nyquist": measured.nyquist[0],
+        "at_nyquist_error": measured.nyquist[1],
         "edge_angle_deg": measured.angle_deg,
     }
     for one in expected:
@@ -510,17 +496,11 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             "target": self.target,
         }
         if self.method == "slanted_edge":
-            measured = here.step(
-                measured_slanted, image.recipe, window=self.window, samples=self.samples, **settings
-            )
+            settings |= {"window": self.window, "samples": self.samples}
+            measured = here.step(measured_slanted, image.recipe, **settings)
         else:
-            measured = here.step(
-                measured_rows,
-                image.recipe,
-                clip_left=self.clip_left_px,
-                clip_right=self.clip_right_px,
-                **settings,
-            )
+            settings |= {"clip_left": self.clip_left_px, "clip_right": self.clip_right_px}
+            measured = here.step(measured_rows, image.recipe, **settings)
         shown = {"axis": self.axis}
         behind = chain_behind(image)
         both = [measured]

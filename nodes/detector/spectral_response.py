@@ -181,9 +181,8 @@ class SpectralResponse(
             assert isinstance(made, Step)
             return made.inputs[1]
         assert isinstance(outputs.image.bands, AttenuatedBands)
-        return Step.of(
-            _share, image.bands.means(), weights=image.bands.whole, gain=outputs.image.bands.gain
-        )
+        light: Any = {"weights": image.bands.whole, "gain": outputs.image.bands.gain}
+        return Step.of(_share, image.bands.means(), **light)
 
 
 def mean_response(
@@ -242,14 +241,8 @@ _HIGHEST = 0.9  # share of the axis that the spectrum's peak takes
 _WIDER = 0.03  # of the band, on both sides
 
 
-@dataclass(frozen=True, eq=False)
-class DrawnResponse:
-    name: str  # what it is of every wavelength
-    # wavelengths shown: the picture's band, and what lies within the response beside it
-    band_um: Band
-    # the curve
-    wavelength_um: Array
-    values: Array
+DrawnResponse = tuple[str, Band, Array, Array]
+"""What is drawn, the wavelengths shown (the picture's band, the response beside it), the curve."""
 
 
 def drawn_response(
@@ -261,17 +254,18 @@ def drawn_response(
     ends = ends[(ends >= low) & (ends <= high)]
     beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
     places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
-    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))
+    return name, (low, high), places, np.asarray(response.at(places))
 
 
 def response_preview(response: DrawnResponse, image: Image, work: Work) -> Preview:
-    curves = [Curve(response.wavelength_um, response.values, name="response", width=2.0)]
+    name, (low, high), wavelength_um, values = response
+    curves = [Curve(wavelength_um, values, name="response", width=2.0)]
     marks: tuple[Mark, ...] = ()
-    lit = response.wavelength_um[response.values > 0.0]
-    words = f"{response.name} 0"
+    lit = wavelength_um[values > 0.0]
+    words = f"{name} 0"
     if len(lit):
-        most, ends = float(response.values.max()), f"from {brief(lit[0])} to {brief(lit[-1])} µm"
-        words = f"{response.name} up to {brief(most)} {ends}"
+        most, ends = float(values.max()), f"from {brief(lit[0])} to {brief(lit[-1])} µm"
+        words = f"{name} up to {brief(most)} {ends}"
     if image.bands is not None:
         unit = f"{image.unit}/µm" if image.bands.density else image.unit
         means = np.asarray(work.value(image.bands.means()), np.float64)
@@ -286,10 +280,9 @@ def response_preview(response: DrawnResponse, image: Image, work: Work) -> Previ
             heights = means * (_HIGHEST / peak)
             curves.append(Curve(centres, heights, 1, name="scene", fill="below"))
             marks = (Mark(centres[where], _HIGHEST, highest, 1),)
-    low, high = response.band_um
     beside = _WIDER * (high - low)
     across = Axis(low - beside, high + beside, "wavelength (µm)")
-    along = Axis(0.0, _ROOM, response.name, reach=1.0)
+    along = Axis(0.0, _ROOM, name, reach=1.0)
     return Preview(words, (Plot(across, along, tuple(curves), marks),))
 
 
@@ -322,10 +315,8 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
 
 def lit_windows(bands: BandStack) -> tuple[tuple[float, float], ...]:
     """Parts of a picture's band in which its bands lie; none where they touch all over it."""
-    ends = sorted(
-        (centre - width / 2, centre + width / 2)
-        for centre, width in zip(bands.centres_um, bands.widths_um, strict=True)
-    )
+    pairs = zip(bands.centres_um, bands.widths_um, strict=True)
+    ends = sorted((centre - width / 2, centre + width / 2) for centre, width in pairs)
     windows = [ends[0]]
     for low, high in ends[1:]:
         if abs(low - windows[-1][1]) <= _TOUCHING * low:

@@ -186,13 +186,13 @@ def _camera(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
     """Camera Geometry: the same field of the same scene, both in fewer and larger samples."""
     module: Any = planned.module
     image = planned.inputs["image"]
-    camera, ground = module.camera(image), module.ground(image)
+    camera, (x_m, y_m) = module.camera(image), module.intervals_m(image)
     columns, rows = max(1, camera.columns // ratio[0]), max(1, camera.rows // ratio[1])
     across, along = camera.columns / columns, camera.rows / rows
     focal_length_mm = module.focal_length_mm or 1.0
     changed = {
-        "ground_interval_m": ground.interval_x_m * image.columns / (image.columns // ratio[0]),
-        "ground_interval_y_m": ground.interval_y_m * image.rows / (image.rows // ratio[1]),
+        "ground_interval_m": x_m * image.columns / (image.columns // ratio[0]),
+        "ground_interval_y_m": y_m * image.rows / (image.rows // ratio[1]),
         "columns": columns,
         "rows": rows,
         "fov_x_deg": None,

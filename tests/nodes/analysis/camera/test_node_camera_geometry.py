@@ -91,9 +91,9 @@ def test_the_scenes_own_sampling_at_nadir(tmp_path):
         "camera": ("camera_geometry", {"fov_x_deg": 3.0}),
     }
     plan = NodeBench(LIBRARY, tmp_path, nodes).plan
-    ground = plan.nodes["camera"].module.ground(plan.output("scene.image"))
-    assert ground.interval_x_m == pytest.approx(1000 * math.radians(8) / 64)
-    assert ground.interval_y_m == pytest.approx(1000 * math.radians(5) / 48)
+    x, y = plan.nodes["camera"].module.intervals_m(plan.output("scene.image"))
+    assert x == pytest.approx(1000 * math.radians(8) / 64)
+    assert y == pytest.approx(1000 * math.radians(5) / 48)
 
 
 def test_each_sample_is_the_mean_of_its_rectangle(tmp_path):
