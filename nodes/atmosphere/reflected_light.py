@@ -3,7 +3,7 @@
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -134,9 +134,8 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         ends = np.linspace(low, high, self.bands + 1).tolist()
         centres = tuple((a + b) / 2.0 for a, b in pairwise(ends))
         widths = (float((high - low) / self.bands),) * self.bands
-        stack = GreyBands(
-            centres, widths, image.recipe, _white(light, centres, widths, share), share, here.node
-        )
+        white_of = _white(light, centres, widths, share)
+        stack = GreyBands(centres, widths, image.recipe, white_of, share, here.node)
         made = stack.picture(stack.whole)
         return image.with_recipe(made, unit="W/m²/sr", band_um=band, bands=stack)
 
@@ -216,9 +215,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     )
 
 
-def _white(
-    light: Sunlight, centres: tuple[float, ...], widths: tuple[float, ...], share: float
-) -> tuple[float, ...]:
+def _white(light: Sunlight, centres: Row, widths: Row, share: float) -> Row:
     """Mean radiance of a white surface in every band, W/m²/sr/µm; `share` of it."""
     white = []
     for centre, width in zip(centres, widths, strict=True):
@@ -232,11 +229,8 @@ def _share(unit: str) -> float:
     """What one unit of a picture's samples is of a reflectance of 1."""
     share = _SHARES.get(unit.strip().lower())
     if share is None:
-        what = "not a reflectance"
-        if is_radiance(unit):
-            what = "already radiance"
-        elif is_temperature(unit):
-            what = "a temperature"
+        what = "a temperature" if is_temperature(unit) else "not a reflectance"
+        what = "already radiance" if is_radiance(unit) else what
         raise DataError(
             f"the picture, in {unit!r:.40}, is {what}: Reflected Light needs a reflectance; set "
             "the unit on Read Image to 1, %, reflectance or albedo"
@@ -249,16 +243,7 @@ def _share(unit: str) -> float:
 _ABOVE_ONE = 1e-6  # by which a reflectance of 1 may be rounded
 
 
-@dataclass(frozen=True)
-class Lit(Scaled):
-    reflectance: float
-
-    @property
-    def of_reflectance(self) -> float:
-        return self.reflectance
-
-
-@picture_step(linear=lambda _, white, reflectance: Lit(white, reflectance))
+@picture_step(linear=lambda _, white, reflectance: Scaled(white, reflectance))
 @pointwise
 def reflected(work: Work, image: Array, *, white: float, reflectance: float) -> Array:
     """Radiance of reflectances; `white` is that of a sample of 1, whose reflectance is told."""
@@ -290,30 +275,21 @@ class GreyBands(BandStack):
         return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
-        return Step.of(
-            reflected,
-            self.image,
-            node=self.node,
-            white=float(np.dot(weights, self.white)),
-            reflectance=self.reflectance,
-        )
+        how: Any = {"white": float(np.dot(weights, self.white)), "reflectance": self.reflectance}
+        return Step.of(reflected, self.image, node=self.node, **how)
 
     def means(self) -> Recipe:
         return Step.of(_means, self.image, node=self.node, white=self.white)
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe:
         region = Region(row, column, rows, columns)
-        return Step.of(_means_there, self.image, node=self.node, white=self.white, region=region)
+        return Step.of(_means, self.image, node=self.node, white=self.white, region=region)
 
 
 @in_blocks()
-def _means(work: Work, image: Array, *, white: Row) -> Array:
-    return np.asarray(float(np.mean(image, dtype=np.float64)) * np.array(white))
-
-
-@in_blocks()
-def _means_there(work: Work, image: Array, *, white: Row, region: Region) -> Array:
-    return np.asarray(float(np.mean(region.cut(image), dtype=np.float64)) * np.array(white))
+def _means(work: Work, image: Array, *, white: Row, region: Region | None = None) -> Array:
+    samples = image if region is None else region.cut(image)
+    return np.asarray(float(np.mean(samples, dtype=np.float64)) * np.array(white))
 
 
 @in_blocks()

@@ -168,18 +168,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         )
 
         mean: Recipe = here.step(steps.expected_electrons, light, levels)
-        patterns = (
-            [self.deviates(here, "prnu", image.shape, fixed=True)] if self.prnu_percent else []
-        )
-        patterns += [self.deviates(here, "dsnu", image.shape, fixed=True)] if self.dsnu_e else []
+        sizes = (("prnu", self.prnu_percent), ("dsnu", self.dsnu_e))
+        drawn = [self.deviates(here, "shot", image.shape)]
+        drawn += [self.deviates(here, of, image.shape, fixed=True) for of, size in sizes if size]
         spread = {"prnu_percent": self.prnu_percent, "dsnu_e": self.dsnu_e}
         collected: Recipe = here.step(
-            steps.collected,
-            mean,
-            self.deviates(here, "shot", image.shape),
-            *patterns,
-            frames=self.frames_averaged,
-            **spread,
+            steps.collected, mean, *drawn, frames=self.frames_averaged, **spread
         )
         if self.sums_charge:
             filled = self._filled(collected, levels, reading, here)
@@ -224,10 +218,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                 name: self._binned(port, here, "mean" if name in means else "sum")
                 for name, port in given.items()
             }
-        count = here.step(steps.count_of, given["saturated"].recipe)
-        return FocalPlaneOutputs(
-            **given, table=Table(here.step(steps.with_saturated, table, count))
-        )
+        table = here.step(steps.with_saturated, table, given["saturated"].recipe)
+        return FocalPlaneOutputs(**given, table=Table(table))
 
     def _binned(self, image: Image, here: NodeContext, mode: BinMode = "sum") -> Image:
         """The picture in bins, which are the pixels from here on."""
@@ -270,21 +262,10 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     ) -> Recipe:
         if not self.nonlinearity_percent:
             return electrons
-        return here.step(
-            steps.bent,
-            electrons,
-            levels,
-            full_well_e=reading.full_well_e,
-            nonlinearity_percent=self.nonlinearity_percent,
-        )
+        return here.step(steps.bent, electrons, levels, **reading.response)
 
     def _given_in(
-        self,
-        image: Image,
-        electrons: Recipe,
-        levels: Recipe,
-        numbers: dict[str, float],
-        here: NodeContext,
+        self, image: Image, electrons: Recipe, levels: Recipe, numbers: Any, here: NodeContext
     ) -> Image:
         if self.bits:
             made = here.step(steps.digitized, electrons, bits=self.bits, **numbers)

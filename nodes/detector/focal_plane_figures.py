@@ -85,6 +85,12 @@ class ReadOut:
     numbers_summed: int = 1
 
     @property
+    def response(self) -> dict[str, Any]:
+        """How electrons are bent, where the well is known."""
+        bent = self.nonlinearity_percent
+        return {"full_well_e": self.full_well_e, "nonlinearity_percent": bent}
+
+    @property
     def top_dn(self) -> float:
         """The last number, of all that are summed; infinite without a converter."""
         return self.numbers_summed * (2.0**self.bits - 1.0) if self.bits else np.inf
@@ -167,19 +173,14 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
     if per_photon is None:
         return LevelChange(levels.slope, levels.seen.mean, levels.signal_e)
     if kelvin is None or levels.electrons_per_K is None:
-        return LevelChange(
-            levels.slope / per_photon,
-            levels.seen.mean * per_photon,
-            levels.signal_e,
-            per_sample=levels.slope,
-        )
-    low, high = levels.collection.weights.band_um
+        mean = levels.seen.mean * per_photon
+        return LevelChange(levels.slope / per_photon, mean, levels.signal_e, "", levels.slope)
+    low, high = levels.band_um
     body = {"temperature_K": kelvin, "cut_on_um": low, "cut_off_um": high}
-    radiance = levels.collection.vignetting * float(band_radiance(**body))
-    slope = levels.collection.vignetting * float(band_radiance_derivative(**body))
-    return LevelChange(
-        levels.electrons_per_K / slope, radiance, levels.signal_e, per_sample=levels.slope
-    )
+    radiance = levels.vignetting * float(band_radiance(**body))
+    slope = levels.vignetting * float(band_radiance_derivative(**body))
+    gain = levels.electrons_per_K / slope
+    return LevelChange(gain, radiance, levels.signal_e, "", levels.slope)
 
 
 def bent_level(work: Work, levels: ElectronLevels, **response: float) -> LevelChange:
@@ -196,11 +197,7 @@ def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
 def _bent(electrons: float, reading: ReadOut) -> float:
     if reading.full_well_e is None:
         return electrons
-    return focal_plane_array.bent_response(
-        electrons=electrons,
-        full_well_e=reading.full_well_e,
-        nonlinearity_percent=reading.nonlinearity_percent,
-    )
+    return focal_plane_array.bent_response(electrons=electrons, **reading.response)
 
 
 def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
@@ -232,11 +229,7 @@ def _bent_slope(electrons: float, reading: ReadOut) -> float:
     """Rise of the response there; 0 where it has been bent until it is flat."""
     if reading.full_well_e is None:
         return 1.0
-    return focal_plane_array.bent_slope(
-        electrons=electrons,
-        full_well_e=reading.full_well_e,
-        nonlinearity_percent=reading.nonlinearity_percent,
-    )
+    return focal_plane_array.bent_slope(electrons=electrons, **reading.response)
 
 
 def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
@@ -296,16 +289,11 @@ def figures(
     excess = shot * (reading.excess_factor - 1.0) ** 0.5
     clipped = mean_clipped(levels, reading)
     why = "" if clipped is None else clipped.message
-    responsivity = levels.electrons_per_K if clipped is None else None
+    responsivity, netd = levels.electrons_per_K if clipped is None else None, None
     if responsivity is not None:
         responsivity *= slope
-    netd = None
-    if responsivity is not None:
-        netd = _finite(
-            focal_plane_array.netd_of_electrons_K(
-                temporal_e=temporal, responsivity_e_per_K=responsivity
-            )
-        )
+        of_K = {"temporal_e": temporal, "responsivity_e_per_K": responsivity}
+        netd = _finite(focal_plane_array.netd_of_electrons_K(**of_K))
     well, decibels, too_dark = reading.full_well_e, None, ""
     fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
@@ -315,9 +303,8 @@ def figures(
     if collected.dark_e >= saturation:
         too_dark = f"{collected.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
-        decibels = _finite(
-            focal_plane_array.dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise)
-        )
+        ends = {"full_well_e": saturation, "dark_noise_e": dark_noise}
+        decibels = _finite(focal_plane_array.dynamic_range_dB(**ends))
     snr = _snr(levels, reading)
     efficiency = _efficiency(levels)
     nei = None
@@ -429,11 +416,12 @@ def _emva(
         yield f"snr_at_{percent}_percent", snr, "", f"SNR at {percent} % of saturation_radiance"
 
 
-def _worth(levels: ElectronLevels) -> tuple[tuple[str, float | None, str, str], ...]:
+def _worth(
+    levels: ElectronLevels, collection: Collection
+) -> Iterator[tuple[str, float | None, str, str]]:
     """What each other weighting would make of the signal, and by how much they differ."""
-    rows: list[tuple[str, float | None, str, str]] = []
-    collected = levels.collection
-    known_spectrum = collected.weights.used == "spectrum"
+    known: list[float] = []
+    known_spectrum = collection.weights.used == "spectrum"
     for weighting in photon_conversion.WEIGHTINGS:
         signal: float | None = None
         weights = replace(collected.weights, weighting=weighting)
@@ -443,17 +431,15 @@ def _worth(levels: ElectronLevels) -> tuple[tuple[str, float | None, str, str], 
             except DataError:  # a source too cold to be one, which is not the one that is used
                 pass
             else:
-                signal = collected.per_photon * float(ratio[0]) * levels.seen.mean
+                signal = collection.per_photon * float(ratio[0]) * levels.seen.mean
+                known.append(signal)
         meaning = f"signal with photons weighted by {weighting}"
-        rows.append((f"signal_by_{weighting}_e", signal, "e-", meaning))
-    known = [signal for _, signal, _, _ in rows if signal is not None]
+        yield f"signal_by_{weighting}_e", signal, "e-", meaning
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:
         worth = 100.0 * (max(known) - min(known)) / levels.signal_e
-    meaning = (
-        "largest minus smallest signal over all choices of photon_weighting, relative to signal_e"
-    )
-    return (*rows, ("weighting_worth_percent", worth, "%", meaning))
+    what = "largest minus smallest signal over all choices of photon_weighting"
+    yield "weighting_worth_percent", worth, "%", f"{what}, relative to signal_e"
 
 
 def _efficiency(levels: ElectronLevels) -> float:

@@ -1,7 +1,8 @@
 """The stages of Focal Plane as steps: from radiance to electrons to digital numbers."""
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -38,15 +39,12 @@ those of the most, and in one thread 10 ms in either."""
 _EXACT_BITS = 14  # numbers beyond are made in double, whose rounding is far below one
 
 
-@dataclass(frozen=True)
-class AboutLevel(AboutMean):
-    @property
-    def by_sample(self) -> bool:
-        return True
+Well = float | None
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True)
-class Ended(AboutLevel):
+class Ended(AboutMean):
     """No change, unless the read-out ends before the level, and nothing follows the scene."""
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
@@ -69,9 +67,16 @@ def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], obje
     return made
 
 
-@picture_step(
-    linear=lambda _, levels: AboutLevel(Step.of(scene_level, levels)), looks_at=("levels",)
-)
+def _about(level: Callable[..., LevelChange]) -> Callable[[Function], Function]:
+    """Mark a step that is linear in small differences about the mean, as `level` has it."""
+
+    def change(_: Recipe, levels: Recipe, **how: Any) -> AboutMean:
+        return AboutMean(Step.of(level, levels, **how))
+
+    return picture_step(linear=change, looks_at=("levels",))
+
+
+@_about(scene_level)
 @pointwise
 def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Array:
     pedestal = image.dtype.type(levels.pedestal_e)
@@ -84,13 +89,7 @@ def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Arra
 
 @in_blocks()
 def _collected_noises(
-    at: AtStep,
-    mean: Recipe,
-    shot: Recipe,
-    *patterns: Recipe,
-    frames: int,
-    prnu_percent: float,
-    dsnu_e: float,
+    at: AtStep, mean: Recipe, *_: Recipe, frames: int, prnu_percent: float, dsnu_e: float
 ) -> list[Noise]:
     """Shot noise of each sample's own electrons; PRNU by its electrons, DSNU alike for all."""
     expected = at.work.value(mean)
@@ -110,16 +109,10 @@ def _collected_noises(
 @picture_step(noise=_collected_noises, looks_at=("mean",))
 @pointwise
 def collected(
-    work: Work,
-    mean: Array,
-    shot: Array,
-    *patterns: Array,
-    frames: int,
-    prnu_percent: float,
-    dsnu_e: float,
+    work: Work, mean: Array, *deviates: Array, frames: int, prnu_percent: float, dsnu_e: float
 ) -> Array:
     """Electrons in one frame, or the average of several: shot noise, then PRNU, then DSNU."""
-    number = mean.dtype.type
+    number, (shot, *patterns) = mean.dtype.type, deviates
     prnu = patterns[0] if prnu_percent else None
     dsnu = patterns[-1] if dsnu_e else None
 
@@ -167,10 +160,7 @@ def multiplied(
     return _by_rows(work, picture, block)
 
 
-@picture_step(
-    linear=lambda _, levels, **how: AboutLevel(Step.of(bent_level, levels, **how)),
-    looks_at=("levels",),
-)
+@_about(bent_level)
 @pointwise
 def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) -> Array:
     def block(rows: slice, made: Array) -> None:
@@ -179,10 +169,8 @@ def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) 
     return _by_rows(work, picture, block)
 
 
-@in_blocks()
-def _read_noise(
-    at: AtStep, picture: Recipe, *_: Recipe, sigma_e: float, full_well_e: float | None
-) -> list[Noise]:
+@noises_in_blocks
+def _read_noise(at: AtStep, *_: Recipe, sigma_e: float, **__: Well) -> list[Noise]:
     return [at.white("read", sigma_e**2)] if sigma_e else []
 
 
@@ -194,12 +182,7 @@ def _read_noise(
 )
 @pointwise
 def read_out(
-    work: Work,
-    picture: Array,
-    clipping: LevelChange,
-    *deviates: Array,
-    sigma_e: float,
-    full_well_e: float | None,
+    work: Work, picture: Array, clipping: Any, *deviates: Array, sigma_e: float, full_well_e: Well
 ) -> Array:
     """With read noise, and no more electrons than the well holds.
 
@@ -298,13 +281,11 @@ def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
 @marked(whole_numbers=True)
 @picture_step(linear=_counts, noise=_rounding, noise_free=_not_rounded)
 @pointwise
-def digitized(
-    work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float, bits: int
-) -> Array:
+def digitized(work: Work, picture: Array, *, bits: int, **scale: Any) -> Array:
     kind = picture.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
 
     def block(rows: slice, made: Array) -> None:
-        numbers = _numbers(picture[rows], kind, gain_e_per_dn, offset_dn, out=made)
+        numbers = _numbers(picture[rows], kind, **scale, out=made)
         np.clip(numbers, 0.0, kind.type(2.0**bits - 1.0), out=numbers)
         if numbers is not made:
             made[:] = numbers
@@ -313,11 +294,7 @@ def digitized(
 
 
 def _numbers(
-    electrons: Array,
-    kind: np.dtype[Any],
-    gain_e_per_dn: float,
-    offset_dn: float,
-    out: Array | None = None,
+    electrons: Array, kind: Any, *, gain_e_per_dn: float, offset_dn: float, out: Any = None
 ) -> Array:
     """Rounded, of any size; in `out` where that is of the kind."""
     place = out if out is not None and out.dtype == kind else None
@@ -340,9 +317,7 @@ def electrons_of_counts(
     return _by_rows(work, picture, block)
 
 
-@picture_step(
-    linear=lambda _, levels: AboutLevel(Step.of(radiance_level, levels)), looks_at=("levels",)
-)
+@_about(radiance_level)
 @pointwise
 def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) -> Array:
     """Radiance of the scene that electrons stand for, less what is there without it."""
@@ -360,13 +335,7 @@ def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) ->
 @ends_lineage
 @pointwise
 def saturated_pixels(
-    work: Work,
-    electrons: Array,
-    *,
-    full_well_e: float | None,
-    gain_e_per_dn: float,
-    offset_dn: float,
-    bits: int,
+    work: Work, electrons: Array, *, full_well_e: Well, bits: int, **numbers: Any
 ) -> Array:
     """1 where the well is full, or the number would be beyond the converter's last one."""
     number = electrons.dtype.type
@@ -375,20 +344,12 @@ def saturated_pixels(
         marked |= electrons >= number(full_well_e)
     if bits:
         kind = electrons.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
-        marked |= _numbers(electrons, kind, gain_e_per_dn, offset_dn) > 2.0**bits - 1.0
+        marked |= _numbers(electrons, kind, **numbers) > 2.0**bits - 1.0
     return marked.astype(electrons.dtype)
 
 
 @in_blocks()
-def count_of(work: Work, marked: Array) -> int:
-    return int(np.count_nonzero(marked))
-
-
-def with_saturated(work: Work, table: TableData, count: int) -> TableData:
-    row = TableRow(
-        "saturated_pixels",
-        count,
-        "",
-        "pixels clipped at the full well or at the converter's highest number",
-    )
+def with_saturated(work: Work, table: TableData, marked: Array) -> TableData:
+    meaning = "pixels clipped at the full well or at the converter's highest number"
+    row = TableRow("saturated_pixels", int(np.count_nonzero(marked)), "", meaning)
     return TableData((*table.rows, row))

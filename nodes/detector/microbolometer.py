@@ -170,11 +170,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         own, other = self.integration_time_s, self.reference_integration_time_s
         if (own is None) != (other is None):
             missing = "integration_time_s" if own is None else "reference_integration_time_s"
-            raise ParameterError(
-                missing,
-                None,
-                "give both integration_time_s and reference_integration_time_s, or neither",
-            )
+            allowed = "give both integration_time_s and reference_integration_time_s, or neither"
+            raise ParameterError(missing, None, allowed)
         low, high = self.range_low_K, self.range_high_K
         for name, value in (("bits", self.bits), ("range_low_K", low), ("range_high_K", high)):
             if not value and (self.bits or low or high):
@@ -264,10 +261,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     def _limits(self, band: tuple[float, float]) -> tuple[float, float] | None:
         if not self.bits or self.range_low_K is None or self.range_high_K is None:
             return None
-        low, high = (
-            float(planck.band_radiance(temperature_K=kelvin, cut_on_um=band[0], cut_off_um=band[1]))
-            for kelvin in (self.range_low_K, self.range_high_K)
-        )
+        ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
+        kelvins = (self.range_low_K, self.range_high_K)
+        low, high = (float(planck.band_radiance(temperature_K=one, **ends)) for one in kelvins)
         return low, high
 
     def _filter(self) -> float:
@@ -326,13 +322,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ]
         if not fields:
             return picture
-        return here.step(
-            with_pattern_of_pixels,
-            picture,
-            *fields,
-            response=self.response_percent / 100.0,
-            offset=self._offset(band),
-        )
+        how = {"response": self.response_percent / 100.0, "offset": self._offset(band)}
+        return here.step(with_pattern_of_pixels, picture, *fields, **how)
 
     def _noisy(
         self, picture: Recipe, image: Image, white: float, flicker: float, here: NodeContext
@@ -355,10 +346,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if not fields:
             return picture
         sizes = [left for left, sigma in zip(self._left(), (white, flicker), strict=True) if sigma]
-        fields = [
-            self._over_frames(field, self._filter(), here, size)
-            for field, size in zip(fields, sizes, strict=True)
-        ]
+        pairs = zip(fields, sizes, strict=True)
+        fields = [self._over_frames(field, self._filter(), here, size) for field, size in pairs]
         return here.step(with_temporal_noise, picture, *fields, white=white, flicker=flicker)
 
     @warning

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -114,54 +115,34 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
                 "the picture's band is needed to compute the radiance of the references: set "
                 "cut_on_um and cut_off_um on Read Image"
             )
-        low = self._reference(image.recipe, seen, band, self.low_K, 1, here)
-        high = self._reference(image.recipe, seen, band, self.high_K, 2, here)
-        two = self.method == "two_point"
-        gain = (
-            here.step(gain_map, low, high) if two else here.step(even, shape=image.shape, value=1.0)
-        )
+        two, frames = self.method == "two_point", self.reference_frames
+
+        def reference(kelvin: float, turn: int) -> MeanFrame:
+            """What the camera gives of a uniform radiance in the place of what it has seen."""
+            ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
+            radiance = float(band_radiance(temperature_K=kelvin, **ends))
+            flat = here.step(uniform_like, seen, radiance=radiance)
+            remade = Remaking(lambda part: flat if part.key == seen.key else None)
+            return MeanFrame(remade.of(image.recipe), -turn * frames, frames, node=here.node)
+
+        low, high = reference(self.low_K, 1), reference(self.high_K, 2)
+        gain = here.step(even, shape=image.shape, value=1.0)
+        if two:
+            gain = here.step(gain_map, low, high)
         offset = here.step(offset_map, low, gain, two=two)
+        kelvin = self.high_K - self.low_K
+        share = self.drift_K / kelvin
         if self.drift_K:
             deviates = self.deviates(here, "drift", image.shape, fixed=True)
-            offset = here.step(drifted, offset, low, high, deviates, share=self._drift_share())
-        made = here.step(
-            corrected,
-            image.recipe,
-            gain,
-            offset,
-            low,
-            high,
-            two=two,
-            frames=self.reference_frames,
-            drift_share=self._drift_share(),
-        )
-        kelvin = self.high_K - self.low_K
+            offset = here.step(drifted, offset, low, high, deviates, share=share)
+        how = {"two": two, "frames": frames, "drift_share": share}
+        made = here.step(corrected, image.recipe, gain, offset, low, high, **how)
         return CorrectedOutputs(
             image.with_recipe(made),
             image.with_recipe(gain, unit=""),
             image.with_recipe(offset),
             Table(here.step(figures, low, high, kelvin=kelvin, unit=image.unit)),
         )
-
-    def _reference(
-        self,
-        picture: Recipe,
-        seen: Recipe,
-        band: tuple[float, float],
-        kelvin: float,
-        turn: int,
-        here: NodeContext,
-    ) -> MeanFrame:
-        """What the camera gives of a uniform radiance in the place of what it has seen."""
-        ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
-        radiance = float(band_radiance(temperature_K=kelvin, **ends))
-        flat = here.step(uniform_like, seen, radiance=radiance)
-        uniform = Remaking(lambda part: flat if part.key == seen.key else None).of(picture)
-        frames = self.reference_frames
-        return MeanFrame(uniform, -turn * frames, frames, node=here.node)
-
-    def _drift_share(self) -> float:
-        return self.drift_K / (self.high_K - self.low_K)
 
     @warning
     def nothing(self, image: Image) -> Caution | None:
@@ -232,20 +213,10 @@ class PatternTakenOut(Linear):
         return power if temporal else None
 
 
-def _left(
-    at: AtStep,
-    picture: Recipe,
-    gain: Recipe,
-    offset: Recipe,
-    low: Recipe,
-    high: Recipe,
-    *,
-    two: bool,
-    frames: int,
-    drift_share: float,
-) -> list[Noise]:
+def _left(at: AtStep, *images: Recipe, two: bool, frames: int, drift_share: float) -> list[Noise]:
     """What the pattern on a straight line through both references leaves, and their noise."""
-    cool, warm = (np.asarray(at.work.value(one), np.float64) for one in (low, high))
+    picture, gain, offset, *references = images
+    cool, warm = (np.asarray(at.work.value(one), np.float64) for one in references)
     start, rise = float(cool.mean()), float(warm.mean() - cool.mean())
     noises = []
     if rise:
@@ -254,13 +225,11 @@ def _left(
         samples = np.asarray(seen * factor + added, np.float64)
         place = (np.float64(samples.mean()) if at.uniform else samples) - start
         place = np.broadcast_to(place / rise, samples.shape)
-        of_mean = (
-            sum(noise.power.moments().sample for noise in at.before if noise.temporal) / frames
-        )
+        temporal = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
+        of_mean = temporal / frames
         if two:
-            noises.append(
-                at.white("references", of_mean * ((1.0 - place) ** 2 + place**2), temporal=False)
-            )
+            power = of_mean * ((1.0 - place) ** 2 + place**2)
+            noises.append(at.white("references", power, temporal=False))
         else:
             noises.append(at.white("reference", of_mean, temporal=False))
             differing = place * ((warm - cool) - rise)
@@ -268,8 +237,8 @@ def _left(
             # The references' own noise is no difference of gains.
             whole = shown.moments().sample
             known = max(whole - 2.0 * of_mean * float(np.mean(place**2)), 0.0)
-            power = shown.scaled((known / whole) ** 0.5) if whole else shown
-            noises.append(at.coloured("gain", power, temporal=False))
+            shown = shown.scaled((known / whole) ** 0.5) if whole else shown
+            noises.append(at.coloured("gain", shown, temporal=False))
     if drift_share:
         noises.append(at.white("drift", (drift_share * rise) ** 2, temporal=False))
     return noises
@@ -283,16 +252,7 @@ def _left(
 )
 @pointwise
 def corrected(
-    work: Work,
-    picture: Array,
-    gain: Array,
-    offset: Array,
-    low: Array,
-    high: Array,
-    *,
-    two: bool,
-    frames: int,
-    drift_share: float,
+    work: Work, picture: Array, gain: Array, offset: Array, low: Array, high: Array, **_: Any
 ) -> Array:
     return np.asarray(picture * gain + offset, work.policy.dtype)
 

@@ -68,10 +68,15 @@ class Scaled(Linear):
     """Every sample times a number; an offset is in no difference."""
 
     factor: float
+    reflectance: float | None = None  # of a sample of 1 before it, where it is light on surfaces
 
     @property
     def gain(self) -> float:
         return self.factor
+
+    @property
+    def of_reflectance(self) -> float | None:
+        return self.reflectance
 
     @property
     def by_sample(self) -> bool:
@@ -90,6 +95,10 @@ class AboutMean(Linear):
     @property
     def level(self) -> recipes.Recipe:
         return self.change
+
+    @property
+    def by_sample(self) -> bool:
+        return True
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return power.scaled(work.value(self.change).gain)
