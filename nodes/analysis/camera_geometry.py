@@ -47,10 +47,10 @@ _OF_CAMERA = ("kind", "altitude_m", "roll_deg", "pitch_deg", "yaw_deg", "offset_
 
 
 def laid_footprints(
-    _: Work, *, camera: Camera, scene: tuple[int, int], intervals_m: Pair, strips: int
+    _: Work, *, camera: Camera, size: tuple[int, int], intervals_m: Pair, strips: int
 ) -> Footprints:
     """Of a scene of rows and columns at intervals across and along."""
-    (rows, columns), (x, y) = scene, intervals_m
+    (rows, columns), (x, y) = size, intervals_m
     to_samples = np.array([[1.0 / x, 0.0, 0.5 * columns], [0.0, 1.0 / y, 0.5 * rows], [0, 0, 1.0]])
     u, v = np.arange(camera.columns + 1.0), np.arange(camera.rows + 1.0)
     return footprints(
@@ -59,7 +59,7 @@ def laid_footprints(
         along=along(camera=camera, v=v),
         middles=along(camera=camera, v=v[:-1] + 0.5),
         widths=line_widths(camera=camera, u=u[:-1] + 0.5),
-        scene=scene,
+        scene=size,
         strips=strips,
     )
 
@@ -266,7 +266,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         check_horizon(camera=camera)
         if self.outside == "refuse":
             _check_inside(camera, image.columns * intervals[0], image.rows * intervals[1])
-        laid: dict[str, Any] = {"camera": camera, "scene": image.shape, "intervals_m": intervals}
+        laid: dict[str, Any] = {"camera": camera, "size": image.shape, "intervals_m": intervals}
         footprints = here.step(laid_footprints, strips=self.strips, **laid)
         coverage = here.step(covered, footprints)
         inputs: tuple[Recipe, ...] = (image.recipe, footprints)

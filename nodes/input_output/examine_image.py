@@ -93,17 +93,11 @@ class ExamineImage(
             band = image.band_um if is_radiance(unit) else None
         else:
             recipe = here.step(realized, *asked_for(image), value=image)
-        table = here.step(
-            figures, recipe, unit=unit, band_um=band, probe_x=self.probe_x, probe_y=self.probe_y
-        )
-        curve = here.step(
-            displayed_histogram,
-            recipe,
-            display=self.display,
-            bins=self.bins,
-            label=_label(image),
-            is_image=isinstance(image, Image),
-        )
+        x, y = self.probe_x, self.probe_y
+        probe = None if x is None or y is None else (x, y)
+        table = here.step(figures, recipe, unit=unit, band_um=band, probe=probe)
+        how: Any = {"label": _label(image), "is_image": isinstance(image, Image)}
+        curve = here.step(displayed_histogram, recipe, display=self.display, bins=self.bins, **how)
         return ExamineOutputs(Table(table), Curve(curve))
 
     def files(
@@ -142,28 +136,20 @@ def realized(work: Work, *known: Any, value: Any) -> Array:
 
 @in_blocks()
 def figures(
-    work: Work,
-    samples: Array,
-    *,
-    unit: str,
-    band_um: Band | None,
-    probe_x: int | None,
-    probe_y: int | None,
+    work: Work, samples: Array, *, unit: str, band_um: Band | None, probe: tuple[int, int] | None
 ) -> TableData:
     measured = statistics(samples, for_each=work.for_each)
     values = {"minimum": measured.minimum, "maximum": measured.maximum, "mean": measured.mean}
     meanings = {"minimum": "smallest sample", "maximum": "largest sample", "mean": "mean"}
     rows = [TableRow(name, value, unit, meanings[name]) for name, value in values.items()]
     rows.append(TableRow("sigma", measured.sigma, unit, "standard deviation"))
-    if probe_x is not None and probe_y is not None:
-        for name, index, size in (
-            ("probe_x", probe_x, samples.shape[1]),
-            ("probe_y", probe_y, samples.shape[0]),
-        ):
+    if probe is not None:
+        sizes = zip(("probe_x", "probe_y"), probe, samples.shape[::-1], strict=True)
+        for name, index, size in sizes:
             if index >= size:
                 raise ParameterError(name, index, f"0 to {size - 1}")
-        values["probe"] = float(samples[probe_y, probe_x])
-        where = f"sample at column {probe_x}, row {probe_y}"
+        values["probe"] = float(samples[probe[1], probe[0]])
+        where = f"sample at column {probe[0]}, row {probe[1]}"
         rows.append(TableRow("probe", values["probe"], unit, where))
     if band_um is not None and band_um[0] >= SHORTEST_THERMAL_UM:
         for name, value in values.items():

@@ -9,8 +9,6 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.sampling.detector_sampling import interval_mrad
-from core.records import replace
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import checked_band
 from nodes.files.envi import coverage
@@ -23,7 +21,7 @@ from nodes.input_output.sample_unit import (
     sample_unit,
     spectral_unit,
 )
-from nodes.shared.context_defaults import is_radiance
+from nodes.shared.context_defaults import Band, interval_of, is_radiance
 from nodes.shared.module_ports import ImageOutput, PicturePreview
 
 _WHOLE = 0.99  # of the wavelengths: less is warned of
@@ -133,19 +131,12 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             interval_um=stated if spectral else None,
             missing=self.missing,
         )
-        return ImageOutput(
-            self._picture(
-                info,
-                recipe,
-                unit.name,
-                stated or header_band(info, band),
-                channels=info.channels,
-                bands=1 if spectral else info.bands,
-                absent_chunks=info.absent_chunks,
-                bad_bands=len(info.bad_bands) if spectral else 0,
-                coverage=coverage(info, stated) if spectral else 1.0,
-            )
-        )
+        known: dict[str, Any] = {"channels": info.channels, "absent_chunks": info.absent_chunks}
+        known["bands"] = 1 if spectral else info.bands
+        if spectral:
+            known |= {"bad_bands": len(info.bad_bands), "coverage": coverage(info, stated)}
+        of_band = stated or header_band(info, band)
+        return ImageOutput(self._picture(info, recipe, unit.name, of_band, **known))
 
     def _channel(self, info: PictureInfo) -> int | tuple[int, ...]:
         """The band that is read; of a colour picture in luminance, its three."""
@@ -176,10 +167,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         return ImageOutput(self._picture(info, recipe, unit.name, self._stated_band()))
 
     def _cube(
-        self,
-        cube: source_file.Source | source_file.HeldSamples,
-        node: str,
-        missing: source_file.Missing = "refuse",
+        self, cube: source_file.Cube, node: str, missing: source_file.Missing = "refuse"
     ) -> Image:
         info, stated = cube.info, self._stated_band()
         unit = spectral_unit(info, typed=self.unit, scale=self.scale)
@@ -192,12 +180,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         return replace(image, bands=stack)
 
     def _picture(
-        self,
-        info: PictureInfo,
-        recipe: Recipe,
-        unit: str,
-        band_um: tuple[float, float] | None,
-        **known: Any,
+        self, info: PictureInfo, recipe: Recipe, unit: str, band_um: Band | None, **known: Any
     ) -> Image:
         """The image, of which the file says what is `known` besides."""
         fov_x_deg = self.fov_x_deg or info.fov_x_deg
@@ -206,8 +189,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             recipe,
             info.rows,
             info.columns,
-            _interval("fov_x_deg", fov_x_deg, info.columns),
-            _interval("fov_y_deg", fov_y_deg, info.rows),
+            interval_of("fov_x_deg", fov_x_deg, info.columns),
+            interval_of("fov_y_deg", fov_y_deg, info.rows),
             unit=unit,
             band_um=band_um,
             header=Header(
@@ -346,17 +329,13 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return 0
         return Step.of(source_file.count_missing, node=read.node, **parameters)
 
-    def _stated_band(self) -> tuple[float, float] | None:
+    def _stated_band(self) -> Band | None:
         if self.cut_on_um is None or self.cut_off_um is None:
             return None
         return self.cut_on_um, self.cut_off_um
 
 
-def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
-    return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
-
-
-def header_band(info: PictureInfo, band: int | tuple[int, ...]) -> tuple[float, float] | None:
+def header_band(info: PictureInfo, band: int | tuple[int, ...]) -> Band | None:
     if info.wavelengths_um is None or info.fwhm_um is None or isinstance(band, tuple):
         return None
     centre, half = info.wavelengths_um[band], info.fwhm_um[band] / 2

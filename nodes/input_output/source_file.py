@@ -30,6 +30,8 @@ from nodes.files.formats import check_finite, read_info, read_pixels
 from nodes.files.store_folder import is_store, readable_picture, store_state
 
 Stamp = tuple[str, int, int]
+Stamps = tuple[Stamp, ...]
+Interval = tuple[float, float]
 Channel = int | tuple[int, ...]
 """A band, or those of red, green and blue of which the luminance is taken."""
 LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
@@ -48,7 +50,7 @@ class Source:
 
     file: Path
     info: PictureInfo
-    stamps: tuple[Stamp, ...]
+    stamps: Stamps
 
 
 def picture_source(path: Path | None, here: NodeContext) -> Source:
@@ -72,7 +74,7 @@ def read_step(
     scale: float,
     node: str,
     offset: float = 0.0,
-    interval_um: tuple[float, float] | None = None,
+    interval_um: Interval | None = None,
     missing: Missing = "refuse",
 ) -> Step:
     """Recipe of the samples of a band, or integrated over an interval, times `scale` and `offset`.
@@ -96,17 +98,9 @@ def read_step(
 @in_blocks()
 @source_step(area_means=False)  # a scene in a file may be blurred by anything
 def read_scaled(
-    work: Work,
-    *,
-    file: Path,
-    stamps: tuple[Stamp, ...],
-    band: Channel,
-    scale: float,
-    interval_um: tuple[float, float] | None,
-    missing: Missing,
-    offset: float = 0.0,
+    work: Work, *, file: Path, scale: float, missing: Missing, offset: float = 0.0, **of: Any
 ) -> NDArray[np.floating]:
-    samples = _stored(work, file, stamps, band, interval_um)
+    samples = _stored(work, file, **of)
     if missing == "refuse":
         check_finite(samples, str(file), advice=_ADVICE)
     else:
@@ -117,26 +111,14 @@ def read_scaled(
 
 
 @in_blocks()
-def count_missing(
-    work: Work,
-    *,
-    file: Path,
-    stamps: tuple[Stamp, ...],
-    band: Channel,
-    interval_um: tuple[float, float] | None,
-    **_: Any,
-) -> int:
-    samples = _stored(work, file, stamps, band, interval_um)
+def count_missing(work: Work, **reading: Any) -> int:
+    samples = _stored(work, **reading)
     finite = (np.count_nonzero(np.isfinite(samples[rows])) for rows in work.row_slabs(samples))
     return int(samples.size - sum(finite))
 
 
 def _stored(
-    work: Work,
-    file: Path,
-    stamps: tuple[Stamp, ...],
-    band: Channel,
-    interval_um: tuple[float, float] | None,
+    work: Work, file: Path, stamps: Stamps, band: Channel, interval_um: Interval | None, **_: Any
 ) -> NDArray[Any]:
     check_unchanged(file, stamps)
     empty: Empty = np.empty if work.blocks is None else work.empty
@@ -160,13 +142,13 @@ def luminance(file: Path, bands: tuple[int, ...], *, empty: Empty = np.empty) ->
     return samples
 
 
-def check_unchanged(file: Path, stamps: tuple[Stamp, ...]) -> None:
+def check_unchanged(file: Path, stamps: Stamps) -> None:
     """Refuse a file that is another one than was planned with (`FileError`)."""
     if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
         raise FileError(f"{file}: changed since the network was planned; run the network again")
 
 
-def stamps_of(*files: Path | None) -> tuple[Stamp, ...]:
+def stamps_of(*files: Path | None) -> Stamps:
     return tuple(_stamp(one) for one in files if one is not None)
 
 
@@ -206,7 +188,7 @@ def scaled_samples(
 
 
 @lru_cache(maxsize=256)
-def _described(file: Path, stamps: tuple[Stamp, ...]) -> PictureInfo:
+def _described(file: Path, stamps: Stamps) -> PictureInfo:
     return read_info(file)
 
 
@@ -242,8 +224,8 @@ class HeldSamples:
         cls,
         array: NDArray[Any],
         name: str = "the array",
-        wavelengths_um: tuple[float, ...] | None = None,
-        widths_um: tuple[float, ...] | None = None,
+        wavelengths_um: Row | None = None,
+        widths_um: Row | None = None,
     ) -> HeldSamples:
         """A copy: float32 as it is, all other real numbers as float64."""
         if array.dtype.kind not in "buif":
@@ -310,24 +292,16 @@ def scaled_array(work: Work, *, held: HeldSamples, scale: float, offset: float) 
 
 
 Array = NDArray[Any]
-Interval = tuple[float, float]
+Span = tuple[int, int]
 _WIDEST_UM = 1e6
 _PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm
 
 
-@dataclass(frozen=True)
-class CubeFile:
-    """An ENVI file, in the state (`stamps`) in which the network was planned with it."""
-
-    file: Path
-    stamps: tuple[Stamp, ...]
-
-
-Cube = CubeFile | HeldSamples
+Cube = Source | HeldSamples
 
 
 def _is_file(*, cube: Cube, **_: Any) -> bool:
-    return isinstance(cube, CubeFile)
+    return isinstance(cube, Source)
 
 
 @contextmanager
@@ -370,7 +344,7 @@ class CubeBands(BandStack):
 
     @property
     def in_blocks(self) -> bool:
-        return isinstance(self.cube, CubeFile)
+        return isinstance(self.cube, Source)
 
     def sums(self, weights: Rows) -> Recipe:
         rows = tuple(self._with_factors(row) for row in weights)
@@ -387,23 +361,17 @@ class CubeBands(BandStack):
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe:
         """Bands of a sample, or their mean over some; nothing else of a file is read."""
-        return Step.of(
-            _spectrum,
-            node=self.node,
-            cube=self.cube,
-            places=self.places,
-            factors=self.factors,
-            rows=(row, row + rows),
-            columns=(column, column + columns),
-        )
+        how: Any = {"cube": self.cube, "places": self.places, "factors": self.factors}
+        spans: Any = {"rows": (row, row + rows), "columns": (column, column + columns)}
+        return Step.of(_spectrum, node=self.node, **how, **spans)
 
 
 def bands_of(
-    cube: Source | HeldSamples,
+    cube: Cube,
     *,
     unit: RadianceUnit | None,
     scale: float,
-    interval_um: tuple[float, float] | None,
+    interval_um: Interval | None,
     missing: Missing = "refuse",
     node: str,
 ) -> CubeBands:
@@ -426,9 +394,8 @@ def bands_of(
     places = sorted(lit, key=lambda place: _centre(info, place))
     if not places:
         ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
-        raise ParameterError(
-            "cut_on_um", low, f"an interval that contains bands of the file, {ends}"
-        )
+        allowed = f"an interval that contains bands of the file, {ends}"
+        raise ParameterError("cut_on_um", low, allowed)
     centres = [_middle(info, place, (first[place], last[place]), (low, high)) for place in places]
     factors = [
         scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
@@ -437,7 +404,7 @@ def bands_of(
     return CubeBands(
         tuple(centres),
         tuple(float(widths[place]) for place in places),
-        CubeFile(cube.file, cube.stamps) if isinstance(cube, Source) else cube,
+        cube,
         tuple(places),
         tuple(map(float, factors)),
         missing,
@@ -479,23 +446,18 @@ def _per_um(unit: RadianceUnit, centre_um: float, width_um: float) -> float:
     return factor if unit.spectral else factor / width_um
 
 
-def _made_sums(
-    work: Work,
-    fills: tuple[Array, ...],
-    cube: Cube,
-    places: tuple[int, ...],
-    rows: Rows,
-    missing: Missing,
+@in_blocks(_is_file)
+def _sums(
+    work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Rows, missing: Missing
 ) -> Array:
-    file = cube.file if isinstance(cube, CubeFile) else None
+    file = cube.file if isinstance(cube, Source) else None
     with _opened(cube) as layout:
-        if file is not None and work.blocks is None:
-            reason = oversized(layout.rows, layout.columns, work.policy.dtype)
-            if reason:
-                raise FileError(f"{file}: {reason}")
-        weights = np.zeros((len(rows), layout.bands))
-        weights[:, places] = rows
-        used = np.flatnonzero(np.any(weights != 0.0, axis=0))
+        size = layout.rows, layout.columns
+        if file and work.blocks is None and (reason := oversized(*size, work.policy.dtype)):
+            raise FileError(f"{file}: {reason}")
+        spread = np.zeros((len(weights), layout.bands))
+        spread[:, places] = weights
+        used = np.flatnonzero(np.any(spread != 0.0, axis=0))
 
         def fill(block: Array) -> None:
             # Of the bands that are read, in their order.
@@ -505,7 +467,7 @@ def _made_sums(
 
         sums = envi.weighted_sums(
             layout,
-            weights,
+            spread,
             dtype=work.policy.dtype,
             fill=None if missing == "refuse" else fill,
             for_each=work.for_each,
@@ -531,18 +493,9 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
 
 
 @in_blocks(_is_file)
-def _sums(
-    work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Rows, missing: Missing
-) -> Array:
-    return _made_sums(work, fills, cube, places, weights, missing)
-
-
-@in_blocks(_is_file)
 @source_step(area_means=False)  # a scene in a file or an array may be blurred by anything
-def _sum(
-    work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Row, missing: Missing
-) -> Array:
-    return np.asarray(_made_sums(work, fills, cube, places, (weights,), missing)[0])
+def _sum(work: Work, *fills: Array, weights: Row, **how: Any) -> Array:
+    return np.asarray(_sums(work, *fills, weights=(weights,), **how)[0])
 
 
 def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: Missing) -> Array:
@@ -551,7 +504,7 @@ def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: M
         totals, counts = envi.band_totals(layout, for_each=work.for_each)
     size = layout.rows * layout.columns
     means = np.zeros(layout.bands)
-    name = cube.file if isinstance(cube, CubeFile) else cube.name
+    name = cube.file if isinstance(cube, Source) else cube.name
     for place in places:
         if missing == "refuse" and counts[place] < size:
             raise DataError(
@@ -569,13 +522,7 @@ def _means(work: Work, stored: Array, *, places: tuple[int, ...], factors: Row) 
 
 
 def _spectrum(
-    work: Work,
-    *,
-    cube: Cube,
-    places: tuple[int, ...],
-    factors: Row,
-    rows: tuple[int, int],
-    columns: tuple[int, int],
+    work: Work, *, cube: Cube, places: tuple[int, ...], factors: Row, rows: Span, columns: Span
 ) -> Array:
     with _opened(cube) as layout:
         stored = envi.mean_spectrum(layout, slice(*rows), slice(*columns))

@@ -15,15 +15,15 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, NodeContext, Section, param
-from core.physics.sampling.detector_sampling import interval_mrad
-from core.records import dataclass, field, replace
 from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes import draw
 from nodes.scenes.draw import DRAWN, GEOMETRY, Emissivity, Kind, Shares, Spectra
 from nodes.scenes.scene_canvas import Canvas
+from nodes.shared.context_defaults import interval_of
 from nodes.shared.module_ports import ImageOutput, PicturePreview
 
+Named = dict[str, Any]  # values of parameters
 DRAWING = ("kind", "width", "height", "angle_deg", "frequency")
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 
@@ -125,17 +125,14 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
 
     def check(self) -> None:
         if self.cut_on_um >= self.cut_off_um:
-            raise ParameterError(
-                "cut_off_um", self.cut_off_um, f"above cut_on_um = {self.cut_on_um:g}"
-            )
+            allowed = f"above cut_on_um = {self.cut_on_um:g}"
+            raise ParameterError("cut_off_um", self.cut_off_um, allowed)
         if self.temperature_K + self.delta_K <= 0:
-            raise ParameterError(
-                "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}"
-            )
+            allowed = f"above −temperature_K = −{self.temperature_K:g}"
+            raise ParameterError("delta_K", self.delta_K, allowed)
         if self.quantity == "reflectance" and self.kind in DRAWN and not self.bands:
-            raise ParameterError(
-                "bands", 0, f"1 or more for the {self.kind} if quantity = reflectance"
-            )
+            allowed = f"1 or more for the {self.kind} if quantity = reflectance"
+            raise ParameterError("bands", 0, allowed)
 
     def run(self, here: NodeContext) -> ImageOutput:
         x, y = self.fov_x_deg, self.fov_y_deg
@@ -155,8 +152,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
                 recipe,
                 self.height,
                 self.width,
-                _interval("fov_x_deg", x, self.width),
-                _interval("fov_y_deg", y, self.height),
+                interval_of("fov_x_deg", x, self.width),
+                interval_of("fov_y_deg", y, self.height),
                 unit="1" if self.quantity == "reflectance" else DEFAULT_UNIT,
                 band_um=(self.cut_on_um, self.cut_off_um),
                 header=Header(fov_x_deg=x, fov_y_deg=y),
@@ -165,11 +162,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         )
 
     def _stack(
-        self,
-        shares: tuple[Step, ...],
-        drawing: dict[str, Any],
-        sources: dict[str, Any],
-        here: NodeContext,
+        self, shares: tuple[Step, ...], drawing: Named, sources: Named, here: NodeContext
     ) -> SceneBands:
         """Bands of equal width."""
         how = sources | self._named("bands", "emissivity", "sun_elevation_deg", "quantity")
@@ -185,19 +178,15 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             density=self.quantity == "radiance",
         )
 
-    def _reflectances(self) -> dict[str, Any]:
+    def _reflectances(self) -> Named:
         """Levels of a target in reflectance; none in radiance, and of surfaces with spectra."""
         if self.quantity == "radiance" or self.kind in DRAWN:
             return {}
         return {"reflectances": (self.background_reflectance, self.target_reflectance)}
 
-    def _named(self, *names: str) -> dict[str, Any]:
+    def _named(self, *names: str) -> Named:
         values = self.values()
         return {name: values[name] for name in names}
-
-
-def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
-    return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
 def _canvas(work: Work, width: int, height: int, **how: Any) -> Canvas:

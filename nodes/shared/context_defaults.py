@@ -10,8 +10,7 @@ from core.errors import DataError, ParameterError, unit_of
 from core.modules.declaration import Caution, Module, declaration
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
-from core.physics.sampling.detector_sampling import ifov_mrad
-from core.records import dataclass, replace
+from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
 
 Band = tuple[float, float]
 
@@ -37,6 +36,10 @@ def of_context(name: str, context: Context, *, where: str = "on Init & Trans") -
     if value is None:
         raise ParameterError(name, None, f"give a value {where}")
     return float(value)
+
+
+def interval_of(name: str, fov_deg: float | None, samples: int) -> float | None:
+    return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
 def pixel_mrad(axis: str, context: Context) -> float:

@@ -14,10 +14,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
-from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
-from core.records import replace
+from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Edges, Grid
-from nodes.shared.context_defaults import apart
+from nodes.shared.context_defaults import apart, interval_of
 
 
 class InitOutputs(NamedTuple):
@@ -160,13 +159,11 @@ class InitTrans(
         return Preview(", ".join(facts), (_sketch(context, pitch),), facts)
 
     def _interval(self, name: str, samples: int, of_image: float | None) -> float:
-        fov_deg = getattr(self, name)
-        if fov_deg is not None:
-            return interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
-        if of_image is None:
+        interval = interval_of(name, getattr(self, name), samples) or of_image
+        if interval is None:
             allowed = f"no field of view is known: give {name} here or on Read Image"
             raise ParameterError(name, None, allowed)
-        return of_image
+        return interval
 
     @warning
     def focal_length(self, image: Image) -> Caution | None:
