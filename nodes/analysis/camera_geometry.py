@@ -67,9 +67,7 @@ def laid_footprints(
 @in_blocks()
 @ends_lineage
 def covered(work: Work, laid: Footprints) -> Array:
-    return footprint_coverage(
-        laid=laid, dtype=work.policy.dtype, for_each=work.for_each, empty=work.empty
-    )
+    return footprint_coverage(laid=laid, **_by(work))
 
 
 @in_blocks()
@@ -77,15 +75,11 @@ def covered(work: Work, laid: Footprints) -> Array:
 def sampled(
     work: Work, scene: Array, laid: Footprints, coverage: Array | None = None, **how: Any
 ) -> Array:
-    return footprint_means(
-        scene=scene,
-        laid=laid,
-        coverage=coverage,
-        dtype=work.policy.dtype,
-        for_each=work.for_each,
-        empty=work.empty,
-        **how,
-    )
+    return footprint_means(scene=scene, laid=laid, coverage=coverage, **_by(work), **how)
+
+
+def _by(work: Work) -> dict[str, Any]:
+    return {"dtype": work.policy.dtype, "for_each": work.for_each, "empty": work.empty}
 
 
 def swath_m(camera: Camera) -> float:
@@ -110,13 +104,7 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
 
 @in_blocks()
 def geometry_table(
-    work: Work,
-    scene: Array,
-    laid: Footprints,
-    *,
-    strips: int,
-    between_samples: Between,
-    **how: Any,
+    work: Work, scene: Array, laid: Footprints, *, strips: int, between_samples: Between, **how: Any
 ) -> TableData:
     camera, (x, y) = how["camera"], how["intervals_m"]
     bounds = ground_bounds(camera=camera)
@@ -235,7 +223,8 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
     )
     strips: int = param(4, "number of strips per oblique footprint", (1, 64))
     outside: Literal["refuse", "fill"] = param(
-        "refuse", "footprints beyond the scene: an error (refuse), or fill_value (fill)"
+        "refuse",
+        "if a footprint lies beyond the scene: report an error (refuse), or use fill_value (fill)",
     )
     fill_value: float = param(0.0, "value beyond the scene, in the scene's unit")
 

@@ -1,7 +1,8 @@
 """Figures of Merit: what a sensor resolves and detects, and how far."""
 
 import math
-from typing import Literal, NamedTuple
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
@@ -283,15 +284,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         reached = here.step(
             threshold_curves.acquisition, threshold_step, seen, task=task, grid=grid
         )
-        table = here.step(
-            threshold_curves.merit_table,
-            seen,
-            threshold_step,
-            reached,
-            grid=grid,
-            unit=image.unit,
-            frames=self._frames(),
-        )
+        merit: Any = {"grid": grid, "unit": image.unit, "frames": self._frames()}
+        table = here.step(threshold_curves.merit_table, seen, threshold_step, reached, **merit)
         return MeritOutputs(
             Curve(here.step(threshold_curves.mrtd_curve, threshold_step)),
             Curve(here.step(threshold_curves.mdtd_curve, seen, **sensor)),

@@ -21,20 +21,15 @@ from nodes.shared.steps import difference
 # Steps of Line by Line: the frame of mixed sampling, and how far the whole-image way is off.
 
 Scan = Literal["x", "y"]
+Factors = tuple[Factor, ...]
+Frame = tuple[Grid, Edges, Scan]
+Row = tuple[float, ...]
 
 
 def mixed(
-    work: Work,
-    image: Array,
-    *,
-    factors: tuple[Factor, ...],
-    grid: Grid,
-    edges: Edges,
-    scan: Scan,
-    intervals_mrad: tuple[float, ...],
-    **how: Any,
+    work: Work, image: Array, *, factors: Factors, frame: Frame, intervals_mrad: Row, **how: Any
 ) -> Filtered:
-    chain = ScanChain(Product(factors), grid, edges, scan)
+    chain = ScanChain(Product(factors), *frame)
     return filter_mixed(work, image, chain=chain, intervals_mrad=np.array(intervals_mrad), **how)
 
 
@@ -44,7 +39,7 @@ def picture_of(_: Work, filtered: Filtered) -> Array:
 
 
 def by_view_angle(
-    _: Work, picture: Array, whole: Array, *, scan: Scan, view_angles_rad: tuple[float, ...]
+    _: Work, picture: Array, whole: Array, *, scan: Scan, view_angles_rad: Row
 ) -> wires.CurveData:
     rms, largest = _along_flight(picture, whole, scan)
     percent = _percent(_range(whole))
@@ -67,8 +62,8 @@ def difference_table(
     whole: Array,
     *,
     scan: Scan,
-    view_angles_rad: tuple[float, ...],
-    intervals_mrad: tuple[float, ...],
+    view_angles_rad: Row,
+    intervals_mrad: Row,
     unit: str,
 ) -> wires.TableData:
     rms, largest = _along_flight(picture, whole, scan)
@@ -244,42 +239,29 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             )
         whole = back_transform(magnitude, phase, node=here.node)
         factors = (*magnitude.factors, *phase.factors)
-        chain = ScanChain(Product(factors), magnitude.grid, magnitude.edges, self.scan)
+        frame = (magnitude.grid, magnitude.edges, self.scan)
+        chain = ScanChain(Product(factors), *frame)
         angles = self._view_angles(chain)
         intervals = self._intervals(chain, context, angles)
+        how: Any = {"method": self.method, "nodes": self.nodes, "tolerance": self.tolerance}
         filtered = here.step(
-            mixed,
-            source.recipe,
-            factors=factors,
-            grid=magnitude.grid,
-            edges=magnitude.edges,
-            scan=self.scan,
-            intervals_mrad=intervals,
-            method=self.method,
-            nodes=self.nodes,
-            tolerance=self.tolerance,
+            mixed, source.recipe, factors=factors, frame=frame, intervals_mrad=intervals, **how
         )
         picture = here.step(picture_of, filtered)
         pair = (picture, whole.recipe)
-        places = {"scan": self.scan, "view_angles_rad": angles}
+        places: dict[str, Any] = {"scan": self.scan, "view_angles_rad": angles}
+        curve = here.step(by_view_angle, *pair, **places)
+        places |= {"unit": source.unit, "intervals_mrad": intervals}
+        table = here.step(difference_table, filtered, *pair, **places)
         return LineOutputs(
             whole.with_recipe(picture),
             whole,
             whole.with_recipe(here.step(difference, *pair)),
-            wires.Curve(here.step(by_view_angle, *pair, **places)),
-            wires.Table(
-                here.step(
-                    difference_table,
-                    filtered,
-                    *pair,
-                    unit=source.unit,
-                    intervals_mrad=intervals,
-                    **places,
-                )
-            ),
+            wires.Curve(curve),
+            wires.Table(table),
         )
 
-    def _view_angles(self, chain: ScanChain) -> tuple[float, ...]:
+    def _view_angles(self, chain: ScanChain) -> Row:
         """Angles from nadir along a scan line, all of which meet the ground."""
         columns, interval = chain.shape[1], chain.interval_mrad
         middle = math.radians(self.look_angle_deg)
@@ -298,9 +280,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             raise ParameterError(name, value, allowed) from error
         return tuple(angles.tolist())
 
-    def _intervals(
-        self, chain: ScanChain, context: wires.Context, angles: tuple[float, ...]
-    ) -> tuple[float, ...]:
+    def _intervals(self, chain: ScanChain, context: wires.Context, angles: Row) -> Row:
         grid = chain.grid
         of_frame = grid.interval_x_mrad if chain.turned else grid.interval_y_mrad
         if context.platform != "line":
@@ -328,9 +308,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             ("scan_velocity_mrad_per_s", turns_per_s),
         ):
             if value == 0.0:
-                raise ParameterError(
-                    name, None, "give a value on Init & Trans, or set spacing to frame or typed"
-                )
+                allowed = "give a value on Init & Trans, or set spacing to frame or typed"
+                raise ParameterError(name, None, allowed)
         return velocity / turns_per_s
 
     figures = TableFigures(

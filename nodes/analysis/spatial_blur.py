@@ -94,13 +94,8 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             half_width_px=self.half_width_px,
             error=self.error,
         )
-        picture = here.step(
-            blurred,
-            source.recipe,
-            kernels,
-            edges=magnitude.edges,
-            plane=bool(Product(factors).planar),
-        )
+        plane = bool(Product(factors).planar)
+        picture = here.step(blurred, source.recipe, kernels, edges=magnitude.edges, plane=plane)
         return SpatialOutputs(
             back_transform(magnitude, phase).with_recipe(picture),
             Curve(here.step(response, kernels, grid=magnitude.grid)),

@@ -12,7 +12,7 @@ from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.engine import PlannedNode
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
-from core.chain.wires import Context, Image, Table, TableData, TableRow
+from core.chain.wires import Context, Image, Table, TableData
 from core.errors import DataError, ParameterError, how_to_install
 from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise
 from core.evaluation.work import Work
@@ -422,36 +422,25 @@ def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> A
 
 
 def path_table(
-    work: Work,
-    over: PathBand,
-    *scene_K: float,
-    air: AirPath,
-    band_um: Band | None,
-    source_K: float | None,
+    work: Work, over: PathBand, *scene_K: float, air: AirPath, band_um: Band | None, source_K: Any
 ) -> TableData:
     depth = over.optical_depth if math.isfinite(over.optical_depth) else None
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
-    rows = [
-        TableRow("transmission", over.transmission, "", "mean transmission over the band"),
-        TableRow(
-            "path_radiance", over.path_radiance, "W/m²/sr", "radiance that the air adds in the band"
-        ),
-        TableRow("optical_depth", depth, "", "−ln of the transmission; empty if no light passes"),
-        TableRow("range_m", air.range_m, "m", "range for which the transmission holds"),
-        TableRow(
-            "weighted_by_K",
-            weighted_by,
-            "K",
-            "temperature of the black body that weights the transmission",
-        ),
-    ]
+    rows: list[tuple[Any, ...]] = [
+        ("transmission", over.transmission, "", "mean transmission over the band"),
+        ("path_radiance", over.path_radiance, "W/m²/sr", "radiance that the air adds in the band"),
+        ("optical_depth", depth, "", "−ln of the transmission; empty if no light passes"),
+        ("range_m", air.range_m, "m", "range for which the transmission holds"),
+        ("weighted_by_K", weighted_by, "K",
+         "temperature of the black body that weights the transmission"),
+    ]  # fmt: skip
     places = np.empty(0) if band_um is None else np.linspace(*band_um, _LISTED)
     values = zip(places, np.exp(-air.depth(places)), air.added(places), strict=True)
     for place, passed, added in values:
         at = f"at {place:.4g} µm"
-        rows.append(TableRow(f"transmission_{place:.6g}_um", float(passed), "", at))
-        rows.append(TableRow(f"path_radiance_{place:.6g}_um", float(added), "W/m²/sr/µm", at))
-    return TableData(tuple(rows))
+        rows.append((f"transmission_{place:.6g}_um", float(passed), "", at))
+        rows.append((f"path_radiance_{place:.6g}_um", float(added), "W/m²/sr/µm", at))
+    return TableData.of(*rows)
 
 
 def _places(points: tuple[tuple[float, float], ...], low: float, high: float) -> Array:

@@ -5,7 +5,7 @@ from core.modules.declaration import Caution, Formula, NodeContext, Section, par
 from core.physics.detector.detector_mtf import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import ELECTRONICS, apart_from_context, given
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="Detector"):
@@ -42,15 +42,8 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        check_given(self, context, "detector_x_um", "detector_y_um", "focal_length_mm")
-        factors = separable(
-            aperture_mtf,
-            x={"effective_ifov_mrad": self.ifov_x_mrad("x", context)},
-            y={"effective_ifov_mrad": self.ifov_x_mrad("y", context)},
-            label=self.title,
-            node=here.node,
-        )
-        return self.mtf_outputs(magnitude, *factors)
+        x, y = ({"effective_ifov_mrad": self.ifov_x_mrad(axis, context)} for axis in "xy")
+        return self.separated(magnitude, here, aperture_mtf, x=x, y=y)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:

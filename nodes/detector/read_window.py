@@ -88,9 +88,8 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
         )
         wanted = own or size
         if wanted > size:
-            raise ParameterError(
-                what, wanted, f"at most {size}, the number of {what} in the picture"
-            )
+            allowed = f"at most {size}, the number of {what} in the picture"
+            raise ParameterError(what, wanted, allowed)
         start = (size - wanted) // 2 if first is None else first
         if start + wanted > size:
             name = "left" if axis == "x" else "top"

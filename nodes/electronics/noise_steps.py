@@ -300,13 +300,9 @@ def _detector_alone(
 @picture_step(noise=_detector_alone, looks_at=("figures",))
 @pointwise
 def with_detector_noise(
-    work: Work,
-    picture: Array,
-    figures: DetectorFigures,
-    *deviates: Array,
-    variability_percent: float,
+    work: Work, picture: Array, figures: DetectorFigures, *deviates: Array, **spread: Any
 ) -> Array:
-    noise = detector_noise(work, figures, *deviates, variability_percent=variability_percent)
+    noise = detector_noise(work, figures, *deviates, **spread)
     return np.asarray(picture + noise)
 
 

@@ -87,16 +87,9 @@ class PeriodicNoise(
         places, start = np.linspace(0.0, end, _POINTS), np.zeros(1)
         size = 1.1 * abs(self.amplitude) * (1 + self.modulation)
         values = self._pattern()
-        curves = (
-            Curve(places, periodic_pattern(x_mrad=places, y_mrad=start, **values), name="x"),
-            Curve(
-                places,
-                periodic_pattern(x_mrad=start, y_mrad=places, **values),
-                1,
-                "dashed",
-                name="y",
-            ),
-        )
+        x = periodic_pattern(x_mrad=places, y_mrad=start, **values)
+        y = periodic_pattern(x_mrad=start, y_mrad=places, **values)
+        curves = Curve(places, x, name="x"), Curve(places, y, 1, "dashed", name="y")
         across = Axis(0.0, end, "distance from the first sample (mrad)")
         words = (
             f"sinusoid of amplitude {brief(self.amplitude)} at {brief(self.xi)} cyc/mrad "

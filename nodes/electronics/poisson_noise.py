@@ -80,13 +80,8 @@ class PoissonNoise(
             if self.percent == 0:
                 noise: Recipe = Step.of(even, shape=image.shape, value=0.0)
                 return NoiseOutputs(image, image.with_recipe(noise))
-            noise = here.step(
-                published_noise,
-                image.recipe,
-                sigma_px=self.width_px,
-                percent=self.percent,
-                stream=stream,
-            )
+            how: Any = {"sigma_px": self.width_px, "percent": self.percent}
+            noise = here.step(published_noise, image.recipe, stream=stream, **how)
             noisy = here.step(added, image.recipe, noise)
         else:
             if self.photons_per_unit is None:

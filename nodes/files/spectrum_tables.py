@@ -62,18 +62,11 @@ def read_heights(path: Path, *, unit: str, what: str, low: float, high: float) -
 
 
 def _points(
-    path: Path,
-    place_name: str,
-    unit: str,
-    least: tuple[float, str],
-    what: str,
-    low: float,
-    high: float,
+    path: Path, against: str, unit: str, least: tuple[float, str], what: str, *ends: float
 ) -> Points:
+    low, high = ends
     columns = f"two columns, {unit} and {what}"
-    lines = table_cells.table_lines(
-        path, what=f"{what} against {place_name}", wanted=f" of {columns}"
-    )
+    lines = table_cells.table_lines(path, what=f"{what} against {against}", wanted=f" of {columns}")
     points: list[tuple[float, float]] = []
     allowed = f"two numbers, {unit} and {what}"
     for number, (place, value) in table_cells.point_rows(path, lines, (2,), allowed, makes="curve"):
@@ -82,7 +75,7 @@ def _points(
         if not (math.isfinite(value) and low <= value <= high):
             raise table_cells.line_refused(path, number, f"{what} from {low:g} to {high:g}")
         if points and place <= points[-1][0]:
-            allowed = f"a {place_name} above the previous one, {points[-1][0]:g} {unit}"
+            allowed = f"a {against} above the previous one, {points[-1][0]:g} {unit}"
             raise table_cells.line_refused(path, number, allowed)
         points.append((place, value))
     return tuple(points)

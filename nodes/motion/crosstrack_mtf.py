@@ -4,7 +4,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.sampling.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.context_defaults import apart_from_context
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
@@ -28,9 +28,7 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         blur = self.blur_mrad(context)
         x = {"blur_mrad": blur} if blur else None
-        return self.mtf_outputs(
-            magnitude, *separable(motion_mtf, x=x, label=self.title, node=here.node)
-        )
+        return self.separated(magnitude, here, motion_mtf, x=x)
 
     @warning
     def velocity(self, context: Context) -> Caution | None:

@@ -5,7 +5,7 @@ import math
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.optics.veiling_glare import gaussian_mtf
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion"):
@@ -27,8 +27,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         sigma = {"sigma_mrad": self.sigma_mrad} if self.sigma_mrad else None
-        factors = separable(gaussian_mtf, x=sigma, y=sigma, label=self.title, node=here.node)
-        return self.mtf_outputs(magnitude, *factors)
+        return self.separated(magnitude, here, gaussian_mtf, x=sigma, y=sigma)
 
     @readout("cyc/mrad")
     def half_contrast(self) -> float | None:

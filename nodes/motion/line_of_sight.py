@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from core.chain.random_fields import FrameNumber, Stream, uniform_field
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.numerics import non_negative, positive
 from core.physics.sampling.platform_motion import (
     WAVES,
     MotionSpectrum,
@@ -92,21 +91,10 @@ class LineOfSight(
         self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
     ) -> OtfOutputs:
         across, along = self._spectra(here)
-        blur = separable(
-            exposure_mtf,
-            x=self._within(across),
-            y=self._within(along),
-            label=self.title,
-            node=here.node,
-        )
-        shift = separable(
-            frame_shift,
-            x=self._shift(across, "shift x", here),
-            y=self._shift(along, "shift y", here),
-            part="ptf",
-            label=self.title,
-            node=here.node,
-        )
+        how: Any = {"label": self.title, "node": here.node}
+        blur = separable(exposure_mtf, x=self._within(across), y=self._within(along), **how)
+        x, y = self._shift(across, "shift x", here), self._shift(along, "shift y", here)
+        shift = separable(frame_shift, x=x, y=y, part="ptf", **how)
         return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
     def _spectra(self, here: NodeContext) -> Axes:
@@ -182,16 +170,9 @@ def _waves(spectrum: MotionSpectrum, exposure_s: float, stream: Stream) -> Motio
 
 
 def shift_of_frame_mrad(
-    *,
-    spectrum: MotionSpectrum,
-    exposure_s: float,
-    stream: Stream,
-    number: FrameNumber,
-    frame_s: float,
+    spectrum: MotionSpectrum, exposure_s: float, stream: Stream, number: FrameNumber, frame_s: float
 ) -> float:
-    non_negative("integration_time_s", exposure_s, unit="s")
-    seconds = number.frame * positive("time of a frame", frame_s, unit="s")
-    return _waves(spectrum, exposure_s, stream).centroid_mrad(time_s=seconds)
+    return _waves(spectrum, exposure_s, stream).centroid_mrad(time_s=number.frame * frame_s)
 
 
 def frame_shift(*, frequency: NDArray[Any], **how: Any) -> NDArray[np.float64]:

@@ -5,9 +5,9 @@ from typing import Literal
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.sampling.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
-from core.transfer.factors import Factor, Law, Planar
+from core.transfer.factors import Law, Planar
 from nodes.shared.context_defaults import apart_from_context, given
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class RelativeMotionMTF(
@@ -53,19 +53,12 @@ class RelativeMotionMTF(
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         x, y = self.blur_x_mrad("x", context), self.blur_x_mrad("y", context)
-        return self.mtf_outputs(magnitude, *self._factors(x, y, here))
-
-    def _factors(self, x: float, y: float, here: NodeContext) -> tuple[Factor, ...]:
         if self.model == "line" and x and y:
             law = Law.of(line_motion_mtf, blur_x_mrad=x, blur_y_mrad=y)
-            return (Planar(law, symmetric=False, label=self.title, node=here.node),)
-        return separable(
-            motion_mtf,
-            x={"blur_mrad": x} if x else None,
-            y={"blur_mrad": y} if y else None,
-            label=self.title,
-            node=here.node,
-        )
+            smear = Planar(law, symmetric=False, label=self.title, node=here.node)
+            return self.mtf_outputs(magnitude, smear)
+        across, along = ({"blur_mrad": blur} if blur else None for blur in (x, y))
+        return self.separated(magnitude, here, motion_mtf, x=across, y=along)
 
     @warning
     def distance(self, context: Context) -> Caution | None:

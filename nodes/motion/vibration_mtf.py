@@ -5,7 +5,7 @@ from typing import Any
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param, readout
 from core.physics.sampling.platform_motion import vibration_mtf
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):
@@ -35,14 +35,8 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
     integration_time_s: float | None = param(None, "integration time", low=0)
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        factors = separable(
-            vibration_mtf,
-            x=self._parameters(self.amplitude_x_mrad),
-            y=self._parameters(self.amplitude_y_mrad),
-            label=self.title,
-            node=here.node,
-        )
-        return self.mtf_outputs(magnitude, *factors)
+        x, y = map(self._parameters, (self.amplitude_x_mrad, self.amplitude_y_mrad))
+        return self.separated(magnitude, here, vibration_mtf, x=x, y=y)
 
     def _parameters(self, amplitude_mrad: float) -> dict[str, Any] | None:
         if amplitude_mrad == 0:

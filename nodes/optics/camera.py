@@ -18,10 +18,12 @@ class CameraOutputs(NamedTuple):
     camera: Table
 
 
+Angle = float | None
 _LOW_ORBIT_KM = 2000.0  # up to here the Earth's rotation changes the speed by less than 9 %
 _EARTH_M_PER_S = (
     2.0 * math.pi * ground_geometry.EARTH_RADIUS_KM * 1e3 / 86164.1
 )  # at the equator; sidereal day
+_GIVEN = ("pixels_x", "pixels_y", "fill_x", "fill_y", "obscuration_ratio", "t_number", "irradiance")
 _ORBIT = (
     ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
     ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
@@ -152,16 +154,10 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:
         sheet = self.sheet()
         x, y = intervals_mrad(sheet, image)
-        image = replace(
-            image,
-            camera=sheet,
-            pixel_mrad=(sheet.pitch_x_mrad, sheet.pitch_y_mrad),
-            interval_x_mrad=x,
-            interval_y_mrad=y,
-        )
-        table = here.step(
-            camera_figures, sheet=sheet, interval_x_mrad=x, interval_y_mrad=y, band_um=image.band_um
-        )
+        pixel = sheet.pitch_x_mrad, sheet.pitch_y_mrad
+        image = replace(image, camera=sheet, pixel_mrad=pixel, interval_x_mrad=x, interval_y_mrad=y)
+        how: Any = {"sheet": sheet, "intervals_mrad": (x, y), "band_um": image.band_um}
+        table = here.step(camera_figures, **how)
         return CameraOutputs(image, Table(table))
 
     def sheet(self) -> CameraSheet:
@@ -181,21 +177,16 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
                 direction=self.look_direction,
             )
             range_m = range_m or orbit.range_m
+        values = self.values()
         return CameraSheet(
-            pixels_x=self.pixels_x,
-            pixels_y=self.pixels_y,
             pitch_x_um=self.pitch_um,
             pitch_y_um=self.pitch_um if self.pitch_y_um is None else self.pitch_y_um,
             focal_length_mm=focal,
             f_number=f_number,
             aperture_mm=aperture,
-            obscuration_ratio=self.obscuration_ratio,
-            t_number=self.t_number,
-            irradiance=self.irradiance,
-            fill_x=self.fill_x,
-            fill_y=self.fill_y,
             range_m=range_m,
             orbit=orbit,
+            **{name: values[name] for name in _GIVEN},
         )
 
     @warning
@@ -381,20 +372,14 @@ def _flattened(interval_mrad: float, samples: int) -> float:
 
 
 def _field_caution(
-    name: str,
-    pixels: int | None,
-    pitch_mrad: float | None,
-    interval_mrad: float | None,
-    samples: int,
+    name: str, pixels: int | None, pitch_mrad: Angle, interval_mrad: Angle, samples: int
 ) -> Caution | None:
     """By the angle of each pixel, or the tangent of the half field, as wide ones are given too."""
     if not (pixels and pitch_mrad and interval_mrad):
         return None
     picture, camera = interval_mrad * samples, pixels * pitch_mrad
-    degrees, flat = (
-        math.degrees(picture / 1000),
-        field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad),
-    )
+    degrees = math.degrees(picture / 1000)
+    flat = field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad)
     if alike(picture, camera) or alike(degrees, flat):
         return None
     return Caution(
@@ -411,12 +396,7 @@ Band = tuple[float, float]
 
 
 def camera_figures(
-    work: Work,
-    *,
-    sheet: CameraSheet,
-    interval_x_mrad: float | None,
-    interval_y_mrad: float | None,
-    band_um: Band | None,
+    work: Work, *, sheet: CameraSheet, intervals_mrad: tuple[Angle, Angle], band_um: Band | None
 ) -> TableData:
     x, y = sheet.pitch_x_mrad, sheet.pitch_y_mrad
     middle = None if band_um is None else sum(band_um) / 2
@@ -441,8 +421,8 @@ def camera_figures(
         ("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "vertical field of view"),
         ("nyquist_x", _over(0.5, x), "cyc/mrad", "horizontal Nyquist frequency"),
         ("nyquist_y", _over(0.5, y), "cyc/mrad", "vertical Nyquist frequency"),
-        ("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "horizontal"),
-        ("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "vertical"),
+        ("samples_per_pixel_x", _over(x, intervals_mrad[0]), "samples", "horizontal"),
+        ("samples_per_pixel_y", _over(y, intervals_mrad[1]), "samples", "vertical"),
         ("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
         ("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
         ("gsd_x_m", gsd[0], "m", "width of a pixel's footprint"),

@@ -325,14 +325,8 @@ def _needed(outputs: OtfOutputs, wanted: str) -> Step:
 
 
 def _wavelengths_needed(
-    work: Work,
-    temperature_K: float,
-    *,
-    aperture: Aperture,
-    tolerance: float,
-    wanted: str,
-    **spectrum: Any,
+    work: Work, kelvin: float, *, aperture: Aperture, tolerance: float, wanted: str, **spectrum: Any
 ) -> float | int:
-    lit = Spectrum(temperature_K=temperature_K, **spectrum)
+    lit = Spectrum(temperature_K=kelvin, **spectrum)
     count, error = wavelengths_needed(aperture, lit, tolerance)
     return count if wanted == "count" else error

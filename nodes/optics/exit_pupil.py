@@ -172,12 +172,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
                 facts.append(f"rms {brief(float(seen.std()))} waves")
             most = float(np.abs(seen).max(initial=0.0))
             picture = Picture(waves, -most, most, (wide, high), signed=True, unit="waves")
-        chart = Plot(
-            Axis(-wide / 2, wide / 2, "samples"),
-            Axis(high / 2, -high / 2),
-            square=True,
-            picture=picture,
-        )
+        across, down = Axis(-wide / 2, wide / 2, "samples"), Axis(high / 2, -high / 2)
+        chart = Plot(across, down, square=True, picture=picture)
         return Preview(", ".join(facts), (chart,), tuple(facts))
 
     def _from_file(self, here: NodeContext) -> Pupil:
@@ -197,10 +193,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     def _of_opening(self, opening: LensSource, here: NodeContext) -> Pupil:
         """A transmission, or a complex one, which has its wavefront with it."""
-        samples = here.step(loaded_opening, **opening.reading)
-        pupil = self._pupil(
-            samples, opening.samples.rows, opening.samples.columns, None, self.radius
-        )
+        samples, size = here.step(loaded_opening, **opening.reading), opening.samples
+        pupil = self._pupil(samples, size.rows, size.columns, None, self.radius)
         if not opening.samples.is_complex:
             return pupil
         wavefront = here.step(loaded_phase, **opening.reading)
@@ -246,15 +240,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     def _pupil(
         self, samples: Step, rows: int, columns: int, shape: PupilShape | None, radius: float | None
     ) -> Pupil:
-        return Pupil(
-            samples,
-            rows,
-            columns,
-            shape,
-            radius,
-            self.defocus_waves,
-            self.zernike_waves if any(self.zernike_waves) else (),
-        )
+        zernike = self.zernike_waves if any(self.zernike_waves) else ()
+        return Pupil(samples, rows, columns, shape, radius, self.defocus_waves, zernike)
 
     @warning
     def map_unused(self) -> Caution | None:
@@ -348,11 +335,7 @@ def _drawn(pupil: Pupil, shape: PupilShape, shown: tuple[float, float]) -> tuple
     finely = sample_pupil(shape, rows=rows, columns=columns, oversampling=_FINER)
     radius = lengths["radius"]
     x, y = ((np.arange(count) - (count - 1) / 2) / radius for count in (columns, rows))
-    waves = wavefront_waves(
-        x=x,
-        y=y[:, np.newaxis],
-        coefficients_waves=pupil.zernike_waves,
-        defocus_waves=pupil.defocus_waves,
-    )
+    how: Any = {"coefficients_waves": pupil.zernike_waves, "defocus_waves": pupil.defocus_waves}
+    waves = wavefront_waves(x=x, y=y[:, np.newaxis], **how)
     share = finely.sum() / _FINER**2 / (math.pi * radius**2)
     return np.where(is_open, waves, np.nan), min(float(share), 1.0)

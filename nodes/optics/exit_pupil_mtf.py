@@ -43,6 +43,7 @@ from nodes.shared.module_ports import (
 from nodes.shared.steps import number
 
 Weighting = Literal["uniform", "photons", "energy"]
+Row = tuple[float, ...]
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
 
 
@@ -244,13 +245,8 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
 
 def _weights_by_light(
-    work: Work,
-    temperature_K: float,
-    *,
-    spectrum: Spectrum,
-    wavelengths_um: tuple[float, ...],
-    weights: tuple[float, ...],
-) -> tuple[float, ...]:
+    work: Work, temperature_K: float, *, spectrum: Spectrum, wavelengths_um: Row, weights: Row
+) -> Row:
     """Weights of wavelengths by the light that counts; the sum is 1."""
     lit = replace(spectrum, temperature_K=temperature_K)
     light = lit.weight(np.array(wavelengths_um)) * np.array(weights)

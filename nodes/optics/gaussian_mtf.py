@@ -3,7 +3,7 @@
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param
 from core.physics.optics.veiling_glare import gaussian_mtf
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Optics"):
@@ -27,11 +27,6 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        factors = separable(
-            gaussian_mtf,
-            x={"sigma_mrad": self.sigma_x_mrad} if self.sigma_x_mrad else None,
-            y={"sigma_mrad": self.sigma_y_mrad} if self.sigma_y_mrad else None,
-            label=self.title,
-            node=here.node,
-        )
-        return self.mtf_outputs(magnitude, *factors)
+        sigmas = self.sigma_x_mrad, self.sigma_y_mrad
+        x, y = ({"sigma_mrad": sigma} if sigma else None for sigma in sigmas)
+        return self.separated(magnitude, here, gaussian_mtf, x=x, y=y)

@@ -154,9 +154,9 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
                 f"{table.file}: a phase needs a direction: set direction to x or y, or name "
                 "the columns phase_x and phase_y"
             )
-        shift = _separable(tabulated_ptf, phases, scales, "ptf", self.title, node)
+        shift = self._separable(tabulated_ptf, phases, scales, "ptf", node)
         if "radial" not in mtfs:
-            return _separable(tabulated_mtf, mtfs, scales, "mtf", self.title, node), shift
+            return self._separable(tabulated_mtf, mtfs, scales, "mtf", node), shift
         frequencies, values = mtfs["radial"]
         law = Law.of(radial_tabulated_mtf, scale=scales[0], frequencies=frequencies, values=values)
         cutoff = (frequencies[-1] / scales[0], frequencies[-1] / scales[1])
@@ -164,6 +164,16 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         ratios = (1.0, scales[1] / scales[0])
         blur = Planar(law, radial=True, ratios=ratios, cutoff=cutoff, label=self.title, node=node)
         return (blur,), shift
+
+    def _separable(
+        self, function: Callable[..., Any], curves: Curves, scales: Scales, part: Part, node: str
+    ) -> tuple[Separable, ...]:
+        x, y = (
+            {"frequencies": curves[axis][0], "values": curves[axis][1]} if axis in curves else None
+            for axis in ("x", "y")
+        )
+        how: Any = {"scale_x": scales[0], "scale_y": scales[1], "label": self.title, "node": node}
+        return separable(function, x=x, y=y, part=part, **how)
 
     def _curves(self, table: MtfTable, kind: Literal["mtf", "phase"]) -> Curves:
         """Points by direction: x and y, or radial alone."""
@@ -260,23 +270,6 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             law = factor.x if axis == "x" else factor.y
             return None if law is None else _points(law)[0][-1] / law.scale
         return None
-
-
-def _separable(
-    function: Callable[..., NDArray[Any]],
-    curves: Curves,
-    scales: Scales,
-    part: Part,
-    label: str,
-    node: str,
-) -> tuple[Separable, ...]:
-    x, y = (
-        {"frequencies": curves[axis][0], "values": curves[axis][1]} if axis in curves else None
-        for axis in ("x", "y")
-    )
-    return separable(
-        function, x=x, y=y, part=part, scale_x=scales[0], scale_y=scales[1], label=label, node=node
-    )
 
 
 def _points(law: Law) -> tuple[Column, Column]:

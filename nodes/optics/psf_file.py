@@ -124,12 +124,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             **source.reading,
         )
         law = Law.of(sampled_psf_otf, psf=psf, pitch_x_mrad=x, pitch_y_mrad=y)
-        how: dict[str, Any] = {
-            "symmetric": False,
-            "cutoff": (0.5 / x, 0.5 / y),
-            "label": self.title,
-            "node": here.node,
-        }
+        how: dict[str, Any] = {"symmetric": False, "cutoff": (0.5 / x, 0.5 / y)}
+        how |= {"label": self.title, "node": here.node}
         return (Planar(law, take="modulus", **how),), (Planar(law, take="phase", **how),)
 
     def _pitches(self, source: LensSource, context: Context) -> tuple[float, float]:
@@ -204,12 +200,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
 
 def _bound(outputs: OtfOutputs) -> dict[str, Any]:
-    return {
-        name: value
-        for factor in outputs.mtf.factors
-        for law in factor.laws
-        for name, value in law.parameters
-    }
+    laws = (law for factor in outputs.mtf.factors for law in factor.laws)
+    return {name: value for law in laws for name, value in law.parameters}
 
 
 def _psf_of(outputs: OtfOutputs) -> Recipe | None:

@@ -36,7 +36,7 @@ class PupilScale:
     mean_um: float
 
     @property
-    def pitches(self) -> dict[str, Any]:
+    def pitches(self) -> dict[str, float]:
         return {"pitch_x_mm": self.pitch_x_mm, "pitch_y_mm": self.pitch_y_mm}
 
     @property
@@ -76,21 +76,10 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
     """
     if pupil.shape is None or max(pupil.rows, pupil.columns) > LARGEST_REFINED:
         return pupil, scale
-    samples = Step.of(
-        sampled,
-        node=node,
-        shape=pupil.shape,
-        rows=pupil.rows,
-        columns=pupil.columns,
-        oversampling=2,
-    )
-    finer = replace(
-        pupil,
-        samples=samples,
-        rows=2 * pupil.rows,
-        columns=2 * pupil.columns,
-        radius=2 * pupil.shape.radius,
-    )
+    size: Any = {"rows": pupil.rows, "columns": pupil.columns}
+    samples = Step.of(sampled, node=node, shape=pupil.shape, oversampling=2, **size)
+    doubled: Any = {name: 2 * side for name, side in size.items()}
+    finer = replace(pupil, samples=samples, radius=2 * pupil.shape.radius, **doubled)
     return finer, replace(scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2)
 
 
@@ -151,12 +140,10 @@ def sampled_factors(
         **scale.pitches,
         **scale.band,
     )
+    how: dict[str, Any] = {"symmetric": False, "label": label, "node": node}
     if real:
-        return Planar(law, symmetric=False, label=label, node=node), None
-    return (
-        Planar(law, symmetric=False, take="modulus", label=label, node=node),
-        Planar(law, symmetric=False, take="phase", label=label, node=node),
-    )
+        return Planar(law, **how), None
+    return Planar(law, take="modulus", **how), Planar(law, take="phase", **how)
 
 
 def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
@@ -164,20 +151,25 @@ def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     ratios: tuple[float, ...] = (1.0,)
     if pupil.aberrated:
         ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)
-    map_ratio = _map_ratio(pupil, scale, ratios)
-    return _of_samples(_correlations, pupil, node, map_ratio=map_ratio, ratios=ratios)
+    return Step.of(
+        _correlations,
+        *_samples_of(pupil),
+        node=node,
+        ratios=ratios,
+        map_ratio=_map_ratio(pupil, scale, ratios),
+        **_wavefront(pupil),
+    )
+
+
+def _wavefront(pupil: Pupil) -> dict[str, Any]:
+    waves = {"defocus_waves": pupil.defocus_waves, "zernike_waves": pupil.zernike_waves}
+    return {"radius": pupil.radius, **waves}
 
 
 def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recipe:
-    return Step.of(
-        _raw,
-        correlations(pupil, scale, node),
-        node=node,
-        interval_x=scale.pitch_x_mm / scale.mean_um,
-        interval_y=scale.pitch_y_mm / scale.mean_um,
-        part=part,
-        real=not pupil.aberrated,
-    )
+    intervals = scale.pitch_x_mm / scale.mean_um, scale.pitch_y_mm / scale.mean_um
+    how: Any = {"intervals": intervals, "part": part, "real": not pupil.aberrated}
+    return Step.of(_raw, correlations(pupil, scale, node), node=node, **how)
 
 
 def _of_samples(function: Callable[..., Any], pupil: Pupil, node: str, **how: Any) -> Step:
@@ -200,22 +192,22 @@ def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0
 
 def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     """Recipe of the estimate that covers the sampled OTF's error."""
-    map_ratio = _map_ratio(pupil, scale)
-    return _of_samples(_error, pupil, node, map_ratio=map_ratio, shape=pupil.shape)
+    how = {"map_ratio": _map_ratio(pupil, scale), "shape": pupil.shape, **_wavefront(pupil)}
+    return Step.of(_error, *_samples_of(pupil), node=node, **how)
 
 
 def _complex_samples(
     samples: Array,
-    wavefront_map: Array | None,
+    maps: tuple[Array, ...],
     ratio: float,
     map_ratio: float,
     radius: float | None,
     defocus_waves: float,
     zernike_waves: tuple[float, ...],
 ) -> Array:
-    measured = 0.0 if wavefront_map is None else (ratio * map_ratio) * wavefront_map
+    measured = (ratio * map_ratio) * maps[0] if maps else 0.0
     if not (defocus_waves or zernike_waves):
-        if wavefront_map is None:
+        if not maps:
             return samples
         return complex_pupil(transmission=samples, wavefront_waves=measured)
     rows, columns = samples.shape
@@ -233,36 +225,25 @@ def _complex_samples(
 
 
 def _correlations(
-    work: Work,
-    samples: Array,
-    wavefront_map: Array | None = None,
-    *,
-    ratios: tuple[float, ...],
-    **wavefront: Any,
+    work: Work, samples: Array, *maps: Array, ratios: tuple[float, ...], **wavefront: Any
 ) -> tuple[Array, ...]:
     autocorrelations = []
     for ratio in ratios:
         work.check()
-        pupil = _complex_samples(samples, wavefront_map, ratio, **wavefront)
+        pupil = _complex_samples(samples, maps, ratio, **wavefront)
         autocorrelations.append(autocorrelation(pupil, workers=work.policy.workers))
     return tuple(autocorrelations)
 
 
 def _raw(
-    work: Work,
-    autocorrelations: tuple[Array, ...],
-    *,
-    interval_x: float,
-    interval_y: float,
-    part: str,
-    real: bool,
+    work: Work, found: tuple[Array, ...], *, intervals: tuple[float, float], part: str, real: bool
 ) -> SampledTransfer:
-    otf = np.fft.ifftshift(autocorrelations[len(autocorrelations) // 2])
+    otf = np.fft.ifftshift(found[len(found) // 2])
     if part == "ptf":
         values = np.zeros(otf.shape) if real else np.angle(otf)
     else:
         values = np.real(otf) if real else np.abs(otf)
-    return SampledTransfer(values.astype(work.policy.dtype), interval_x, interval_y)
+    return SampledTransfer(values.astype(work.policy.dtype), *intervals)
 
 
 def sampled(work: Work, *, shape: pupil_shapes.PupilShape, **how: int) -> Array:
@@ -272,12 +253,11 @@ def sampled(work: Work, *, shape: pupil_shapes.PupilShape, **how: int) -> Array:
 def _error(
     work: Work,
     samples: Array,
-    wavefront_map: Array | None = None,
-    *,
+    *maps: Array,
     shape: pupil_shapes.PupilShape | None,
     **wavefront: Any,
 ) -> float:
-    pupil = _complex_samples(samples, wavefront_map, 1.0, **wavefront)
+    pupil = _complex_samples(samples, maps, 1.0, **wavefront)
     correlation = autocorrelation(pupil, workers=work.policy.workers)
     uncertainty = 0.5  # samples of unknown edges may be off by half their size
     if shape is not None:

@@ -286,24 +286,11 @@ def apart_caution(
     )
 
 
-def apart(
-    module: Module,
-    others: Mapping[str, float | None],
-    *,
-    where: str,
-    near: float = NEAR,
-    remedy: str = "",
-) -> Caution | None:
-    """The first of these parameters that is not the value of another place."""
+def apart(module: Module, others: Mapping[str, float | None], **how: Any) -> Caution | None:
+    """The first of these parameters that is not the value of another place, as `apart_caution`."""
     units = {p.name: p.param.unit for p in declaration(type(module)).parameters}
-    how: dict[str, Any] = {"where": where, "near": near, "remedy": remedy}
-    values = module.values()
-    return first(
-        *(
-            apart_caution(name, values[name], other, unit=units[name], **how)
-            for name, other in others.items()
-        )
-    )
+    values, pairs = module.values(), others.items()
+    return first(*(apart_caution(n, values[n], one, unit=units[n], **how) for n, one in pairs))
 
 
 def apart_from_context(

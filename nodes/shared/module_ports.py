@@ -129,6 +129,13 @@ class MtfModule(NyquistReadouts):
             return MtfOutputs(magnitude.only(*factors), transfer)
         return MtfOutputs(magnitude.times(*factors), transfer)
 
+    def separated(
+        self, magnitude: Magnitude, here: NodeContext, function: Callable[..., Any], **how: Any
+    ) -> MtfOutputs:
+        """Outputs for a factor of a function on either axis, as `separable` makes it."""
+        factors = separable(function, label=self.title, node=here.node, **how)
+        return self.mtf_outputs(magnitude, *factors)
+
 
 class PtfModule(Module):
     """Base class of modules that add a PTF to a phase."""

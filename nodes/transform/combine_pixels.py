@@ -40,15 +40,7 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         if self.factor_x == 1 and self.factor_y == 1:
             return ImageOutput(image)
-        return ImageOutput(
-            combine_pixels(
-                image,
-                factor_x=self.factor_x,
-                factor_y=self.factor_y,
-                mode=self.mode,
-                node=here.node,
-            )
-        )
+        return ImageOutput(combine_pixels(image, **self.values(), node=here.node))
 
     @warning
     def pixel_counted_twice(self, image: Image) -> Caution | None:

@@ -292,12 +292,8 @@ def _sketch(context: Context, pitch: tuple[float, float] | None) -> Plot:
             middle = column * pitch[0], row * pitch[1]
             curves.append(_rectangle(middle, pitch, "faint_text", "dotted"))
             curves.append(_rectangle(middle, sensitive, 3, "solid"))
-    return Plot(
-        Axis(-side / 2, side / 2, "mrad"),
-        Axis(side / 2, -side / 2),
-        curves=tuple(curves),
-        square=True,
-    )
+    across, down = Axis(-side / 2, side / 2, "mrad"), Axis(side / 2, -side / 2)
+    return Plot(across, down, curves=tuple(curves), square=True)
 
 
 def _samples(interval: tuple[float, float], side: float) -> Curve:

@@ -22,7 +22,9 @@ from core.transfer.factors import Edges, Factor, Grid, Law
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth, separable
 
 Vector = NDArray[np.float64]
-Taps = tuple[NDArray[np.intp], list[tuple[NDArray[np.intp], NDArray[np.float64]]]]
+Size = tuple[int, int]
+Further = list[tuple[NDArray[np.intp], NDArray[np.float64]]]
+Taps = tuple[NDArray[np.intp], Further]
 _BLOCK_SAMPLES = 1 << 18  # 512² are done sooner in one block than by two threads
 
 
@@ -57,14 +59,8 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         width, height = self.width or image.columns, self.height or image.rows
         if (height, width) == image.shape:
             return ImageOutput(image)
-        recipe = here.step(
-            resampled,
-            image.recipe,
-            old=image.shape,
-            new=(height, width),
-            order=self.order,
-            edges=image.edges,
-        )
+        how: Any = {"old": image.shape, "new": (height, width), "edges": image.edges}
+        recipe = here.step(resampled, image.recipe, order=self.order, **how)
         x, y = image.interval_x_mrad, image.interval_y_mrad
         return ImageOutput(
             image.with_recipe(
@@ -78,36 +74,21 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
 
 
 def _resampled_part(
-    work: Work,
-    region: Region,
-    image: Recipe,
-    *,
-    old: tuple[int, int],
-    new: tuple[int, int],
-    order: int,
-    edges: Edges | None,
+    work: Work, region: Region, image: Recipe, *, old: Size, new: Size, **how: Any
 ) -> Array:
     rows, columns = region.slices
-    top, height, along = _needed(taps(old[0], new[0], order, edges), rows)
+    top, height, along = _needed(taps(old[0], new[0], **how), rows)
     left, width, across = columns.start, region.columns, None
     if old[1] != new[1]:
-        left, width, across = _needed(taps(old[1], new[1], order, edges), columns)
+        left, width, across = _needed(taps(old[1], new[1], **how), columns)
     return _sampled(work, work.part(image, Region(top, left, height, width)), along, across)
 
 
 @picture_step(linear=lambda _, **how: Resampling(**how))
 @in_parts(_resampled_part)
-def resampled(
-    work: Work,
-    image: Array,
-    *,
-    old: tuple[int, int],
-    new: tuple[int, int],
-    order: int,
-    edges: Edges | None,
-) -> Array:
+def resampled(work: Work, image: Array, *, old: Size, new: Size, **how: Any) -> Array:
     """The image's `old` rows and columns as `new` ones."""
-    along, across = (taps(old[axis], new[axis], order, edges) for axis in (0, 1))
+    along, across = (taps(old[axis], new[axis], **how) for axis in (0, 1))
     return _sampled(work, image, along, None if old[1] == new[1] else across)
 
 
@@ -136,12 +117,7 @@ def _needed(taps: Taps, wanted: slice) -> tuple[int, int, Taps]:
     return first, last - first + 1, (base - first, moved)
 
 
-def _combined(
-    image: Array,
-    base: NDArray[np.intp],
-    further: list[tuple[NDArray[np.intp], NDArray[np.float64]]],
-    axis: int,
-) -> Array:
+def _combined(image: Array, base: NDArray[np.intp], further: Further, axis: int) -> Array:
     """Samples at `base` and their weighted differences to those at the further indices."""
     near = np.take(image, base, axis=axis)
     total = near
@@ -194,8 +170,8 @@ def within_frame(index: NDArray[np.int64], size: int, edges: Edges | None) -> ND
 class Resampling(Linear):
     """What interpolation does to transfer functions, noise and rows."""
 
-    old: tuple[int, int]
-    new: tuple[int, int]
+    old: Size
+    new: Size
     order: int
     edges: Edges | None
 
@@ -204,12 +180,8 @@ class Resampling(Linear):
 
     def grid_before(self, grid: Grid) -> Grid:
         rows, columns = self.old
-        return Grid(
-            rows,
-            columns,
-            grid.interval_x_mrad * grid.columns / columns,
-            grid.interval_y_mrad * grid.rows / rows,
-        )
+        x = grid.interval_x_mrad * grid.columns / columns
+        return Grid(rows, columns, x, grid.interval_y_mrad * grid.rows / rows)
 
     def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
         """The mean over all samples, and its phase where they lie half-way between two."""

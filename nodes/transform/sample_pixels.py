@@ -1,5 +1,7 @@
 """Sample Pixels: one sample for each detector pitch, behind the detector's own average."""
 
+from typing import Any
+
 from core.chain.back_transformed import sample_pixels
 from core.chain.wires import Image
 from core.errors import ParameterError
@@ -76,16 +78,9 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         offset_y = self.offset if self.offset_y is None else self.offset_y
         if (ratio_x, ratio_y, self.offset, offset_y) == (1.0, 1.0, 0.0, 0.0):
             return ImageOutput(image)
-        return ImageOutput(
-            sample_pixels(
-                image,
-                ratio_x=ratio_x,
-                ratio_y=ratio_y,
-                offset_x=self.offset,
-                offset_y=offset_y,
-                node=here.node,
-            )
-        )
+        how: Any = {"ratio_x": ratio_x, "ratio_y": ratio_y}
+        how |= {"offset_x": self.offset, "offset_y": offset_y}
+        return ImageOutput(sample_pixels(image, **how, node=here.node))
 
     def _ratio(self, axis: str, image: Image) -> float:
         own: float | None = getattr(self, f"factor_{axis}")
@@ -96,12 +91,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
             allowed = "give a factor here, or pitch and focal length on Camera or Init & Trans"
             raise ParameterError(f"factor_{axis}", None, allowed, unit="samples")
         if not _LEAST <= known <= 65536:
-            raise ParameterError(
-                f"factor_{axis}",
-                known,
-                f"the pitch must give a factor from {_LEAST:g} to 65536",
-                unit="samples",
-            )
+            allowed = f"the pitch must give a factor from {_LEAST:g} to 65536"
+            raise ParameterError(f"factor_{axis}", known, allowed, unit="samples")
         return known
 
     @warning

@@ -38,13 +38,8 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
                 f"the picture, {named}, is {what}: To Radiance needs K, °C, °F or mK; set the "
                 "unit on Read Image"
             )
-        surface = self.surface(image)
-        made = here.step(
-            radiance_of_temperature,
-            image.recipe,
-            *self.shares(image, emissivity),
-            surface=surface,
-            unit=image.unit.strip(),
-        )
+        surface, unit = self.surface(image), image.unit.strip()
+        inputs = image.recipe, *self.shares(image, emissivity)
+        made = here.step(radiance_of_temperature, *inputs, surface=surface, unit=unit)
         band = surface.cut_on_um, surface.cut_off_um
         return ImageOutput(image.with_recipe(made, unit="W/m²/sr", band_um=band))
