@@ -1,26 +1,26 @@
 """3-D Noise: the seven noise components of a sequence of frames."""
 
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.frame_sequence import at_frame
 from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
-from core.records import dataclass, field
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside
 from nodes.files.frames import FrameFile, open_frames
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.module_ports import TableFigures
+from nodes.shared.steps import OverFrames
 
 
 class NoiseOutputs(NamedTuple):
@@ -95,9 +95,8 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
             unit = of_file or unit
             noises = (*noises, measured)
         elif self.frames and image is not None:
-            clean = noise_free(image.recipe)
-            simulated = FrameNoise(image.recipe, clean, self.frames, node=here.node)
-            noises = (*noises, simulated)
+            how: Any = {"others": (noise_free(image.recipe),), "node": here.node}
+            noises += (OverFrames(noise_of_frames, image.recipe, self.frames, **how),)
         bars = here.step(bars_of, *noises, unit=unit)
         table = here.step(table_of, *noises, unit=unit)
         return NoiseOutputs(Curve(bars), Table(table))
@@ -173,36 +172,13 @@ MEANINGS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class FrameNoise(Recipe):
-    """Measures the components of a picture's noise over its first frames, against `clean`."""
-
-    picture: Recipe
-    clean: Recipe
-    frames: int
-    node: str | None = field(default=None, compare=False)
-
-    def _content(self) -> tuple[object, ...]:
-        return self.picture.key, self.clean.key, self.frames
-
-    @property
-    def inputs(self) -> tuple[Recipe, ...]:
-        return self.picture, self.clean
-
-    @property
-    def needs(self) -> tuple[Recipe, ...]:
-        """The next frame too, which shares with the first all that leads to the noise."""
-        return (*self.inputs, at_frame(self.picture, 1))
-
-    def compute(self, work: Work) -> MeasuredNoise:
-        """Take the frames one after the other; none is kept."""
-        clean = np.asarray(work.value(self.clean), np.float64)
-        cube = NoiseCube(*clean.shape)
-        frames = (at_frame(self.picture, frame) for frame in range(self.frames))
-        for picture in work.one_by_one(frames):
-            work.check()
-            cube.add(picture - clean)
-        return cube.measured()
+def noise_of_frames(frames: Iterator[NDArray[Any]], clean: NDArray[Any]) -> MeasuredNoise:
+    """The components of a picture's noise over its first frames, against `clean`."""
+    clean = np.asarray(clean, np.float64)
+    cube = NoiseCube(*clean.shape)
+    for picture in frames:
+        cube.add(picture - clean)
+    return cube.measured()
 
 
 def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> TableData:

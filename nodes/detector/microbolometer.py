@@ -5,9 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.chain.frame_sequence import at_frame
-from core.chain.noise_power import NoisePower
 from core.chain.random_fields import FrameNumber
-from core.chain.step_lineage import Array, AtStep, Linear, Noise, picture_step
+from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise
@@ -17,11 +16,17 @@ from core.physics.detector.focal_plane_array import lag_weights, netd_noise_radi
 from core.physics.detector.readout import lowpass_mtf, lowpass_ptf
 from core.physics.noise import flicker_noise
 from core.physics.radiometry import planck
-from core.records import dataclass
 from core.transfer.factors import Separable
 from nodes.shared import context_defaults, module_ports
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
-from nodes.shared.steps import PictureRange, difference, filtered_lines, picture_range, quantized
+from nodes.shared.steps import (
+    Carried,
+    PictureRange,
+    difference,
+    filtered_lines,
+    picture_range,
+    quantized,
+)
 
 _MOST_FRAMES = 64
 
@@ -395,7 +400,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         return Step.of(range_caution, seen, limits=self._limits(band), kelvin=(low, high))
 
     figures = module_ports.TableFigures(
-        ("netd_K", "K", "Temporal noise as a temperature difference."),
+        ("netd_K", "K", "NETD: temporal noise as a temperature difference."),
         ("white_netd_K", "K", "White noise as a temperature difference."),
         ("flicker_K", "K", "1/f noise as a temperature difference."),
         ("quantization_K", "K", "Quantization noise as a temperature difference."),
@@ -414,18 +419,12 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 # The stages of Microbolometer as steps: lag along a scan and over frames, patterns, noise.
 
 
-@dataclass(frozen=True)
-class FrameLag(Linear):
-    weights: tuple[float, ...]
-
-    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
-        """Temporal noise by the root of the sum of squares of the weights."""
-        if not temporal:
-            return power
-        return power.scaled(float(np.linalg.norm(self.weights)))
+def _lag(*_: Recipe, weights: tuple[float, ...]) -> Carried:
+    """Temporal noise by the root of the sum of squares of the weights."""
+    return Carried(temporal=float(np.linalg.norm(weights)))
 
 
-@picture_step(linear=lambda *_, weights: FrameLag(weights))
+@picture_step(linear=_lag)
 @pointwise
 def lagged_frames(work: Work, picture: Array, *before: Array, weights: tuple[float, ...]) -> Array:
     total = np.multiply(picture, picture.dtype.type(weights[0]))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.frame_sequence import Remaking, at_frame
+from core.chain.frame_sequence import Remaking
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, AtStep, Lineage, Linear, Noise, lineage_of, picture_step
+from core.chain.step_lineage import Array, AtStep, Lineage, Noise, lineage_of, picture_step
 from core.chain.wires import Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
@@ -18,10 +17,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.detector import focal_plane_array
 from core.physics.radiometry.planck import band_radiance
-from core.records import dataclass, field
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import TableFigures
-from nodes.shared.steps import even
+from nodes.shared.steps import Carried, OverFrames, even
 
 
 class CorrectedOutputs(NamedTuple):
@@ -117,13 +115,15 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             )
         two, frames = self.method == "two_point", self.reference_frames
 
-        def reference(kelvin: float, turn: int) -> MeanFrame:
+        def reference(kelvin: float, turn: int) -> OverFrames:
             """What the camera gives of a uniform radiance in the place of what it has seen."""
             ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
             radiance = float(band_radiance(temperature_K=kelvin, **ends))
             flat = here.step(uniform_like, seen, radiance=radiance)
             remade = Remaking(lambda part: flat if part.key == seen.key else None)
-            return MeanFrame(remade.of(image.recipe), -turn * frames, frames, node=here.node)
+            how: Any = {"node": here.node, "words": "the mean of reference frames"}
+            picture = remade.of(image.recipe)
+            return OverFrames(mean_frame, picture, frames, -turn * frames, **how)
 
         low, high = reference(self.low_K, 1), reference(self.high_K, 2)
         gain = here.step(even, shape=image.shape, value=1.0)
@@ -205,14 +205,6 @@ def no_figures(work: Work) -> TableData:
     )
 
 
-@dataclass(frozen=True)
-class PatternTakenOut(Linear):
-    """Fixed patterns end here; what is left of them the step adds itself."""
-
-    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
-        return power if temporal else None
-
-
 def _left(at: AtStep, *images: Recipe, two: bool, frames: int, drift_share: float) -> list[Noise]:
     """What the pattern on a straight line through both references leaves, and their noise."""
     picture, gain, offset, *references = images
@@ -245,7 +237,7 @@ def _left(at: AtStep, *images: Recipe, two: bool, frames: int, drift_share: floa
 
 
 @picture_step(
-    linear=lambda *_, **__: PatternTakenOut(),
+    linear=lambda *_, **__: Carried(fixed=None),  # what is left the step adds itself
     noise=_left,
     looks_at=("picture", "gain", "offset", "low", "high"),
     noise_free=lambda picture, *_, **__: picture,
@@ -288,41 +280,8 @@ def uniform_like(work: Work, picture: Array, *, radiance: float) -> Array:
     return uniform
 
 
-@dataclass(frozen=True, eq=False)
-class MeanFrame(Recipe):
-    """Mean of several frames of a picture, in double, the first of them number `start`.
-
-    A sequence leaves it as it is: it is taken once.
-    """
-
-    picture: Recipe
-    start: int
-    frames: int
-    node: str | None = field(default=None, compare=False)
-
-    def _content(self) -> tuple[object, ...]:
-        return self.picture.key, self.start, self.frames
-
-    @property
-    def in_words(self) -> str:
-        return "the mean of reference frames"
-
-    @property
-    def inputs(self) -> tuple[Recipe, ...]:
-        return (at_frame(self.picture, self.start),)
-
-    @property
-    def needs(self) -> tuple[Recipe, ...]:
-        """The next frame too, which shares with the first all that stays from frame to frame."""
-        return (*self.inputs, at_frame(self.picture, self.start + 1))
-
-    def compute(self, work: Work) -> Array:
-        """Take the frames one after the other; none is kept."""
-        numbers = range(self.start, self.start + self.frames)
-        total: Array | None = None
-        for made in work.one_by_one(at_frame(self.picture, number) for number in numbers):
-            work.check()
-            total = np.array(made, np.float64) if total is None else total + made
-        assert total is not None
-        total /= self.frames
-        return total
+def mean_frame(frames: Iterator[Array]) -> Array:
+    total, count = np.array(next(frames), np.float64), 1
+    for picture in frames:
+        total, count = total + picture, count + 1
+    return np.asarray(total / count)

@@ -36,7 +36,7 @@ from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION, Materia
 from core.records import replace
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
-from nodes.electronics.noise_steps import Detector, detector_figures, figures
+from nodes.electronics.noise_steps import detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared import context_defaults
 from nodes.shared.context_defaults import apart_caution, band_caution, is_radiance, unit_caution
@@ -231,12 +231,12 @@ class ElectronicsNoise(
         image = summed_within(image, self.cut_on_um, self.cut_off_um)
         seen = here.step(picture_range, image.recipe)
         detector = self._detector(context)
-        known = here.step(detector_figures, seen, detector=detector, vignetting=image.vignetting)
+        known = here.step(detector_figures, seen, vignetting=image.vignetting, **detector)
         table = here.step(
             figures,
             seen,
             known,
-            detector=detector,
+            bandwidth_Hz=detector["bandwidth_Hz"],
             amplifier_snr=self.amplifier_snr,
             snr_reference=self.snr_reference,
             variability_percent=self.noise_variability_percent,
@@ -458,22 +458,18 @@ class ElectronicsNoise(
             raise ParameterError("bandwidth_Hz", None, allowed)
         return filters.noise_bandwidth_hz(time_constant_s=tau)
 
-    def _detector(self, context: Context) -> Detector:
-        cut_on, cut_off = context_defaults.given_band(
-            self.cut_on_um, self.cut_off_um, context.band_um
-        )
-        return Detector(
-            cut_on_um=cut_on,
-            cut_off_um=cut_off,
-            region=self.region,
-            material=self.material,
-            d_star=self.d_star,
-            lens=context_defaults.lens(context, optics_transmission=self.optics_transmission),
-            filter_transmission=self.filter_transmission,
-            area_cm2=detector_area_cm2(**context_defaults.pixel_of(context)),
-            bandwidth_Hz=self._bandwidth(context),
-            background_K=self.background_K,
-        )
+    def _detector(self, context: Context) -> dict[str, Any]:
+        band = context_defaults.given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+        return {
+            "band_um": band,
+            "material": (self.region, self.material),
+            "d_star": self.d_star,
+            "lens": context_defaults.lens(context, optics_transmission=self.optics_transmission),
+            "filter_transmission": self.filter_transmission,
+            "area_cm2": detector_area_cm2(**context_defaults.pixel_of(context)),
+            "bandwidth_Hz": self._bandwidth(context),
+            "background_K": self.background_K,
+        }
 
     def _pre_amplifier(self, image: Image, context: Context) -> tuple[Separable, ...]:
         if not self.use_mtf:

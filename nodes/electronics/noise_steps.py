@@ -30,22 +30,6 @@ from nodes.shared.steps import PictureRange
 
 
 @dataclass(frozen=True)
-class Detector:
-    """What the figures are computed from; the cone of a cold shield is matched to the optics."""
-
-    cut_on_um: float
-    cut_off_um: float
-    region: str
-    material: str
-    d_star: float | None
-    lens: Lens
-    filter_transmission: float
-    area_cm2: float
-    bandwidth_Hz: float
-    background_K: float | None
-
-
-@dataclass(frozen=True)
 class DetectorFigures:
     background_K: float
     g_number: float
@@ -56,11 +40,25 @@ class DetectorFigures:
 
 
 def detector_figures(
-    work: Work, seen: PictureRange, *, detector: Detector, vignetting: float
+    work: Work,
+    seen: PictureRange,
+    *,
+    band_um: tuple[float, float],
+    material: tuple[str, str],
+    d_star: float | None,
+    lens: Lens,
+    filter_transmission: float,
+    area_cm2: float,
+    bandwidth_Hz: float,
+    background_K: float | None,
+    vignetting: float,
 ) -> DetectorFigures:
-    """The background and NETD are those of the scene before the vignetting."""
-    band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
-    background = detector.background_K
+    """The background and NETD are those of the scene before the vignetting.
+
+    The cone of a cold shield is matched to the optics; `material`: its region, and its name.
+    """
+    band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
+    background = background_K
     if background is None:
         if seen.mean <= 0:
             raise DataError(
@@ -68,16 +66,16 @@ def detector_figures(
                 "background_K"
             )
         background = float(brightness_temperature(radiance=seen.mean / vignetting, **band))
-    d_star = detector.d_star or _band_d_star(detector, background)
+    d_star = d_star or _band_d_star(band_um, material, lens, background)
     throughput = g_number(
-        f_number=detector.lens.f_number,
-        filter_transmission=detector.filter_transmission,
-        optics_transmission=detector.lens.transmission,
-        obscuration_ratio=detector.lens.obscuration_ratio,
-        irradiance=detector.lens.irradiance,
+        f_number=lens.f_number,
+        filter_transmission=filter_transmission,
+        optics_transmission=lens.transmission,
+        obscuration_ratio=lens.obscuration_ratio,
+        irradiance=lens.irradiance,
     )
-    nep = nep_W(area_cm2=detector.area_cm2, bandwidth_Hz=detector.bandwidth_Hz, d_star=d_star)
-    ner = ner_W_m2_sr(nep_W=nep, area_cm2=detector.area_cm2, g_number=throughput)
+    nep = nep_W(area_cm2=area_cm2, bandwidth_Hz=bandwidth_Hz, d_star=d_star)
+    ner = ner_W_m2_sr(nep_W=nep, area_cm2=area_cm2, g_number=throughput)
     netd = float(netd_K(noise_radiance=ner / vignetting, background_K=background, **band))
     return DetectorFigures(background, throughput, d_star, nep, ner, netd)
 
@@ -87,7 +85,7 @@ def figures(
     seen: PictureRange,
     computed: DetectorFigures,
     *,
-    detector: Detector,
+    bandwidth_Hz: float,
     amplifier_snr: float | None,
     snr_reference: str,
     variability_percent: float,
@@ -110,7 +108,7 @@ def figures(
     noise = float(np.hypot(computed.ner * rms_over_mean, sigma))
     return TableData.of(
         ("background_K", computed.background_K, "K", "background temperature for D* and dL/dT"),
-        ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
+        ("bandwidth_Hz", bandwidth_Hz, "Hz", "noise bandwidth"),
         ("g_number", computed.g_number, "1/sr", "optical throughput"),
         ("d_star", computed.d_star, "cm √Hz/W", "specific detectivity over the band"),
         ("nep_W", computed.nep_W, "W", "noise-equivalent power of a detector with mean noise"),
@@ -127,24 +125,25 @@ def figures(
     )  # fmt: skip
 
 
-def _band_d_star(detector: Detector, background_K: float) -> float:
-    if detector.material == "manual":
+def _band_d_star(
+    band_um: tuple[float, float], material: tuple[str, str], lens: Lens, background_K: float
+) -> float:
+    (low, high), (region, name) = band_um, material
+    if name == "manual":
         raise ParameterError("d_star", None, "give D*, because material is manual", unit="cm √Hz/W")
     d_star = band_d_star(
-        material=find_material(
-            region=detector.region, material=detector.material, cut_off_um=detector.cut_off_um
-        ),
-        cut_on_um=detector.cut_on_um,
-        cut_off_um=detector.cut_off_um,
+        material=find_material(region=region, material=name, cut_off_um=high),
+        cut_on_um=low,
+        cut_off_um=high,
         background_K=background_K,
-        half_angle_deg=cold_shield_half_angle_deg(f_number=detector.lens.f_number),
+        half_angle_deg=cold_shield_half_angle_deg(f_number=lens.f_number),
     )
     if d_star <= 0:
         allowed = (
-            f"the material does not respond between {detector.cut_on_um:g} and "
-            f"{detector.cut_off_um:g} µm; choose another material, or set another band"
+            f"the material does not respond between {low:g} and "
+            f"{high:g} µm; choose another material, or set another band"
         )
-        raise ParameterError("material", detector.material, allowed)
+        raise ParameterError("material", name, allowed)
     return float(d_star)
 
 

@@ -1,10 +1,13 @@
 """Steps that several modules take."""
 
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from core.chain.band_stack import BandStack, SteppedBands
+from core.chain.frame_sequence import at_frame
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, AtStep, Filtering, Linear, Noise, picture_step
 from core.chain.wires import Image
@@ -102,6 +105,68 @@ class AboutMean(Linear):
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return power.scaled(work.value(self.change).gain)
+
+
+@dataclass(frozen=True)
+class Carried(Linear):
+    """Noise that is new in every frame, and noise that stays, times a factor; None: it ends here.
+
+    What is left of one that ends the step adds itself.
+    """
+
+    temporal: float = 1.0
+    fixed: float | None = 1.0
+
+    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
+        factor = self.temporal if temporal else self.fixed
+        if factor is None or factor == 1.0:
+            return None if factor is None else power
+        return power.scaled(factor)
+
+
+@dataclass(frozen=True, eq=False)
+class OverFrames(recipes.Recipe):
+    """What a function makes of several frames of a picture, in turn; none is kept.
+
+    It is called as ``function(frames, *others)`` with the first frame number `start`, and what the
+    recipes of `others` make. A sequence leaves it as it is: it is taken once.
+    """
+
+    function: Callable[..., Any]
+    picture: recipes.Recipe
+    frames: int
+    start: int = 0
+    others: tuple[recipes.Recipe, ...] = ()
+    node: str | None = field(default=None, compare=False)
+    words: str = field(default="", compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        others = tuple(one.key for one in self.others)
+        return self.function, self.picture.key, self.frames, self.start, others
+
+    @property
+    def in_words(self) -> str:
+        return self.words
+
+    @property
+    def inputs(self) -> tuple[recipes.Recipe, ...]:
+        return (at_frame(self.picture, self.start), *self.others)
+
+    @property
+    def needs(self) -> tuple[recipes.Recipe, ...]:
+        """The next frame too, which shares with the first all that stays from frame to frame."""
+        return (*self.inputs, at_frame(self.picture, self.start + 1))
+
+    def compute(self, work: Work) -> Any:
+        others = [work.value(one) for one in self.others]
+        numbers = range(self.start, self.start + self.frames)
+
+        def frames() -> Iterator[Array]:
+            for picture in work.one_by_one(at_frame(self.picture, number) for number in numbers):
+                work.check()
+                yield picture
+
+        return self.function(frames(), *others)
 
 
 def _filtered_part(

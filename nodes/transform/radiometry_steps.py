@@ -18,45 +18,35 @@ from nodes.shared.steps import AboutMean, mean_of
 _BLOCK_SAMPLES = 1 << 16
 
 
-@dataclass(frozen=True)
-class Surface:
-    """How surfaces radiate: emissivity, unless an image of it comes in, what is reflected, band."""
-
-    emissivity: float
-    surroundings_K: float | None
-    cut_on_um: float
-    cut_off_um: float
-
-    @property
-    def band(self) -> dict[str, float]:
-        return {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
+Surface = dict[str, Any]
+"""How surfaces radiate: emissivity, unless an image of it comes in, what is reflected, band."""
 
 
 def radiance_change(
-    work: Work, mean: float, *shares: float, surface: Surface, unit: str
+    work: Work, mean: float, *shares: float, unit: str, **surface: Any
 ) -> LevelChange:
-    share = shares[0] if shares else surface.emissivity
     kelvin = float(spectra.in_kelvin(np.asarray(mean), unit=unit))
-    slope = spectra.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    slope = _slope(kelvin, *shares, **surface)
     per_unit = float(np.diff(spectra.in_kelvin(np.array([0.0, 1.0]), unit=unit))[0])
-    made = spectra.grey_radiance(
-        temperature_K=kelvin, emissivity=share, surroundings_K=surface.surroundings_K,
-        **surface.band,
-    )  # fmt: skip
+    made = spectra.grey_radiance(temperature_K=kelvin, **_with_share(surface, *shares))
     return LevelChange(slope * per_unit, mean, float(made))
 
 
 def temperature_change(
-    work: Work, mean: float, *shares: float, surface: Surface, factor: float
+    work: Work, mean: float, *shares: float, factor: float, **surface: Any
 ) -> LevelChange:
-    share = shares[0] if shares else surface.emissivity
-    made = spectra.grey_temperature(
-        radiance=mean * factor, emissivity=share, surroundings_K=surface.surroundings_K,
-        **surface.band,
-    )  # fmt: skip
+    made = spectra.grey_temperature(radiance=mean * factor, **_with_share(surface, *shares))
     kelvin = float(made)
-    slope = spectra.grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
-    return LevelChange(factor / slope, mean, kelvin)
+    return LevelChange(factor / _slope(kelvin, *shares, **surface), mean, kelvin)
+
+
+def _with_share(surface: Surface, *shares: Any) -> Surface:
+    return {**surface, "emissivity": shares[0]} if shares else surface
+
+
+def _slope(kelvin: float, *shares: float, surroundings_K: float | None, **surface: Any) -> float:
+    grey = _with_share(surface, *shares)
+    return float(spectra.grey_radiance_slope(temperature_K=kelvin, **grey))
 
 
 def _means(images: tuple[Recipe, ...]) -> tuple[Step, ...]:
@@ -68,13 +58,11 @@ def _means(images: tuple[Recipe, ...]) -> tuple[Step, ...]:
 )
 @pointwise
 def radiance_of_temperature(
-    work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
+    work: Work, image: Array, *emissivities: Array, unit: str, **surface: Any
 ) -> Array:
-    def convert(samples: Array, share: Array | float) -> Array:
-        return spectra.grey_radiance(
-            temperature_K=spectra.in_kelvin(samples, unit=unit), emissivity=share,
-            surroundings_K=surface.surroundings_K, **surface.band,
-        )  # fmt: skip
+    def convert(samples: Array, how: Surface) -> Array:
+        kelvin = spectra.in_kelvin(samples, unit=unit)
+        return spectra.grey_radiance(temperature_K=kelvin, **how)
 
     return _by_rows(work, image, emissivities, surface, convert)
 
@@ -84,15 +72,12 @@ def radiance_of_temperature(
 )
 @pointwise
 def temperature_of_radiance(
-    work: Work, image: Array, *emissivities: Array, surface: Surface, factor: float
+    work: Work, image: Array, *emissivities: Array, factor: float, **surface: Any
 ) -> Array:
     """Temperatures, in kelvin, of band radiance; `factor` makes W/m²/sr of it."""
 
-    def convert(samples: Array, share: Array | float) -> Array:
-        return spectra.grey_temperature(
-            radiance=factor * samples.astype(np.float64), emissivity=share,
-            surroundings_K=surface.surroundings_K, **surface.band,
-        )  # fmt: skip
+    def convert(samples: Array, how: Surface) -> Array:
+        return spectra.grey_temperature(radiance=factor * samples.astype(np.float64), **how)
 
     return _by_rows(work, image, emissivities, surface, convert)
 
@@ -105,8 +90,8 @@ def _by_rows(
 
     def one(top: int) -> None:
         rows = slice(top, top + height)
-        share = emissivities[0][rows] if emissivities else surface.emissivity
-        made[rows] = convert(image[rows], share)
+        shares = (emissivity[rows] for emissivity in emissivities)
+        made[rows] = convert(image[rows], _with_share(surface, *shares))
 
     work.for_each(one, range(0, image.shape[0], height))
     return made
@@ -138,7 +123,9 @@ class Radiometry(Module):
     def surface(self, image: Image) -> Surface:
         """The surfaces in the band here, else the image's."""
         band = given_band(self.cut_on_um, self.cut_off_um, image.band_um, empty=False)
-        return Surface(self.emissivity, self.surroundings_K, *band)
+        names = ("emissivity", "surroundings_K", "cut_on_um", "cut_off_um")
+        values = (self.emissivity, self.surroundings_K, *band)
+        return dict(zip(names, values, strict=True))
 
     def shares(self, image: Image, emissivity: Image | None) -> tuple[Recipe, ...]:
         if emissivity is None:

@@ -40,6 +40,6 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
             )
         surface, unit = self.surface(image), image.unit.strip()
         inputs = image.recipe, *self.shares(image, emissivity)
-        made = here.step(radiance_of_temperature, *inputs, surface=surface, unit=unit)
-        band = surface.cut_on_um, surface.cut_off_um
+        made = here.step(radiance_of_temperature, *inputs, unit=unit, **surface)
+        band = surface["cut_on_um"], surface["cut_off_um"]
         return ImageOutput(image.with_recipe(made, unit="W/m²/sr", band_um=band))

@@ -27,16 +27,12 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
 
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
         surface = self.surface(image)
-        made = here.step(
-            temperature_of_radiance,
-            image.recipe,
-            *self.shares(image, emissivity),
-            surface=surface,
-            factor=watts_factor(
-                image.unit,
-                temperature="already a temperature",
-                needed="To Temperature needs radiance in W/m²/sr; set the unit on Read Image",
-            ),
+        factor = watts_factor(
+            image.unit,
+            temperature="already a temperature",
+            needed="To Temperature needs radiance in W/m²/sr; set the unit on Read Image",
         )
-        band = surface.cut_on_um, surface.cut_off_um
+        inputs = image.recipe, *self.shares(image, emissivity)
+        made = here.step(temperature_of_radiance, *inputs, factor=factor, **surface)
+        band = surface["cut_on_um"], surface["cut_off_um"]
         return ImageOutput(image.with_recipe(made, unit="K", band_um=band))
