@@ -23,7 +23,7 @@ from core.physics.measurement.slanted_edge import (
 from core.physics.numerics import sinc
 from core.records import dataclass
 from core.transfer.factors import Array, Grid, factor_at
-from nodes.analysis.lineage import Stage, transfer_of
+from nodes.analysis.lineage import Stages, transfer_of
 from nodes.shared.module_ports import TableFigures
 
 Vector = NDArray[np.float64]
@@ -212,7 +212,11 @@ class Expected:
     scene: str
 
 
-def chain_behind(image: Image) -> dict[str, Any] | None:
+Behind = tuple[Stages, Grid, Grid, bool]
+"""Stages, the sampling at their end and their beginning, and whether a scene begins there."""
+
+
+def chain_behind(image: Image) -> Behind | None:
     """What `expected` needs of a picture; None where not all of its way from the source is known.
 
     A test scene's samples are means over their area, which blurs too. The scene in a file may be
@@ -226,29 +230,16 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
     is_scene = transfer.area_means
     if not is_scene and (transfer.source.inputs or not transfer.stages):
         return None
-    return {
-        "stages": transfer.part("mtf"),
-        "grid": transfer.grid,
-        "source_grid": transfer.source_grid,
-        "is_scene": is_scene,
-    }
+    return transfer.part("mtf"), transfer.grid, transfer.source_grid, is_scene
 
 
-def expected(
-    work: Work,
-    measured: Measured,
-    *,
-    stages: tuple[Stage, ...],
-    grid: Grid,
-    source_grid: Grid,
-    is_scene: bool,
-    differences: bool,
-) -> Expected:
+def expected(work: Work, measured: Measured, *, behind: Behind, differences: bool) -> Expected:
     """The modulus of all stages along the normal that was measured.
 
     With `differences` as the mean of rows shows it: the derivative of samples one pixel apart
     takes sin(πf)/(πf) of a frequency f. What is folded back from beyond Nyquist does not count.
     """
+    stages, grid, source_grid, is_scene = behind
     normal = math.radians(measured.angle_deg)
     # A cycle per pixel along the normal, in cycles/mrad across and along.
     xi_per_pixel = math.cos(normal) / grid.interval_x_mrad
@@ -340,11 +331,11 @@ def table_of(
         ("mtf10", measured.mtf10, "frequency at which the MTF falls to 0.1"),
     ):
         rows.append((name, scaled(value), unit_of_axis, meaning))
-        rows.append((f"{name}_error", scaled(error), unit_of_axis, "standard error"))
+        rows.append((f"{name}_error", scaled(error), unit_of_axis, f"standard error of {name}"))
     rows += [
-        ("nyquist", NYQUIST * factor, unit_of_axis, "half a cycle per pixel"),
+        ("nyquist", NYQUIST * factor, unit_of_axis, "Nyquist frequency: half a cycle per pixel"),
         ("at_nyquist", measured.nyquist[0], "", "MTF at Nyquist"),
-        ("at_nyquist_error", measured.nyquist[1], "", "standard error"),
+        ("at_nyquist_error", measured.nyquist[1], "", "standard error of at_nyquist"),
         ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
         ("noise", measured.noise, unit, "standard deviation of the noise in one sample"),
         ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
@@ -506,7 +497,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         both = [measured]
         if behind is not None:
             differences = self.method == "row_average" and self.target == "edge"
-            both.append(here.step(expected, measured, differences=differences, **behind))
+            both.append(here.step(expected, measured, differences=differences, behind=behind))
         return MeasuredOutputs(
             Curve(here.step(curve_of, *both, **shown)),
             Curve(here.step(spread_of, measured, unit=image.unit)),

@@ -1,7 +1,7 @@
 """MTF Slices: every stage's transfer function and their product, along lines."""
 
 import math
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from core.modules.declaration import Formula, Module, NodeContext, Section, para
 from core.transfer.factors import Grid, Part
 from nodes.analysis import lineage
 
+Lines = tuple[lineage.Line, ...]
 SAMPLES, PIXELS = "Nyquist of the samples", "Nyquist of the pixels"
 _ALIKE = 0.999  # of one another, where one mark is enough
 
@@ -60,30 +61,16 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
 
     def run(self, transfer: Transfer | Magnitude, here: NodeContext) -> CurveOutput:
         part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"
+        shown: Any = {"lines": self._lines(), "part": part, "samples": self.samples}
+        shown["marks"] = self._marks(transfer)
         if isinstance(transfer, Transfer) and transfer.own is not None:
-            recipe = here.step(
-                own_slices,
-                transfer.own,
-                lines=self._lines(),
-                part=part,
-                samples=self.samples,
-                label=transfer.label,
-                marks=self._marks(transfer),
-            )
+            recipe = here.step(own_slices, transfer.own, label=transfer.label, **shown)
         else:
-            recipe = here.step(
-                slices,
-                lines=self._lines(),
-                stages=lineage.stages_of(transfer.factors),
-                part=part,
-                grid=transfer.grid,
-                samples=self.samples,
-                stagewise=self.stages,
-                marks=self._marks(transfer),
-            )
+            shown |= {"stages": lineage.stages_of(transfer.factors), "grid": transfer.grid}
+            recipe = here.step(slices, stagewise=self.stages, **shown)
         return CurveOutput(Curve(recipe))
 
-    def _lines(self) -> tuple[lineage.Line, ...]:
+    def _lines(self) -> Lines:
         if self.direction == "angle":
             return (lineage.Line.at(self.angle_deg),)
         if self.direction == "both":
@@ -139,16 +126,9 @@ def value_at(
 
 
 def slices(
-    work: Work,
-    *,
-    lines: tuple[lineage.Line, ...],
-    stages: lineage.Stages,
-    part: Part,
-    grid: Grid,
-    samples: int,
-    stagewise: bool,
-    marks: tuple[CurveMark, ...],
+    work: Work, *, stages: lineage.Stages, grid: Grid, samples: int, stagewise: bool, **shown: Any
 ) -> CurveData:
+    lines, part = shown["lines"], shown["part"]
     series = []
     for line in lines:
         frequency = line.frequencies(grid, samples)
@@ -160,32 +140,26 @@ def slices(
             if stagewise:
                 series.append(Series(_named(stage.label, line, lines), frequency, value))
         series.append(Series(_named(f"Total {part.upper()}", line, lines), frequency, total))
-    return _curves(series, part, lines, marks)
+    return _curves(series, **shown)
 
 
 def own_slices(
-    work: Work,
-    sampled: SampledTransfer,
-    *,
-    lines: tuple[lineage.Line, ...],
-    part: Part,
-    samples: int,
-    label: str,
-    marks: tuple[CurveMark, ...],
+    work: Work, sampled: SampledTransfer, *, label: str, samples: int, **shown: Any
 ) -> CurveData:
+    lines, part = shown["lines"], shown["part"]
     series = []
     for line in lines:
         frequency, value = lineage.samples_along(sampled, part, line, samples)
         series.append(Series(_named(label or part.upper(), line, lines), frequency, value))
-    return _curves(series, part, lines, marks)
+    return _curves(series, **shown)
 
 
-def _named(label: str, line: lineage.Line, lines: tuple[lineage.Line, ...]) -> str:
+def _named(label: str, line: lineage.Line, lines: Lines) -> str:
     return label if len(lines) == 1 else f"{label} {line.name}"
 
 
 def _curves(
-    series: list[Series], part: Part, lines: tuple[lineage.Line, ...], marks: tuple[CurveMark, ...]
+    series: list[Series], *, part: Part, lines: Lines, marks: tuple[CurveMark, ...]
 ) -> CurveData:
     where = " and ".join(line.name for line in lines)
     y_label = "MTF" if part == "mtf" else "PTF (rad)"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,15 +86,8 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             magnitude, phase, wanted="scene to convolve", refusal="Spatial Blur cannot combine"
         )
         factors = (*magnitude.factors, *phase.factors)
-        kernels = here.step(
-            impulse_responses,
-            factors=factors,
-            grid=magnitude.grid,
-            edges=magnitude.edges,
-            truncation=self.truncation,
-            half_width_px=self.half_width_px,
-            error=self.error,
-        )
+        how: Any = {"factors": factors, "grid": magnitude.grid, "edges": magnitude.edges}
+        kernels = here.step(impulse_responses, **how, **self.values())
         plane = bool(Product(factors).planar)
         picture = here.step(blurred, source.recipe, kernels, edges=magnitude.edges, plane=plane)
         return SpatialOutputs(
@@ -273,14 +267,7 @@ class Kernels:
 
 
 def impulse_responses(
-    work: Work,
-    *,
-    factors: tuple[Factor, ...],
-    grid: Grid,
-    edges: Edges,
-    truncation: Truncation,
-    half_width_px: int,
-    error: float,
+    work: Work, *, factors: tuple[Factor, ...], grid: Grid, edges: Edges, error: float, **cut: Any
 ) -> Kernels:
     """Kernels with which a convolution is the multiplication by these factors.
 
@@ -317,7 +304,7 @@ def impulse_responses(
     for place, taps in enumerate(whole):
         others = math.prod(sums[:place] + sums[place + 1 :])
         allowed = error / (len(whole) * others)
-        passes.append(_shortened(taps, sums[place], truncation, half_width_px, allowed))
+        passes.append(_shortened(taps, sums[place], allowed, **cut))
     return Kernels(tuple(passes), product.at_zero(work))
 
 
@@ -327,7 +314,7 @@ def _period(size: int, edges: Edges) -> int:
 
 
 def _shortened(
-    taps: Array, whole: float, truncation: Truncation, half_width_px: int, allowed: float
+    taps: Array, whole: float, allowed: float, truncation: Truncation, half_width_px: int
 ) -> Kernel:
     """The taps around lag 0 with that in the middle; `taps` have it first and wrap round."""
     lags = [np.arange(size) - size // 2 for size in taps.shape]

@@ -246,9 +246,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
                 "altitude_m", None, "give a value here, or altitude_km on a Camera before this node"
             )
         if range_m is None:
-            raise ParameterError(
-                "range_m", None, "give a value here, or on a Camera before this node"
-            )
+            allowed = "give a value here, or on a Camera before this node"
+            raise ParameterError("range_m", None, allowed)
         ihaze = 1 if self.haze == "rural_23_km" else 2
         return table_path(height_km=altitude_m / 1e3, range_km=range_m / 1e3, ihaze=ihaze)
 

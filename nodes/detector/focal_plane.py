@@ -182,14 +182,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             image = self._binned(image.with_recipe(pixels), here)
             collected, levels = image.recipe, of_bins
         if reading.excess_factor > 1.0:
-            collected = here.step(
-                steps.multiplied,
-                collected,
-                mean,
-                self.deviates(here, "excess", image.shape),
-                frames=self.frames_averaged,
-                factor=reading.excess_factor,
-            )
+            drawn = [self.deviates(here, "excess", image.shape)]
+            how: Any = {"frames": self.frames_averaged, "factor": reading.excess_factor}
+            collected = here.step(steps.multiplied, collected, mean, *drawn, **how)
         well = {"full_well_e": reading.full_well_e}
         electrons: Recipe = here.step(
             steps.read_out,
@@ -244,12 +239,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     ) -> Recipe:
         if not self.bad_pixel_percent:
             return pixels
-        bad = here.step(
-            steps.bad_pixels,
-            stream=self.stream(here, "bad pixels", fixed=True),
-            shape=image.shape,
-            percent=self.bad_pixel_percent,
-        )
+        how: Any = {"shape": image.shape, "percent": self.bad_pixel_percent}
+        stream = self.stream(here, "bad pixels", fixed=True)
+        bad = here.step(steps.bad_pixels, stream=stream, **how)
         # A hot pixel fills the well, or else gives what is just beyond the last number.
         reading = self.read_out()
         hot = self.pixel_well_e if self.sums_charge else reading.full_well_e

@@ -6,17 +6,23 @@ import numpy as np
 
 from core.chain import random_fields
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
-from core.chain.wires import Image
+from core.chain.wires import Image, TableData
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
+from core.modules.declaration import Caution, Formula, NodeContext, Section, param, warning
 from core.physics.noise.flicker_noise import photon_means, published_means, radiance_of_photons
-from nodes.input_output.sample_unit import Statistics, statistics
+from nodes.input_output.sample_unit import statistics
 from nodes.shared.context_defaults import is_temperature, unit_caution
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.module_ports import NoiseOutputs
+from nodes.shared.module_ports import NoiseOutputs, TableFigures
 from nodes.shared.steps import difference, even
+
+
+@in_blocks()
+def _moments(work: Work, noise: Array) -> TableData:
+    found = statistics(noise, for_each=work.for_each)
+    return TableData.of(("noise_mean", found.mean), ("noise_sigma", found.sigma))
 
 
 class PoissonNoise(
@@ -115,15 +121,11 @@ class PoissonNoise(
             "this node and use Focal Plane, which counts electrons at the detector",
         )
 
-    @readout("W/m²/sr")
-    def noise_mean(self, outputs: NoiseOutputs) -> Step:
-        """Mean of the noise."""
-        return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="mean")
-
-    @readout("W/m²/sr")
-    def noise_sigma(self, outputs: NoiseOutputs) -> Step:
-        """Standard deviation of the noise."""
-        return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="sigma")
+    moments = TableFigures(
+        ("noise_mean", "W/m²/sr", "Mean of the noise."),
+        ("noise_sigma", "W/m²/sr", "Standard deviation of the noise."),
+        table=lambda outputs: Step.of(_moments, outputs.noise.recipe),
+    )
 
 
 @in_blocks()
@@ -189,13 +191,3 @@ def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Ar
 @pointwise
 def added(work: Work, image: Array, noise: Array) -> Array:
     return np.asarray(image + noise)
-
-
-@in_blocks()
-def _moments(work: Work, noise: Array) -> Statistics:
-    return statistics(noise, for_each=work.for_each)
-
-
-def _moment(work: Work, moments: Statistics, *, which: str) -> float:
-    moment: float = getattr(moments, which)
-    return moment

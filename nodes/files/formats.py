@@ -85,12 +85,7 @@ PICTURES: tuple[PictureFormat, ...] = (
     PictureFormat("other", (), "others by content", *_OIIO, recognizes=lambda _: True),
 )  # fmt: skip
 # Those that can be written, pictures before plain samples.
-WRITTEN = tuple(
-    sorted(
-        (picture_format for picture_format in PICTURES if picture_format.write),
-        key=lambda picture_format: picture_format.plain,
-    )
-)
+WRITTEN = tuple(sorted((one for one in PICTURES if one.write), key=lambda one: one.plain))
 SAVED: tuple[Format, ...] = (*WRITTEN, CSV)
 
 
@@ -104,9 +99,7 @@ def format_of(path: Path) -> PictureFormat:
 
 
 def written_format(path: Path) -> PictureFormat | None:
-    return next(
-        (picture_format for picture_format in WRITTEN if picture_format.matches(path)), None
-    )
+    return next((one for one in WRITTEN if one.matches(path)), None)
 
 
 def write_picture(

@@ -11,8 +11,6 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.polychromatic import Spectrum, band_wavelengths
-from core.records import replace
-from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     at_each_band,
@@ -125,17 +123,13 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
                 for part in ("mtf", "ptf")
             ]
             return OtfOutputs(magnitude, phase, raw[0], raw[1])
-        shift: Planar | None = None
-        blur: Planar | None = None
-        if self.method == "exact":
-            blur = exact_factor(pupil, scale, label, node)
+        shift, exact = None, self.method == "exact"
+        blur = exact_factor(pupil, scale, label, node) if exact else None
+        law = PupilLaw(pupil, scale, None, node)
         if blur is None:
-            if self.method == "exact":
-                pupil, scale = refined(pupil, scale, node)
+            pupil, scale = refined(pupil, scale, node) if exact else (pupil, scale)
             blur, shift = sampled_factors(pupil, scale, self.interpolation, label, node)
             law = PupilLaw(pupil, scale, self.interpolation, node)
-        else:
-            law = PupilLaw(pupil, scale, None, node)
         detector = weighting_responses(self.response, here.folder, None, self.weighting)
         bands = None if magnitude.image is None else magnitude.image.bands
         if bands is not None:

@@ -100,9 +100,8 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     def check(self) -> None:
         rising = all(low < high for low, high in pairwise(self.positions))
         if not (self.positions and rising):
-            raise ParameterError(
-                "positions", self.positions, "at least one number, in rising order"
-            )
+            allowed = "at least one number, in rising order"
+            raise ParameterError("positions", self.positions, allowed)
         for name in ("tangential_mrad", "sagittal_mrad"):
             given = getattr(self, name)
             if self.kind == "gaussian" and given and len(given) != len(self.positions):
@@ -230,10 +229,8 @@ class FieldSpread:
         xi = np.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
         eta = np.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
         across, along = field_optics.field_frequencies(xi=xi, eta=eta, x=x, y=y)
-        shares, tables = (
-            self.shares(2.0 * math.hypot(x, y) / math.hypot(*_extents(grid))),
-            self.recipes,
-        )
+        shares = self.shares(2.0 * math.hypot(x, y) / math.hypot(*_extents(grid)))
+        tables = self.recipes
         if self.sigmas:
             return _product(work, self.widened(shares), across, along)
         parts = [

@@ -125,9 +125,8 @@ class MtfModule(NyquistReadouts):
     def mtf_outputs(self, magnitude: Magnitude, *factors: Factor) -> MtfOutputs:
         """Outputs for these factors; none of them is the identity, whose key passes through."""
         transfer = magnitude.transfer("mtf", factors, self.title)
-        if self.apply == "filter_only":
-            return MtfOutputs(magnitude.only(*factors), transfer)
-        return MtfOutputs(magnitude.times(*factors), transfer)
+        made = magnitude.only if self.apply == "filter_only" else magnitude.times
+        return MtfOutputs(made(*factors), transfer)
 
     def separated(
         self, magnitude: Magnitude, here: NodeContext, function: Callable[..., Any], **how: Any
@@ -145,9 +144,8 @@ class PtfModule(Module):
     def ptf_outputs(self, phase: Phase, *factors: Factor) -> PtfOutputs:
         """Outputs for these factors; none of them is the identity, whose key passes through."""
         transfer = phase.transfer("ptf", factors, self.title)
-        if self.apply == "filter_only":
-            return PtfOutputs(phase.only(*factors), transfer)
-        return PtfOutputs(phase.plus(*factors), transfer)
+        made = phase.only if self.apply == "filter_only" else phase.plus
+        return PtfOutputs(made(*factors), transfer)
 
     @readout("rad")
     def ptf_at_nyquist_x(self, outputs: PtfOutputs) -> TransferAt | None:
