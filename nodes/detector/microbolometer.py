@@ -17,17 +17,10 @@ from core.physics.detector.readout import lowpass_mtf, lowpass_ptf
 from core.physics.noise import flicker_noise
 from core.physics.radiometry import planck
 from core.transfer.factors import Separable
-from nodes.shared import context_defaults, module_ports
+from nodes.shared import context_defaults, module_ports, steps
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
-from nodes.shared.steps import (
-    Carried,
-    PictureRange,
-    difference,
-    filtered_lines,
-    picture_range,
-    quantized,
-)
 
+Pair = tuple[float, float]
 _MOST_FRAMES = 64
 
 
@@ -207,7 +200,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         made = self._noisy(made, image, white, flicker, here)
         limits, step = self._limits(band), 0.0
         if limits is not None:
-            made = here.step(quantized, made, limits=limits, bits=self.bits)
+            made = here.step(steps.quantized, made, limits=limits, bits=self.bits)
             step = (limits[1] - limits[0]) / (2.0**self.bits - 1.0)
         table = here.step(
             figures,
@@ -221,7 +214,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             kept=self._kept(),
             vignetting=image.vignetting,
         )
-        noise = here.step(difference, made, slow)
+        noise = here.step(steps.difference, made, slow)
         mtf, ptf = module_ports.transfers(
             factors, context_defaults.with_interval(image, context), self.title
         )
@@ -233,7 +226,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             table=Table(table),
         )
 
-    def _white(self, context: Context, band: tuple[float, float]) -> float:
+    def _white(self, context: Context, band: Pair) -> float:
         optics = context_defaults.lens(
             context, optics_transmission=self.optics_transmission, f_number=self.f_number
         )
@@ -250,7 +243,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             return noise
         return noise * float((self.reference_integration_time_s / self.integration_time_s) ** 0.5)
 
-    def _offset(self, band: tuple[float, float]) -> float:
+    def _offset(self, band: Pair) -> float:
         if not self.offset_mK:
             return 0.0
         slope = planck.band_radiance_derivative(
@@ -263,7 +256,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             frame_rate_Hz=self.frame_rate_Hz, longest_period_s=self.longest_period_s
         )
 
-    def _limits(self, band: tuple[float, float]) -> tuple[float, float] | None:
+    def _limits(self, band: Pair) -> Pair | None:
         if not self.bits or self.range_low_K is None or self.range_high_K is None:
             return None
         ends = {"cut_on_um": band[0], "cut_off_um": band[1]}
@@ -275,7 +268,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         """Share of the last output that the temporal filter keeps."""
         return (self.filter_frames - 1.0) / (self.filter_frames + 1.0)
 
-    def _left(self) -> tuple[float, float]:
+    def _left(self) -> Pair:
         """White and 1/f noise behind the temporal filter, over those before it."""
         slow = 1.0
         if self.corner_Hz and self.filter_frames > 1.0:
@@ -304,7 +297,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             return image.recipe
         grid = context_defaults.with_interval(image, context).grid()
         how = {"factors": factors, "grid": grid, "edges": context.edges, "label": "Thermal lag"}
-        return here.step(filtered_lines, image.recipe, **how)
+        return here.step(steps.filtered_lines, image.recipe, **how)
 
     def _over_frames(
         self, picture: Recipe, kept: float, here: NodeContext, size: float = 1.0
@@ -317,9 +310,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         before = [at_frame(picture, -age) for age in range(1, len(weights))]
         return here.step(lagged_frames, picture, *before, weights=weights)
 
-    def _uneven(
-        self, picture: Recipe, image: Image, band: tuple[float, float], here: NodeContext
-    ) -> Recipe:
+    def _uneven(self, picture: Recipe, image: Image, band: Pair, here: NodeContext) -> Recipe:
         fields = [
             self.deviates(here, name, image.shape, fixed=True)
             for name, size in (("response", self.response_percent), ("offset", self.offset_mK))
@@ -396,7 +387,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if not self.bits or low is None or high is None:
             return None
         table: Any = outputs.table.recipe
-        seen, band = Step.of(picture_range, *table.inputs), dict(table.parameters)["band"]
+        seen, band = Step.of(steps.picture_range, *table.inputs), dict(table.parameters)["band"]
         return Step.of(range_caution, seen, limits=self._limits(band), kelvin=(low, high))
 
     figures = module_ports.TableFigures(
@@ -419,9 +410,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 # The stages of Microbolometer as steps: lag along a scan and over frames, patterns, noise.
 
 
-def _lag(*_: Recipe, weights: tuple[float, ...]) -> Carried:
+def _lag(*_: Recipe, weights: tuple[float, ...]) -> steps.Carried:
     """Temporal noise by the root of the sum of squares of the weights."""
-    return Carried(temporal=float(np.linalg.norm(weights)))
+    return steps.Carried(temporal=float(np.linalg.norm(weights)))
 
 
 @picture_step(linear=_lag)
@@ -478,7 +469,7 @@ def with_temporal_noise(
 
 
 def range_caution(
-    work: Work, seen: PictureRange, *, limits: tuple[float, float], kelvin: tuple[float, float]
+    work: Work, seen: steps.PictureRange, *, limits: Pair, kelvin: Pair
 ) -> Caution | None:
     if seen.low >= limits[0] and seen.high <= limits[1]:
         return None
@@ -494,7 +485,7 @@ def figures(
     work: Work,
     picture: Array,
     *,
-    band: tuple[float, float],
+    band: Pair,
     white: float,
     flicker: float,
     step: float,
