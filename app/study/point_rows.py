@@ -19,6 +19,7 @@ from core.evaluation.work import Policy, Work
 from core.machine import store_bytes
 from core.modules.declaration import Library, declaration
 from core.network.network import Network, Node
+from core.records import dataclass
 from nodes.files.formats import check_finite
 
 KEPT_BYTES = 256_000_000

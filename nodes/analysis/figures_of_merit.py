@@ -1,7 +1,6 @@
 """Figures of Merit: what a sensor resolves and detects, and how far."""
 
 import math
-from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Curve, CurveData, CurveMark, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Region, Step, holds_region
+from core.evaluation.recipes import Region, Step, marked
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.measurement.row_average import row_average
@@ -59,7 +59,7 @@ def _size(*, where: Region, **_: Any) -> tuple[int, int]:
     return where.shape
 
 
-@holds_region(_size)
+@marked(held_size=_size)
 def measured_slanted(
     work: Work,
     image: Array,
@@ -108,7 +108,7 @@ def measured_slanted(
     )
 
 
-@holds_region(_size)
+@marked(held_size=_size)
 def measured_rows(
     work: Work,
     image: Array,

@@ -276,8 +276,8 @@ def mdtd_curve(
     return CurveData("MDTD", "target size (mrad)", "MDTD (K)", series, log_y=True, log_x=True)
 
 
-def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen | None:
-    """Why a picture does not follow the scene, and what cannot be had of it; None where it does.
+def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen:
+    """Why a picture does not follow the scene, and what cannot be had of it; empty where it does.
 
     `gain` is that from the scene to the picture, of whose `levels` one may have the reason.
     """

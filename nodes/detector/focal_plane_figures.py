@@ -175,10 +175,10 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
     if kelvin is None or levels.electrons_per_K is None:
         mean = levels.seen.mean * per_photon
         return LevelChange(levels.slope / per_photon, mean, levels.signal_e, "", levels.slope)
-    low, high = levels.band_um
+    low, high = levels.collection.weights.band_um
     body = {"temperature_K": kelvin, "cut_on_um": low, "cut_off_um": high}
-    radiance = levels.vignetting * float(band_radiance(**body))
-    slope = levels.vignetting * float(band_radiance_derivative(**body))
+    radiance = levels.collection.vignetting * float(band_radiance(**body))
+    slope = levels.collection.vignetting * float(band_radiance_derivative(**body))
     gain = levels.electrons_per_K / slope
     return LevelChange(gain, radiance, levels.signal_e, "", levels.slope)
 
@@ -416,12 +416,11 @@ def _emva(
         yield f"snr_at_{percent}_percent", snr, "", f"SNR at {percent} % of saturation_radiance"
 
 
-def _worth(
-    levels: ElectronLevels, collection: Collection
-) -> Iterator[tuple[str, float | None, str, str]]:
+def _worth(levels: ElectronLevels) -> Iterator[tuple[str, float | None, str, str]]:
     """What each other weighting would make of the signal, and by how much they differ."""
     known: list[float] = []
-    known_spectrum = collection.weights.used == "spectrum"
+    collected = levels.collection
+    known_spectrum = collected.weights.used == "spectrum"
     for weighting in photon_conversion.WEIGHTINGS:
         signal: float | None = None
         weights = replace(collected.weights, weighting=weighting)
@@ -431,7 +430,7 @@ def _worth(
             except DataError:  # a source too cold to be one, which is not the one that is used
                 pass
             else:
-                signal = collection.per_photon * float(ratio[0]) * levels.seen.mean
+                signal = collected.per_photon * float(ratio[0]) * levels.seen.mean
                 known.append(signal)
         meaning = f"signal with photons weighted by {weighting}"
         yield f"signal_by_{weighting}_e", signal, "e-", meaning

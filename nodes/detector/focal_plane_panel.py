@@ -9,6 +9,7 @@ from core.modules.declaration import NodeContext, Section, param
 from core.physics.detector import focal_plane_array, photon_conversion
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import ChargeGain, excess_noise_factor
+from core.records import replace
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.spectrum_tables import read_wavelengths

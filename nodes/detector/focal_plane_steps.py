@@ -1,7 +1,6 @@
 """The stages of Focal Plane as steps: from radiance to electrons to digital numbers."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -169,7 +168,7 @@ def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) 
     return _by_rows(work, picture, block)
 
 
-@noises_in_blocks
+@in_blocks()
 def _read_noise(at: AtStep, *_: Recipe, sigma_e: float, **__: Well) -> list[Noise]:
     return [at.white("read", sigma_e**2)] if sigma_e else []
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, FileError, ParameterError
+from core.records import dataclass
 from core.scratch import Empty
 from nodes.files import arrays, envi, envi_header, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes

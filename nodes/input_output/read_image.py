@@ -9,6 +9,7 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
+from core.records import replace
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.stored_bytes import checked_band
 from nodes.files.envi import coverage

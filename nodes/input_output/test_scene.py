@@ -15,6 +15,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, NodeContext, Section, param
+from core.records import dataclass, field, replace
 from nodes.files.common.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes import draw

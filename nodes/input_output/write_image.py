@@ -17,6 +17,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
+from core.records import dataclass, field
 from nodes.files import frames
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue

@@ -9,6 +9,7 @@ from core.modules.declaration import Caution, Formula, Module, NodeContext, Sect
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling import ground_geometry
 from core.physics.sampling.detector_sampling import field_of_view_deg
+from core.records import replace
 from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, alike, apart, apart_caution, first
 from nodes.shared.module_ports import TableFigures
 

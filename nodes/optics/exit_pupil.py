@@ -24,6 +24,7 @@ from core.physics.optics.pupil_shapes import (
     support_circle,
 )
 from core.physics.optics.wavefront import known_wavefront, map_scale, wavefront_waves, wrapped_waves
+from core.records import replace
 from nodes.files.formats import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 from nodes.optics.pupil_factor import sampled

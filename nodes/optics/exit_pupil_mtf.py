@@ -11,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.polychromatic import Spectrum, band_wavelengths
+from core.records import replace
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     at_each_band,

@@ -151,19 +151,8 @@ def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     ratios: tuple[float, ...] = (1.0,)
     if pupil.aberrated:
         ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)
-    return Step.of(
-        _correlations,
-        *_samples_of(pupil),
-        node=node,
-        ratios=ratios,
-        map_ratio=_map_ratio(pupil, scale, ratios),
-        **_wavefront(pupil),
-    )
-
-
-def _wavefront(pupil: Pupil) -> dict[str, Any]:
-    waves = {"defocus_waves": pupil.defocus_waves, "zernike_waves": pupil.zernike_waves}
-    return {"radius": pupil.radius, **waves}
+    map_ratio = _map_ratio(pupil, scale, ratios)
+    return _of_samples(_correlations, pupil, node, map_ratio=map_ratio, ratios=ratios)
 
 
 def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recipe:
@@ -192,8 +181,8 @@ def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0
 
 def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     """Recipe of the estimate that covers the sampled OTF's error."""
-    how = {"map_ratio": _map_ratio(pupil, scale), "shape": pupil.shape, **_wavefront(pupil)}
-    return Step.of(_error, *_samples_of(pupil), node=node, **how)
+    map_ratio = _map_ratio(pupil, scale)
+    return _of_samples(_error, pupil, node, map_ratio=map_ratio, shape=pupil.shape)
 
 
 def _complex_samples(

@@ -1,7 +1,6 @@
 """A parameter of the module, else the value of Init & Trans; and where both differ."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -11,6 +10,7 @@ from core.modules.declaration import Caution, Module, declaration
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
+from core.records import dataclass, replace
 
 Band = tuple[float, float]
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from core.chain.engine import PlannedNode, TransferAt
 from core.chain.step_lineage import lineage_of
 from core.chain.wires import Context, Image, Magnitude, Phase, Table, TableData, Transfer
-from core.evaluation.recipes import Recipe, Step, with_reason
+from core.evaluation.recipes import Recipe, Step, marked
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Param, readout, warning
 from core.modules.preview import Picture, Preview, brief, pair
@@ -195,7 +195,7 @@ def figure_reason(work: Work, table: TableData, *, name: str) -> str:
     return next((row.reason for row in table.rows if row.name == name), "")
 
 
-@with_reason(figure_reason)
+@marked(reason=figure_reason)
 def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
     return table.as_dict().get(name)
 

@@ -1,7 +1,6 @@
 """Steps that several modules take."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from core.chain.wires import Image
 from core.evaluation import recipes
 from core.evaluation.work import Work
 from core.physics.detector.readout import quantize, rounding_variances
-from core.records import dataclass
+from core.records import dataclass, field
 from core.transfer.factors import Grid
 from core.transfer.scan_lines import filter_lines
 
@@ -199,7 +198,7 @@ def rounding_noises(at: AtStep, step: float) -> list[Noise]:
     return [at.white("quantization", temporal), at.white("quantization", fixed, temporal=False)]
 
 
-@in_blocks()
+@recipes.in_blocks()
 def _rounding(
     at: AtStep, picture: recipes.Recipe, limits: recipes.Recipe | tuple[float, float], *, bits: int
 ) -> list[Noise]:

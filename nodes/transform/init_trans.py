@@ -15,6 +15,7 @@ from core.modules.declaration import Caution, Module, NodeContext, Section, read
 from core.modules.parameters import Formula, param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad
+from core.records import replace
 from core.transfer.factors import Edges, Grid
 from nodes.shared.context_defaults import apart, interval_of
 

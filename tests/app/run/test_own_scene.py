@@ -11,6 +11,7 @@ from scipy.integrate import quad
 
 from app.run.shipped import shipped_networks
 from nodes.files.formats import read_info, read_pixels
+from picture_samples import envi
 
 TWO_SCENES = {"magnitude_of_one_phase_of_another": "building"}
 Y, X = np.mgrid[0:24, 0:32]

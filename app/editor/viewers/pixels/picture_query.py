@@ -42,6 +42,7 @@ from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
+from core.records import dataclass, replace
 from nodes.files.formats import check_finite
 
 Array = NDArray[Any]

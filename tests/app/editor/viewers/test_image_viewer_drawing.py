@@ -8,6 +8,7 @@ from PySide6.QtGui import QImage
 from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine
 from app.editor.viewers.pixels.grey_levels import colour_table, grey_levels
 from nodes.files.formats import read_pixels
+from window_hands import turn
 
 NETWORK, FINAL = "first_steps", "back.image"
 
