@@ -358,7 +358,7 @@ SIZES = (16, 32, 64, 128, 256, 512, 1024)
 
 @dataclass(frozen=True)
 class RadialSeries:
-    """Chebyshev series on pieces; 0 beyond the last."""
+    """Chebyshev series of an OTF on pieces; 0 beyond the last, and never beyond ±1."""
 
     ends: tuple[float, ...]
     coefficients: tuple[Vector, ...]
@@ -382,7 +382,7 @@ class RadialSeries:
                 share = np.clip((rho[chosen] - low) / (high - low), 0.0, 1.0)
                 place = 4.0 / np.pi * np.arcsin(np.sqrt(share)) - 1.0
                 values[chosen] = chebyshev_sum(coefficients, place)
-        return values
+        return np.clip(values, -1.0, 1.0)
 
 
 def _fit(function: Callable[[Vector], Vector], low: float, high: float, tolerance: float) -> Vector:
