@@ -256,6 +256,7 @@ class Crumbs(QWidget):
         self._row.addWidget(self.up)
         self.steps: list[QToolButton] = []
         self._shown: list[QWidget] = []
+        self._names: tuple[str, ...] = ()
         for signal in (level.opened, level.changed, level.session.state_changed):
             signal.connect(self._fill)
         self.setBackgroundRole(RAISED)
@@ -266,6 +267,9 @@ class Crumbs(QWidget):
         document, path = self._level.session.document, self._level.path
         name = document.network.name or (document.path.stem if document.path else "network")
         self.setVisible(bool(path))
+        if (name, *path) == self._names:  # as after most edits
+            return
+        self._names = (name, *path)
         for old in self._shown:
             self._row.removeWidget(old)
             old.hide()

@@ -76,6 +76,8 @@ class WindowLayout(QObject):
 
     def make_room(self, *, empty: bool) -> None:
         """Give an empty network a large canvas; the docks of pictures come with its first node."""
+        if not (empty or self._away):  # as after most edits
+            return
         docks, shown = Docks(self._window), []
         if empty:
             beside = [*docks.viewers, *docks.tools, *docks.beside]
