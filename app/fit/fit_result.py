@@ -440,8 +440,8 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     left = f"{math.sqrt(excess):.2g} times"
     lines += [
         f"{fit.free[i].port} is determined by only one of the edges, and the residuals are {left} "
-        "the noise: its error cannot be found from the scatter between edges, so the parameter is "
-        "treated as not determined"
+        "the noise. One edge has no scatter to find the parameter's error from, so the parameter "
+        "is treated as not determined"
         for i in lone
     ]
     if fit.rests_on:

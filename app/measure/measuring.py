@@ -147,7 +147,7 @@ def refuse_small(name: str, rows: int, columns: int) -> None:
     if min(rows, columns) >= _LEAST:
         return
     colours = (
-        "; from an array (rows, columns, colours), give a single colour (rows, columns)"
+        "; if the array is (rows, columns, colours), pass one colour (rows, columns)"
         if columns <= _MOST_COLOURS < rows
         else ""
     )

@@ -39,7 +39,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
         ("gain_error", curve.gain_error, "e-/DN", "standard error of the gain"),
         ("offset_dn", curve.offset_dn, "DN", "digital number at zero electrons"),
         ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, without "
-                                                   "rounding noise"),
+                                                   "quantization noise"),
         ("read_noise_error", curve.read_noise_error, "e-", "standard error of the read noise"),
         ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
         ("brightest_e", curve.brightest_e, "e-", "the brightest level"),

@@ -222,7 +222,10 @@ class FittedChain:
 # Fitting a chain to pictures of a camera: files and arrays.
 
 Picture = File | NDArray[Any]
-_FREE = "NODE.PARAM, a list of parameters, or a mapping of parameters to (low, high) or None"
+_FREE = (
+    "must be NODE.PARAM, a list of parameters, or a mapping from each parameter to (low, high) "
+    "or None"
+)
 
 
 @plain_errors

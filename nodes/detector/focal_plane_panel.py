@@ -256,8 +256,8 @@ class FocalPlanePanel(SeededModule):
             current = self.dark_current_A_per_cm2
             raise ParameterError("dark_current_A_per_cm2", current, allowed)
         if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
-            allowed = "give gain_e_per_dn or full_well_e, because bits is above 0"
-            raise ParameterError("gain_e_per_dn", None, allowed)
+            allowed = "bits is above 0, so give gain_e_per_dn (e-/DN) or full_well_e (e-)"
+            raise ParameterError("gain_e_per_dn", None, allowed, unit="")
 
     @property
     def pixels(self) -> int:

@@ -41,7 +41,10 @@ from nodes.files.common import table_cells
 
 Points = tuple[tuple[float, float], ...]
 _LARGEST_UM = 1e6
-_COLUMNS = "Hz, horizontal mrad²/Hz and, if it differs, vertical mrad²/Hz"
+_COLUMNS = (
+    "frequency (Hz), horizontal power density (mrad²/Hz) and, if different, vertical power "
+    "density (mrad²/Hz)"
+)
 
 
 @table_cells.read_once
@@ -91,7 +94,7 @@ def read_motion(path: Path) -> tuple[Points, Points]:
         path, what="power density", wanted=f" with the columns {_COLUMNS}"
     )
     rows: list[tuple[float, ...]] = []
-    allowed = f"numbers in the columns {_COLUMNS}"
+    allowed = f"two or three numbers: {_COLUMNS}"
     for number, row in table_cells.point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
         if not all(0.0 < value < math.inf for value in row):
             raise table_cells.line_refused(path, number, "finite numbers above 0")

@@ -114,7 +114,7 @@ class ExamineImage(
             return None
         unit = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
         return Caution(
-            f"no apparent temperatures are given for a picture {unit}",
+            f"apparent temperatures cannot be computed for a picture {unit}",
             "convert the picture to W/m²/sr: set scale and unit on Read Image, or units on Focal "
             "Plane",
         )

@@ -103,7 +103,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
 
     @warning
     def no_average(self, image: Image) -> Caution | None:
-        """The pixels are sampled, but nothing averages over their area."""
+        """The image is sampled at the pixels, but no stage averages it over the pixel area."""
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
         # A table on the way may have been measured through the pixels.

@@ -51,8 +51,8 @@ _KINDS = ";;".join(
 )
 _NO_BAND, _LAST_BAND = -1, 99_999
 _BAND = (
-    "Band to measure in files with several bands (the first is 0); – measures the only band, or "
-    "the luminance of a colour picture"
+    "Band to measure in a file with several bands (the first is 0). Leave at “–” for a file with "
+    "one band, or for the luminance of a colour picture"
 )
 
 

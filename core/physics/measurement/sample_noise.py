@@ -227,7 +227,7 @@ def _read_noise(
     if variance <= 0.0 or _CONFIDENCE * error > 2.0 * _READ_WITHIN * variance:
         reason = (
             f"the variance at level {offset:.4g}, used as the level without light, is "
-            f"{variance:.3g} ± {error:.2g} after subtracting rounding noise: dark areas are "
+            f"{variance:.3g} ± {error:.2g} after subtracting quantization noise: dark areas are "
             "missing, or the level is wrong"
         )
         return None, None, reason

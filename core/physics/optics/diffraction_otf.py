@@ -242,7 +242,7 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
     if not np.sum(weights) > 0.0:
         raise DataError(
             f"the response is 0 at all {count} wavelengths over the band: use more "
-            "wavelengths, or let the tolerance set their number"
+            "wavelengths, or leave their number to the tolerance"
         )
     return places, weights / np.sum(weights)
 
