@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 from core.errors import in_line
@@ -95,9 +96,14 @@ OURS = {file.rpartition(".")[2]: file for file in _FILES}
 """By key, the file that a module of ours is in."""
 
 
+_LOADING = RLock()
+
+
 def our_module(key: str) -> type[Module]:
     """A module of ours; only the files it needs are loaded."""
-    for found in vars(import_module(f"nodes.{OURS[key]}")).values():
+    with _LOADING:  # of two threads that load one package at once, one may not find it
+        loaded = import_module(f"nodes.{OURS[key]}")
+    for found in vars(loaded).values():
         if isinstance(found, type) and issubclass(found, Module) and found.key == key:
             return found
     raise ImportError(f"nodes/{OURS[key].replace('.', '/')}.py has no module with the key {key}")

@@ -4,7 +4,12 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
-from nodes.shared.context_defaults import ELECTRONICS, apart_from_context, given
+from nodes.shared.context_defaults import (
+    ELECTRONICS,
+    apart_from_context,
+    check_given,
+    given,
+)
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
@@ -42,6 +47,7 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
+        check_given(self, context, "detector_x_um", "detector_y_um", "focal_length_mm")
         x, y = ({"effective_ifov_mrad": self.ifov_x_mrad(axis, context)} for axis in "xy")
         return self.separated(magnitude, here, aperture_mtf, x=x, y=y)
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyroots, polyval
+from numpy.polynomial import polynomial as powers
 from numpy.typing import ArrayLike, NDArray
 
 from core import kernels
@@ -56,7 +56,7 @@ def relative_illumination(
             within = np.minimum(height, heights[-1])
             light *= tabulated_mtf(frequency=within, frequencies=heights, values=values)
         square = height * height
-        light *= np.polynomial.polynomial.polyval(square, (1.0, *coefficients))
+        light *= powers.polyval(square, (1.0, *coefficients))
     return np.asarray(light, np.float64)
 
 
@@ -145,7 +145,7 @@ class Distortion:
     @cached_property
     def fold(self) -> float:
         """Where it stops rising and the picture folds back; at most π/2 for an angle."""
-        roots = polyroots(polyder(self.odd))
+        roots = powers.polyroots(powers.polyder(self.odd))
         real = roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0)].real
         most = math.inf if self.model == "brown" else 0.5 * math.pi
         return float(real.min(initial=most))
@@ -159,12 +159,14 @@ class Distortion:
             if self.model == "brown":
                 return self._by_two(x, y)
             r = theta = np.hypot(x, y)
-            slope = polyder(self.odd)
+            slope = powers.polyder(self.odd)
             for _ in range(_STEPS):
                 theta = np.clip(
-                    theta - (polyval(theta, self.odd) - r) / polyval(theta, slope), 0, 2
+                    theta - (powers.polyval(theta, self.odd) - r) / powers.polyval(theta, slope),
+                    0,
+                    2,
                 )
-            off = np.abs(polyval(theta, self.odd) - r)
+            off = np.abs(powers.polyval(theta, self.odd) - r)
             theta = np.where((off < _RESIDUAL) & (theta < self.fold), theta, np.nan)
             share = np.where(r > 0.0, np.tan(theta) / r, 1.0)
             return x * share, y * share
@@ -183,8 +185,8 @@ class Distortion:
     def _landed(self, x: Array, y: Array) -> tuple[Array, Array, Array, Array, Array]:
         """x', y' and the derivatives dx'/dx, dx'/dy = dy'/dx, dy'/dy."""
         (p1, p2), u = self.p, x * x + y * y
-        radial = polyval(u, (1.0, *self.k))
-        slope = 2.0 * polyval(u, polyder((1.0, *self.k)))
+        radial = powers.polyval(u, (1.0, *self.k))
+        slope = 2.0 * powers.polyval(u, powers.polyder((1.0, *self.k)))
         return (
             x * radial + 2.0 * p1 * x * y + p2 * (u + 2.0 * x * x),
             y * radial + p1 * (u + 2.0 * y * y) + 2.0 * p2 * x * y,

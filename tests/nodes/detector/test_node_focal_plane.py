@@ -226,7 +226,7 @@ def test_what_lacks_a_value_is_refused_in_one_line(tmp_path, params, line):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("3.0,0.7\n", "1 points; a curve needs at least 2"),
+        ("3.0,0.7\n", "1 point; a curve needs at least 2"),
         ("3.0,0.7\n2.0,0.7\n", "line 2: must be a wavelength above the previous one, 3"),
         ("3.0,0.7\n4.0,1.7\n", "quantum efficiency from 0 to 1"),
         ("3.0,0.7\nfour,0.5\n", "line 2: must be two numbers"),

@@ -103,7 +103,7 @@ def test_a_spectrum_of_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("1,1\n", "1 points"),
+        ("1,1\n", "1 point;"),
         ("1,1\n0.5,1\n", "line 2"),
         ("1,1\n2,-1\n", "line 2"),
         ("1,1\n2,1,1\n", "line 2"),
