@@ -98,7 +98,7 @@ def broadcast(**named: Floats) -> tuple[Floats, ...]:
         return tuple(np.broadcast_arrays(*named.values()))
     except ValueError as cause:
         shapes = ", ".join(str(array.shape) for array in named.values())
-        allowed = "shapes that broadcast against one another"
+        allowed = "must have shapes that broadcast together"
         raise ParameterError(", ".join(named), shapes, allowed) from cause
 
 

@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
 
 _HINT = "Choose a parameter above, or right-click a value on a control panel and choose Trade off…"
-_HOW = "The vertical line marks the current value: drag the line, or press ← and →"
+_HOW = "To change the value, drag the line or press ← and →"
 
 
 class TradeOffView(Viewer):
