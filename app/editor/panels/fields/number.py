@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer, Signal
@@ -61,6 +62,7 @@ class NumberField(TypedField):
         self.slider.stepped.connect(self._step)
         self.slider.finished.connect(self._end)
         self.slider.given_up.connect(self._give_up_drag)
+        self.slider.typed.connect(self._begin_typing)
         self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
         self.linked_value.setAccessibleName(f"value of {self.title}")
         self.linked_value.setWordWrap(False)
@@ -107,7 +109,13 @@ class NumberField(TypedField):
     def add_link_actions(self, menu: QMenu) -> None:
         if self.link is None:
             about = "Type an expression after ="
-            offer(menu, "link", "Link to other parameters…", self._begin_link, about=about)
+            offer(
+                menu,
+                "link",
+                "Link to other parameters…",
+                partial(self._begin_typing, "= "),
+                about=about,
+            )
             return
         value = "" if self.link.problem else f", keep {self.shown_value}"
         unlinking = offer(menu, "unlink", f"Unlink{value}", self._unlink)
@@ -136,9 +144,9 @@ class NumberField(TypedField):
         super().hideEvent(event)
         self._end()
 
-    def _begin_link(self) -> None:
+    def _begin_typing(self, text: str) -> None:
         self.edit.setFocus(Qt.FocusReason.OtherFocusReason)
-        self.edit.setText("= ")
+        self.edit.setText(text)
         self.edit.setModified(True)
 
     def _unlink(self) -> None:
@@ -229,6 +237,7 @@ def _last_word(text: str) -> str:
 
 # A slider that signals what a person does with it, and shows values without signals.
 
+_BEGINS = "0123456789.-="
 _STEPS = {
     Qt.Key.Key_Right: 1,
     Qt.Key.Key_Up: 1,
@@ -245,6 +254,7 @@ class Slider(QSlider):
     stepped = Signal(float)
     finished = Signal()  # the mouse or the key is up, or the wheel rests
     given_up = Signal()  # Esc while it is held
+    typed = Signal(str)  # what a number begins with: Tab leads from a field to the next slider
     _held = False
 
     def __init__(self, positions: int, parent: QWidget | None = None) -> None:
@@ -266,6 +276,8 @@ class Slider(QSlider):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() in _STEPS:
             self.stepped.emit(_STEPS[Qt.Key(event.key())] * step_factor(event.modifiers()))
+        elif event.text() and event.text() in _BEGINS:
+            self.typed.emit(event.text())
         else:
             super().keyPressEvent(event)
 

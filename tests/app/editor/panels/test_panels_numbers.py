@@ -5,6 +5,8 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 
 from app.editor.declared_text import number_of, numbers_of, shown_figure, shown_number
 from app.editor.panels.fields.number import Scale, scale_of
@@ -106,3 +108,18 @@ def test_the_slider_never_rounds_what_was_typed(qtbot, session, text):
     session.undo()
     assert session.document.text() == before
     assert float(field.edit.text()) == float(text)
+
+
+def test_a_number_typed_on_a_slider_goes_into_its_field(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "detector_mtf")
+    sections = area.panels["node"].body.sections
+    first, second = (sections.field(f"detector_{axis}_um") for axis in "xy")
+    QTest.keyClicks(first.edit, "30")
+    QTest.keyClick(first.edit, Qt.Key.Key_Return)
+    QTest.keyClicks(second.slider, "2")  # where Tab leads from the field above
+    assert second.edit.text() == "2"
+    QTest.keyClicks(second.edit, "0")
+    QTest.keyClick(second.edit, Qt.Key.Key_Return)
+    params = session.network.nodes["node"].params
+    assert (params["detector_x_um"], params["detector_y_um"]) == (30.0, 20.0)
