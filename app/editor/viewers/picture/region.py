@@ -127,6 +127,7 @@ class RegionTool(QObject):
             signal.connect(self.follow)
         if evaluator is not None:
             evaluator.pass_done.connect(self.follow)
+        self._having: dict[str, bool] = {}  # by module
         self._recolour()
         self.follow()
 
@@ -168,10 +169,14 @@ class RegionTool(QObject):
             self.picture_wanted.emit(source)
 
     def _nodes(self) -> Iterator[str]:
-        """Nodes that have a region."""
-        for name in self._session.network.nodes:
-            declared = self._session.declared(name)
-            if declared is not None and all(map(declared.parameter, PARAMETERS)):
+        """Nodes that have a region: of which modules is found out once, as each edit asks."""
+        for name, node in self._session.network.nodes.items():
+            known = self._having.get(node.module)
+            if known is None or node.macro is not None:
+                declared = self._session.declared(name)
+                known = declared is not None and all(map(declared.parameter, PARAMETERS))
+                self._having[node.module] = known
+            if known:
                 yield name
 
     def _chosen(self) -> list[str]:
