@@ -191,9 +191,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             return None
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so its mean radiance is "
-            "assumed to come from a surface of 15 % reflectance; the contrast with a surface of "
-            "7 % is then 8/15 of the mean",
-            "give the scene in reflectance with Reflected Light, enter snr, or set snr_of to mean",
+            "taken as that of a 15 % surface, and the contrast with a 7 % surface as 8/15 of it",
+            "add Reflected Light, enter snr, or set snr_of to mean",
         )
 
     @warning

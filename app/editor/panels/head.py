@@ -28,7 +28,7 @@ from core.network.network import Node
 
 _SHARE = 0.45  # of the panels' height, for an illustration at most
 _LEAST_LINES = 6  # that it is high at least
-_LINES = 6  # of what is wrong with the node
+_LINES = 7  # of what is wrong with the node
 _WIDEST = 10_000
 _WRAPPED = Qt.TextFlag.TextWordWrap | Qt.AlignmentFlag.AlignTop
 _FITTED = (QEvent.Type.LayoutRequest, QEvent.Type.Resize)
@@ -36,7 +36,7 @@ _CLICK_MS = 250  # after which it is seen again whether a button is still down
 
 
 class Problem(ElidedLabel):
-    """What is wrong with the node, in up to six lines; the tooltip has all of it."""
+    """What is wrong with the node, in up to seven lines; the tooltip has all of it."""
 
     def lines(self, width: int) -> tuple[str, int]:
         """The text, cut where it needs more lines than there are, and its height."""
@@ -228,7 +228,7 @@ class PanelHead(QWidget):
             return
         self._badge = badge
         text = badge.text if badge is not None else ""
-        self.problem.show_text(text, tip(text) if text else "")
+        self.problem.show_text(text.replace("\n", " · "), tip(text) if text else "")
         self.problem.setVisible(bool(text))
         self._fit()
         self._colour()

@@ -162,6 +162,7 @@ LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
 DEFAULT: LayoutName = "picture_below"
 _HEADINGS = 40  # letters, in which the library's headings are read without an ellipsis
 _LEAST_PANELS = 40  # letters that a control panel is wide at least
+_LEAST_THREE = 176  # letters of a window in which picture, curves and panels stand side by side
 _LEAST_BESIDE = 240  # letters of a window in which the library has a place of its own
 PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4 is promised
 _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orientation.Vertical
@@ -224,7 +225,7 @@ def _is_narrow(window: QMainWindow, docks: Docks) -> bool:
     unit = window.fontMetrics().averageCharWidth()
     beside = (docks.viewers[0], docks.curves)
     least = sum(dock.minimumSizeHint().width() for dock in beside)
-    return least + _LEAST_PANELS * unit > window.width()
+    return max(least + _LEAST_PANELS * unit, _LEAST_THREE * unit) > window.width()
 
 
 def size(window: QMainWindow, layout: LayoutName) -> None:
@@ -249,6 +250,7 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
         dock.minimumSizeHint().width() for dock in (docks.panels, *docks.beside) if dock.isVisible()
     ]
     side = max(round(min(max(60 * unit, 0.21 * width), 90 * unit)), *needed, 0)
+    _seat_library(window, docks, _Area.LeftDockWidgetArea, wide=width >= _LEAST_BESIDE * unit)
     if layout == "canvas_first":
         window.resizeDocks([docks.library, docks.panels], [headings, 60 * unit], _Across)
         window.resizeDocks(
@@ -256,7 +258,6 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
         )
         window.resizeDocks([viewer, docks.curves], [62 * unit, 75 * unit], _Across)
         return
-    _seat_library(window, docks, _Area.LeftDockWidgetArea, wide=width >= _LEAST_BESIDE * unit)
     tall = round(picture / (width - side)) + bars
     window.resizeDocks([docks.library, docks.panels], [headings, side], _Across)
     window.resizeDocks([viewer], [max(tall, round(0.62 * height))], _Along)
