@@ -58,6 +58,7 @@ def insert(clip, start):
     """Drag the module from the library onto the wire; gives the node's name."""
     window = clip.window
     clip.caption = "Drag a module from the library onto a wire"
+    clip.ask(window.library_dock.raise_)
     clip.glide(clip.ask(lambda: place_of_module(window.library_view, MODULE)), 1.2)
     clip.rest(0.2)
     clip.press()

@@ -423,6 +423,8 @@ class MainWindow(QMainWindow):
         self.panels.set_badges(badges)
 
     def _follow_selection(self, names: tuple[str, ...]) -> None:
+        if names:
+            self.layout_in_use.show_panels()
         self.actions_by_name.follow_selection(bool(names))
         if alike := self.session.selected_alike:
             text = (

@@ -97,6 +97,12 @@ class WindowLayout(QObject):
             QTimer.singleShot(0, self, self._size)  # once Qt has laid them out
             self._soon.stop()
 
+    def show_panels(self) -> None:
+        """Bring the panels before the library, where it stands in front of them."""
+        docks = Docks(self._window)
+        if docks.library in self._window.tabifiedDockWidgets(docks.panels):
+            docks.panels.raise_()
+
     def follow(self, dock: Any) -> None:
         """See the dock put somewhere else: the shares are those once all are laid out."""
         dock.topLevelChanged.connect(lambda _: self._soon.start())

@@ -82,6 +82,12 @@ def test_the_library_stands_behind_the_panels_where_the_window_is_narrow(opened,
         assert all(node.title_at(opened.canvas.view.zoom) is not None for node in nodes), size
     opened.resize(1366, 768)
     idle(opened)
+    opened.library_dock.raise_()
+    idle(opened)
+    assert in_sight(opened.library_dock)
+    opened.session.select(["pupil"])
+    idle(opened)
+    assert in_sight(opened.panel_dock)
     opened.actions_by_name["new"].trigger()
     idle(opened)
     assert is_behind()
