@@ -63,7 +63,7 @@ _NAMES: Mapping[str, str] = MappingProxyType(
             for name in ("k1", "k2", "k3", "k4", "p1", "p2")
         },
         "air_K": "Air temperature",
-        "responsivity_um": "Wavelength of responsivity",
+        "responsivity_um": "Responsivity at",
         "beyond_percent": "Beyond the scene",
         "delta_K": "Temperature difference",
         "optics_K": "Optics' temperature",

@@ -216,7 +216,8 @@ class UnknownBody(QWidget):
             self._form.addRow(plain_label("", self, name), label)
 
 
-_LABEL_SHARE = 0.45  # of the width, at most, for the names
+_LABEL_SHARE = 0.4  # of the width, for long names, however little is left
+_LEAST_LINES = 10  # heights of a line that a slider, a field and their gaps are wide at least
 _AT_FIRST = 340  # dots that a panel is wide, until it is laid out
 
 
@@ -300,13 +301,16 @@ class SectionsView(QWidget):
         self._line_up(self.width())
 
     def _line_up(self, width: int) -> None:
+        """Give names what they need where that leaves room for the fields of this page."""
         metrics = self.fontMetrics()
-        units = {field.parameter.param.unit for field in self.fields if field.lines_up}
+        fields = [field for field in self.fields if field.isVisibleTo(self)]
+        units = {field.parameter.param.unit for field in fields if field.lines_up}
         unit = max((metrics.horizontalAdvance(unit) for unit in units), default=0)
-        widest = max((field.label_width for field in self.fields), default=0)
-        label = min(widest, int(_LABEL_SHARE * width))
+        widest = max((field.label_width for field in fields), default=0)
+        most = width - unit - _LEAST_LINES * metrics.height()
+        label = min(widest, max(most, int(_LABEL_SHARE * width)))
         room = width - label - unit - 3 * metrics.height()
-        for field in self.fields:
+        for field in fields:
             field.line_up(label, unit, room)
 
     def _show_sections(self) -> None:
@@ -318,9 +322,11 @@ class SectionsView(QWidget):
         ]
         used = {s.page for m, s in zip(met, self.sections, strict=True) if m}
         self.tabs.offer(used)
-        page = self.tabs.page
+        page, hidden = self.tabs.page, [box.isHidden() for box in self._boxes]
         for box, section, fits in zip(self._boxes, self.sections, met, strict=True):
             box.setVisible(fits and section.page in ("", page))
+        if hidden != [box.isHidden() for box in self._boxes]:
+            self._line_up(self.width() if self.isVisible() else _AT_FIRST)
 
     def _narrow(self, values: Mapping[str, Any]) -> None:
         for offered in filter(None, (section.offer for section in self.sections)):
