@@ -503,7 +503,9 @@ class BackdropItem(AbstractNodeItem):
         head = self._head(zoom)
         painter.setPen(style.text)
         room = head.adjusted(10, 0, -10, 0) if head.top() >= 0 else head
-        painter.setFont(style.sized(math.ceil(head.height() * 0.58), bold=True))
+        size = math.ceil(head.height() * 0.58)
+        bold = style.metrics(size, bold=True).horizontalAdvance(self.title) <= room.width()
+        painter.setFont(style.sized(size, bold=bold))
         text = painter.fontMetrics().elidedText(
             self.title, Qt.TextElideMode.ElideRight, math.ceil(room.width())
         )
