@@ -333,7 +333,10 @@ class Fitted(NamedTuple):
 
 
 def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
-    """A title in lines, in the largest font that fits and can be read; None if none does."""
+    """A title in the largest font that fits and can be read: in lines, divided, else elided.
+
+    None where not even five letters of it would be seen.
+    """
     text = re.sub("([_-])", "\\1\N{ZERO WIDTH SPACE}", face.id)
     for divide in (False, True):
         if divide:
