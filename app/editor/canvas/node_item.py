@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
@@ -44,6 +45,7 @@ _PLATE = 14.0  # height of the output's mark, half of it below the node
 OUTPUT_MARK = "output"
 _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
 _BESIDE = 10.0  # left and right of a title together, at least
+_PORTS_BESIDE = 18.0  # where there is room: the title stands clear of the ports
 _TALLER = 34.0  # the title of a small node may be, above its frame
 
 
@@ -147,16 +149,16 @@ class NodeItem(AbstractNodeItem):
         made_for = zoom, self.title_room, self.style
         if self._title is None or self._title[0] != made_for:
             high = self._height + _TALLER - 4
-            rooms = (QSizeF(self.title_room - less, high) for less in (_beside(zoom), _BESIDE))
-            titles = (fitted(self.face, room, zoom, self.style) for room in rooms)
-            self._title = made_for, next(filter(None, titles), None)
+            rooms = [QSizeF(self.title_room - less, high) for less in (_beside(zoom), _BESIDE)]
+            self._title = made_for, fitted(self.face, rooms, zoom, self.style)
         return self._title[1]
 
     def plate(self, zoom: float) -> QRectF:
         frame, title = self.geometry.frame, self.title_at(zoom)
         if title is None:
             return frame
-        beside = max(0.0, title.size.width() + _beside(zoom) - frame.width()) / 2
+        wide = min(title.size.width() + _beside(zoom), self.title_room)
+        beside = max(0.0, wide - frame.width()) / 2
         above = max(0.0, title.size.height() + 4 - frame.height())
         return frame.adjusted(-beside, -above, beside, 0)
 
@@ -283,7 +285,7 @@ def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) ->
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(style.port(("image",)))
     if not with_text:
-        side = min(frame.height() / 2, frame.width() / 4)
+        side = min(frame.height() / 3, frame.width() / 6)
         corner = frame.bottomRight()
         painter.drawPolygon(
             [corner, QPointF(corner.x() - side, corner.y()), QPointF(corner.x(), corner.y() - side)]
@@ -323,7 +325,7 @@ def _head(width: float, height: float) -> QPainterPath:
 
 def _beside(zoom: float) -> float:
     """The room left and right of a title: as wide on the screen at every zoom."""
-    return max(_BESIDE, 4.0 / zoom)
+    return max(_PORTS_BESIDE, 10.0 / zoom)
 
 
 class Fitted(NamedTuple):
@@ -332,22 +334,25 @@ class Fitted(NamedTuple):
     size: QSizeF
 
 
-def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
+def fitted(
+    face: NodeFace, rooms: Sequence[QSizeF], zoom: float, style: CanvasStyle
+) -> Fitted | None:
     """A title in the largest font that fits and can be read: in lines, divided, else elided.
 
-    None where not even five letters of it would be seen.
+    The first of the rooms that holds it; None where not even five letters of it would be seen.
     """
     text = re.sub("([_-])", "\\1\N{ZERO WIDTH SPACE}", face.id)
     for divide in (False, True):
         if divide:
             text = re.sub("([^_\N{ZERO WIDTH SPACE}-]{4,}?)(\\w{4,7})\\b", "\\1-\n\\2", text)
-        size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
-        while size * zoom >= _LEAST_PX:
-            needed = style.metrics(size).boundingRect(QRectF(QPointF(), room), _CENTRED, text)
-            if needed.width() <= room.width() and needed.height() <= room.height():
-                return Fitted(text, style.sized(size), needed.size())
-            size -= max(1, size // 16)
-    size = math.ceil(_LEAST_PX / zoom)
+        for room in rooms:
+            size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
+            while size * zoom >= _LEAST_PX:
+                needed = style.metrics(size).boundingRect(QRectF(QPointF(), room), _CENTRED, text)
+                if needed.width() <= room.width() and needed.height() <= room.height():
+                    return Fitted(text, style.sized(size), needed.size())
+                size -= max(1, size // 16)
+    size, room = math.ceil(_LEAST_PX / zoom), rooms[-1]
     metrics = style.metrics(size)
     text = metrics.elidedText(face.id, Qt.TextElideMode.ElideRight, room.width())
     if len(text) <= 5 < len(face.id) or metrics.height() > room.height():
