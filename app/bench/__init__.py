@@ -17,9 +17,9 @@ PARTS = {
 }
 TITLE = "Imagechain: run time against error"
 LEAD = (
-    "Times are in multiples of T0, the time of irfft2(rfft2(image)) for the same image, type and "
-    "threads. Any Fourier method takes at least T0. Each method and T0 are timed alternately; the "
-    "figures are medians of the ratios."
+    "Times are in multiples of T0, the time of irfft2(rfft2(image)) for the same image, data type "
+    "and threads. Any Fourier method takes at least T0. Each method and T0 are timed alternately; "
+    "the figures are medians of the ratios."
 )
 Measures = Sequence[Callable[[Settings], list[Table]]]
 Measured = Mapping[str, Sequence[Table]]
@@ -46,7 +46,7 @@ def measured(
     say(
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, load "
         f"{machine['load']:.1f}; {versions}; transforms by {machine['fft']}\nT0 = "
-        "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, type and threads, timed "
+        "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, data type and threads, timed "
         "alternately with each method"
     )
     tables: dict[str, list[Table]] = {}

@@ -45,9 +45,9 @@ def measuring(settings: Settings) -> list[Table]:
         rows.append({**row, **took, **judged(took["seconds"], REACH_S[size])})
     heads = {"subject": "picture", "edges": "edges", "used": "used", **TIMES}
     text = (
-        "A picture in memory: tilted squares (7°), blurred by 0.8 samples, with noise. Timed: "
-        "finding the edges, measuring and pooling their MTFs, and measuring the noise of flat "
-        "areas."
+        "A picture in memory: tilted squares (7°) with Gaussian blur (σ 0.8 samples) and noise. "
+        "Timed: finding the edges, measuring and pooling their MTFs, and measuring the noise of "
+        "flat areas."
     )
     title = "Measuring a picture, double precision"
     return [Table("measure", title, heads, rows, text)]

@@ -268,9 +268,9 @@ def charge_transfer(settings: Settings) -> list[Table]:
             row |= {name: float(values.max()) for name, values in errors.items()}
             rows.append(row | timing)
     text = (
-        "Exact is the default: its vector along one axis takes almost no time compared with "
-        "filtering the picture. The published phase follows a different formula, which starts "
-        "with w³ instead of w."
+        "Exact is the default: its transfer function along one axis takes almost no time compared "
+        "with filtering the picture. The published phase follows a different formula, whose series "
+        "starts with w³ instead of w (w: phase per transfer)."
     )
     name = "Charge transfer compared with the product of all transfers, by N × (1 − ε)"
     chart = Chart("largest error of H", "setting", "choice", lines=False, title=name)
@@ -347,9 +347,9 @@ def skipping(settings: Settings) -> list[Table]:
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
     heads |= {"skipped": f"stages left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
-        "The default is one eighth of the samples' rounding error, so the effect of leaving "
-        "stages out cannot be distinguished from rounding. Even with a larger tolerance, "
-        "the error stays below the tolerance, and the run is faster. T0 is measured in single "
+        "The default tolerance is one eighth of the samples' rounding error, so the effect of "
+        "leaving stages out cannot be distinguished from rounding. With a larger tolerance, the "
+        "run is faster, and the error still stays below the tolerance. T0 is measured in single "
         "precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"

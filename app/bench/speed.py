@@ -14,6 +14,7 @@ from app.bench.chains import FINAL, KODAK, PIXELS, SHIPPED_SIZE, Chain, Kodak
 from app.bench.tables import Chart, Table, judged
 from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
 from app.run.shipped import command
+from core.errors import several
 
 Array = NDArray[Any]
 Subject = tuple[str, Callable[[], float], float | None, float | None]
@@ -126,7 +127,7 @@ def fresh_process(settings: Settings) -> list[Table]:
     row |= {"low": took["low"], "high": took["high"], **judged(took["seconds"], 1.2, 0.6)}
     heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
     heads |= {"low": "least", "high": "most"}
-    title = f"Fresh process, {settings.size}², median of {starts}"
+    title = f"Fresh process, {settings.size}², median of {several(starts, 'start')}"
     text = "Starting Python, drawing the scene and writing the files are included."
     return [Table("fresh_process", title, heads, [row], text)]
 

@@ -191,7 +191,8 @@ def presets(_stop: Stop, word: str, json: bool) -> None:
     if not found:
         word = word.casefold()
         raise UsageError(
-            f"there is no preset with {shown(word)}; imagechain presets lists all presets"
+            f"no preset has {shown(word)} in its name, description or module; imagechain presets "
+            "lists all presets"
         )
     entries = (
         f"{preset.path.stem} · {preset.title} ({_module(preset)})\n{_filled(preset.text)}"

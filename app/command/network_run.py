@@ -146,7 +146,7 @@ class NetworkRun:
             output = find_output(evaluation.plan)
             lines.append(f"no {FINAL}: {how_to_choose(output) or output.missing}")
         if chain.missing and chain.grid is not None:
-            lines.append(f"no total in {MTF}: {chain.missing}")
+            lines.append(f"no total MTF in {MTF}: {chain.missing}")
         if evaluation.way.get("way") == "in blocks" or on_memory:
             lines.append(run.way_in_words(evaluation.way))
         if self.others:

@@ -351,14 +351,14 @@ def numerical_options(function: Function) -> Function:
 
     number = partial(option, group=RARER)
     return together(
-        option("--seed", "N", "seed for the noise, instead of the network's",
+        option("--seed", "N", "seed for the noise, instead of the network's seed",
             partial(whole_number, largest=LARGEST_INTEGER)),
         number("--precision", "[single|double]", "default: single", one_of("single", "double"),
             default="single"),
         number("--tolerance", "T",
             "error budget, from 0 to below 1: leave out stages that together change the picture "
-            "by less than this fraction of its range. Default: below the rounding error of the "
-            "precision; 1e-4 of each band's contrast if a few wavelengths represent all bands. 0 "
+            "by less than this fraction of its range. Default: below the samples' rounding "
+            "error; 1e-4 of each band's contrast if a few wavelengths represent all bands. 0 "
             "leaves out only stages that change nothing", tolerance),
         number("--threads", "N", "worker threads (default: all)",
             partial(whole_number, largest=1024), default=0),

@@ -218,7 +218,9 @@ class NoiseLevels:
         self._port = sources[0]
         scene: Image = plan.output(self._port)
         if scene.bands is not None:
-            raise DataError(f"{self._port} has wavelength bands, but a uniform field has none")
+            raise DataError(
+                f"{self._port} has wavelength bands, but noise can only be predicted without bands"
+            )
         self._scene = scene
         values = work.value(scene.recipe)
         start = float(np.mean(values, dtype=np.float64)) or 1.0
@@ -267,7 +269,7 @@ class NoiseLevels:
                 one = 0.5 * other
         raise DataError(
             f"no source radiance brings the network's final picture to a level of {level:.6g}, so "
-            "the picture's noise at that level is unknown"
+            "the network's noise at that level cannot be predicted"
         )
 
     def _field(self, plan: Plan, radiance: float) -> tuple[float, float]:

@@ -303,12 +303,12 @@ def fit_text(result: FitResult) -> str:
     lines = [
         f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  "
         f"({several(result.fit.misfit.degrees, 'degree')} of freedom; "
-        "1: the residuals are only noise)"
+        "1 if the residuals are only noise)"
     ]
     if isinstance(result.noise, NoiseComparison):
-        how = "fitted too" if result.noise.fitted else "with the network's own noise"
+        how = "noise fitted" if result.noise.fitted else "noise not fitted"
         ratio = number_text(float(f"{result.noise.ratio:.4g}"))
-        lines.append(f"noise predicted over measured  {ratio}  ({how})")
+        lines.append(f"predicted over measured noise  {ratio}  ({how})")
     elif result.noise:
         lines.append(result.noise)
     lines += [*result.notes, *(f"warning: {line}" for line in result.warnings)]

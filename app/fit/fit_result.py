@@ -304,7 +304,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: the sign does not affect the edges, and a positive value is given"
+            f"{fit.free[i].port}: the sign does not affect the edges; a positive value is given"
             for i in fit.unsigned
             if i not in undetermined
         ),
@@ -424,7 +424,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     if noise > 1.0:
         lines.append(
             "the network does not reproduce the picture's noise: the residuals are "
-            f"{math.sqrt(noise):.2g} times the errors of the measured levels; the standard "
+            f"{math.sqrt(noise):.2g} times the errors of the measured variances. The standard "
             "errors of parameters that act on the noise are widened accordingly"
         )
     if excess == 1.0:
@@ -434,28 +434,28 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
             *lines,
             "no values in the ranges give edges of this shape: the residuals are "
             f"{100.0 * fit.misfit.material:.2g} % of a step, {math.sqrt(excess):.2g} times the "
-            "noise; the picture may be compressed, interlaced, sharpened or nonlinear, or the "
-            "chain lacks a stage, so no parameter that acts on the edges is determined",
+            "noise. The picture may be compressed, interlaced, sharpened or nonlinear, or the "
+            "chain may lack a stage. No parameter that acts on the edges is determined",
         ]
     left = f"{math.sqrt(excess):.2g} times"
     lines += [
         f"{fit.free[i].port} is determined by only one of the edges, and the residuals are {left} "
-        "the noise. One edge has no scatter to find the parameter's error from, so the parameter "
-        "is treated as not determined"
+        "the noise. A single edge shows no scatter, so the parameter's error is unknown: the "
+        "parameter is treated as not determined"
         for i in lone
     ]
     if fit.rests_on:
         share = 100.0 * fit.misfit.material
         return [
             *lines,
-            f"the edge residuals are up to {share:.2g} % of a step, {left} the noise: "
-            f"the standard errors come from the scatter between {fit.misfit.edges} edges, or "
-            "from all residuals if they are larger; blur that all edges share, "
-            "such as softness of the scene, is treated as blur of the chain",
+            f"the edge residuals are up to {share:.2g} % of a step, {left} the noise. "
+            f"The standard errors come from the scatter between {fit.misfit.edges} edges, or from "
+            "all residuals if the errors are then larger. Blur that all edges share, such as "
+            "softness of the scene, is treated as blur of the chain",
         ]
     return [
         *lines,
-        f"the chain does not reproduce these edges: the residuals are {left} the noise; the "
+        f"the chain does not reproduce these edges: the residuals are {left} the noise. The "
         "standard errors are widened to match, but the values may be off by more. Add the "
         "missing effect to the chain and fit again",
     ]

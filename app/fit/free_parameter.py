@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.run.option_values import Assignment, assignment, low_high
 from app.run.overrides import behind, named_parameter
-from core.errors import UsageError
+from core.errors import UsageError, several
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
 from core.network.network import EXPRESSION, Network
@@ -74,7 +74,7 @@ def numbers_of(network: Network, library: Library) -> list[str]:
 def _such_as(names: Sequence[str]) -> str:
     if not names:
         return ""
-    more = f", or {len(names) - _MOST} more" if len(names) > _MOST else ""
+    more = f", or {several(len(names) - _MOST, 'other')}" if len(names) > _MOST else ""
     return f", such as {', '.join(names[:_MOST])}{more}"
 
 

@@ -19,7 +19,7 @@ from app.measure.picture_measurement import WITH_LOSS
 from app.tradeoff.tradeoff_results import with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import Cancelled, DataError, ImagechainError
+from core.errors import Cancelled, DataError, ImagechainError, several
 from core.evaluation.work import Work
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import missing_samples
@@ -126,7 +126,7 @@ def fit_pictures(
     patches, refused = edges_in(pictures=pictures.samples, **how)
     if not patches:
         raise DataError(
-            f"{pictures.text}: no edge can be used: {_reasons(refused, 0)}; run imagechain measure "
+            f"{pictures.text}: no edge can be used. {_reasons(refused, 0)}. Run imagechain measure "
             "to see why each edge was rejected"
         )
     report("noise")
@@ -201,7 +201,7 @@ def _compared(
 def _notes(many: int, refused: Sequence[str], final: Image, *, passed_area: bool) -> list[str]:
     lines = [f"{many} {'edge' if many == 1 else 'edges'} fitted"]
     if refused:
-        lines[0] += f"; refused: {_reasons(refused, many)}"
+        lines[0] += f"; {_reasons(refused, many)}"
     x, y = final.interval_x_mrad, final.interval_y_mrad
     if x is not None and y is not None:
         lines.append(
@@ -225,8 +225,9 @@ _MOST_SAMPLES = 60_000
 def _reasons(refused: Sequence[str], used: int) -> str:
     """Why candidates were refused, the clearest first, in one line."""
     if not refused:
-        return "no straight edge was found"
-    return f"of {len(refused) + used} candidates: {in_words(refused)}"
+        return "No straight edge was found"
+    whole = several(len(refused) + used, "candidate")
+    return f"{len(refused)} of {whole} rejected: {in_words(refused)}"
 
 
 def edges_in(

@@ -168,7 +168,7 @@ class Adding:
         title = declaration(self._surface.session.library[transform.module]).title
         wiring = partial(self._wire_behind, end, bridge, point, loose)
         choice = self._module_choice(candidate.module, wiring, port=f"after {title}")
-        about = f"Takes a {candidate.port}, so {title} is put between.\n{choice.tip}"
+        about = f"Its input is of type {candidate.port}: {title} is inserted first.\n{choice.tip}"
         return replace(choice, tip=about, remote=True)
 
     def add(self, key: str, at: Point) -> None:

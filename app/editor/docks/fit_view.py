@@ -201,7 +201,7 @@ class FitView(WorkerView):
         buttons = (self.file, self.fit, self.stop, self.taking, self.remove)
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
-        self.notices = NoticeList("fit.notices", "Warnings and notes of the fit", self)
+        self.notices = NoticeList("fit.notices", "Warnings and notes from the fit", self)
         self.table = FreeTable(self._session, self)
         self.chart = SpreadChart(self)
         halves = split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))

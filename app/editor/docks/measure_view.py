@@ -261,7 +261,9 @@ class MeasureView(WorkerView):
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
         parts = (*buttons, self.write, self.band, self.pictures)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
-        self.notices = NoticeList("measure.notices", "Warnings and notes of the measurement", self)
+        self.notices = NoticeList(
+            "measure.notices", "Warnings and notes from the measurement", self
+        )
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)

@@ -292,7 +292,7 @@ def typed_span(session: Session, varied: Varied, text: str) -> Span:
     values = typed_values(session, f"{varied.node}.{varied.name}", text, MOST_COUNT)
     parts = text.split(":")
     if len(parts) == 1:
-        raise UsageError(f"{text!r:.40} is not a range: {RANGE}")
+        raise UsageError(f"{text!r:.40} is not a range: write {RANGE}")
     low, high = sorted(map(float, parts[:2]))
     return Span(low, high, values.log, values.parameter.kind == "integer", int(parts[2]))
 

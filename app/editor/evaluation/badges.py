@@ -12,7 +12,7 @@ from core.modules.parameters import Caution
 from core.network.macro import SEPARATOR
 from core.network.network import Network
 
-DISABLED = "disabled: the node passes its input, if any, through"
+DISABLED = "disabled: the node passes any input through"
 STALE = (
     "not updated: the result is from before your last changes; choose Generate Image to update it"
 )

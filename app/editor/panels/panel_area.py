@@ -219,7 +219,7 @@ class NetworkPanel(QFrame):
         self.description = labelled(Words(below), "network_description", about)
         self.description.committed.connect(partial(self._set, "description"))
         self.seed = labelled(TypeIn(below), "network_seed", "seed of the network's noise")
-        about = f"The same seed gives the same noise: {SEEDS}"
+        about = f"The seed is {SEEDS}. The same seed gives the same noise"
         self.seed.setToolTip(tip(about))
         self.seed.setAccessibleDescription(about)
         self.seed.committed.connect(self._set_seed)

@@ -140,7 +140,7 @@ def test_presets_are_listed_by_a_word_of_name_module_or_text(capsys):
     assert "camera_" not in text
     assert text.endswith("; in Python, chain.add(ic.preset('NAME')).\n")
     assert main(["presets", "nosuch"]) == 2
-    assert "there is no preset with nosuch" in capsys.readouterr().err
+    assert "no preset has nosuch in its name, description or module" in capsys.readouterr().err
 
 
 def test_networks_are_listed(capsys):

@@ -142,7 +142,7 @@ def two(small, write):
 def test_run_does_not_choose_among_two(two, works, tmp_path):
     done = works("run", "net.json", "--output-dir", "out", "--save", "noisy.image=noisy.npy")
     assert f"no final.png: {LINE}" in done.stdout.splitlines()
-    assert "no total in mtf.csv: this network ends in 2 pictures" in done.stdout
+    assert "no total MTF in mtf.csv: this network ends in 2 pictures" in done.stdout
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"mtf.csv", "readouts.json"}
     assert (tmp_path / "noisy.npy").is_file()
@@ -153,7 +153,7 @@ def test_final_on_the_command_line(two, imagechain, works, tmp_path):
     assert "total" not in done.stdout
     assert "total.mtf_x" in (tmp_path / "one" / "mtf.csv").read_text()
     done = works("run", "net.json", "--final", "noisy.image", "--output-dir", "other")
-    told = "no total in mtf.csv: no Back Transform comes before the output, noisy.image"
+    told = "no total MTF in mtf.csv: no Back Transform comes before the output, noisy.image"
     assert told in done.stdout.splitlines()
     assert "total.mtf_x" not in (tmp_path / "other" / "mtf.csv").read_text()
     shapes = [(tmp_path / name / "final.png").read_bytes()[16:24] for name in ("one", "other")]

@@ -272,7 +272,7 @@ def _short_list(name: str, about: str, parent: QWidget) -> QComboBox:
 
 def _about(bands: BandStack, choice: BandChoice, place: int) -> str:
     if choice.shown == "one":
-        return f"{bands.widths_um[place]:.3g} µm wide, {place + 1} of {bands.count}"
+        return f"{bands.widths_um[place]:.3g} µm wide, band {place + 1} of {bands.count}"
     low, high = bands.band_um
     return f"{bands.count} bands, {low:.4g} to {high:.4g} µm" if choice.shown == "all" else ""
 

@@ -301,8 +301,8 @@ def _less(first: _Source, second: _Source) -> _Source:
         )
     if a.unit != b.unit:
         raise DataError(
-            f"cannot compute the difference: {first.port} is in {a.unit or 'no unit'}, "
-            f"{second.port} in {b.unit or 'no unit'}"
+            "cannot compute the difference: the units differ "
+            f"({first.port}: {a.unit or 'none'}, {second.port}: {b.unit or 'none'})"
         )
     both = zip(first.recipes, second.recipes, strict=True)
     recipes = tuple(Step.of(difference, one, other) for one, other in both)
@@ -318,7 +318,7 @@ def why_not_compared(kept: Facts, now: Facts) -> str:
     if (kept.rows, kept.columns) != (now.rows, now.columns):
         reasons.append(f"A has {kept.columns} × {kept.rows} samples, B {now.columns} × {now.rows}")
     if kept.unit != now.unit:
-        reasons.append(f"A is in {kept.unit or 'no unit'}, B in {now.unit or 'no unit'}")
+        reasons.append(f"the units differ (A: {kept.unit or 'none'}, B: {now.unit or 'none'})")
     elif kept.quantity != now.quantity:
         reasons.append(f"A is {kept.quantity}, B {now.quantity}")
     elif kept.wavelengths_um != now.wavelengths_um:

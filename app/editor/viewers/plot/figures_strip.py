@@ -150,7 +150,7 @@ class FiguresStrip(Viewer):
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
             kind = f"a preview at 1:{done.reduced}" if done.reduced > 1 else "everything shown"
-            about = f"Time to compute {kind} after the last change: {done.seconds:.4f} s"
+            about = f"Computing {kind} took {done.seconds:.4f} s after the last change"
             self.label(RUN_TIME).show_text(figure_text(done.seconds, "s"), about)
 
 

@@ -251,7 +251,7 @@ def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
     if not kept.panels or not drawing.panels:
         return drawing
     if drawing.bars or _axes(kept) != _axes(drawing):
-        note = f"A {name} is not drawn because its axes or bars differ"
+        note = f"A ({name}) is not drawn: its axes differ from B's, or the plot has bars"
         return replace(drawing, note="\n".join(filter(None, (drawing.note, note))))
     names = {entry.title: entry.name for entry in kept.entries}
     panels, differing = [], set()

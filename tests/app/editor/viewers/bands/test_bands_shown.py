@@ -90,7 +90,7 @@ def test_one_band_by_slider_wavelength_keys_and_a_dragged_line(viewer, bench, qt
     bench.settle()
     assert bar.slider.value() == place
     assert bar.one.currentText() == f"{wavelengths[place]:.5g} µm"
-    assert bar.about.text() == f"0.167 µm wide, {place + 1} of {BANDS}"
+    assert bar.about.text() == f"0.167 µm wide, band {place + 1} of {BANDS}"
     assert viewer.picture.samples == pytest.approx(samples[place], rel=1e-6)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageUp)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageUp)
