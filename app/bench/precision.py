@@ -233,7 +233,7 @@ def wavelengths(settings: Settings) -> list[Table]:
             error = float(np.abs(computed - np.array(means)).max())
             rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
     text = (
-        "The default is 1, the mean wavelength of the band: over the picture's frequencies, the "
+        "By default, only the band's mean wavelength is used: over the picture's frequencies, the "
         "OTF of an aperture such as Kodak's is almost linear in λ. Use more wavelengths if the "
         "cutoff falls among these frequencies, as for the small aperture. The reference value is "
         "an adaptive integral over the band."
@@ -312,8 +312,8 @@ def poisson(settings: Settings) -> list[Table]:
         "counts, are least accurate where photons are few; there, exact deviates are also faster, "
         "because only the events are drawn. Above a few photons per sample, normal deviates are "
         "faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
-        "difference between the cumulative distributions of the deviates and of Poisson; 95 of "
-        f"100 fields of {settings.size}² exact deviates stay below {chance:.1g}."
+        "difference between the cumulative distributions of the deviates and of Poisson. In 95 "
+        f"of 100 fields of {settings.size}² exact deviates, the distance is below {chance:.1g}."
     )
     title = f"Exact and normal deviates for Poisson noise: {settings.size}² samples"
     name = f"{title}, against the mean; distances below {chance:.1g} occur by chance"
@@ -345,14 +345,17 @@ def skipping(settings: Settings) -> list[Table]:
             row = {"precision": kind, "tolerance": chain.policy.budget, "skipped": skipped}
             rows.append({**row, "mark": f"{shown} ({skipped})", **timing, "error": error})
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
-    heads |= {"skipped": f"stages left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
+    heads |= {
+        "skipped": f"stages left out (of {len(STRENGTHS)})",
+        "error": "rms error / (max − min)",
+    }
     text = (
         "The default tolerance is one eighth of the samples' rounding error, so the effect of "
         "leaving stages out cannot be distinguished from rounding. With a larger tolerance, the "
         "run is faster, and the error still stays below the tolerance. T0 is measured in single "
         "precision in all rows."
     )
-    title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"
+    title = f"Leaving out weak stages: {len(STRENGTHS)} stages, {settings.small}², mirrored"
     name = f"{title}: tolerance (stages left out)"
     chart = Chart("rms error / (max − min)", "mark", "precision", title=name)
     return [Table("skipping", title, heads, rows, text, chart)]

@@ -47,8 +47,8 @@ def one_thread(settings: Settings) -> list[Table]:
     title = f"Whole chain and edits on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
         "T0 is measured on one thread. The work between the large loops (planning, noise, "
-        "sums) runs on one thread in both tables, so it takes a larger share of the time when "
-        "the loops use several threads."
+        "sums) always runs on one thread, so it takes a larger share of the time when the loops "
+        "use several threads."
     )
     return [Table("one_thread", title, HEADS, rows, text)]
 

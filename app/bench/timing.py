@@ -136,7 +136,7 @@ def machine_words(facts: Mapping[str, Any]) -> list[str]:
         f"{facts['memory_bytes'] / 2**30:.0f} GiB",
         f"load {facts['load']:.1f} at the start",
         *(f"{name} {release}" for name, release in facts["versions"].items()),
-        f"periodic frames by {facts['fft']}",
+        f"transforms of periodic frames by {facts['fft']}",
     ]
 
 

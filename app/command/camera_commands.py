@@ -115,7 +115,8 @@ def measure(
 )
 @options.option(
     "--report", "FILE",
-    "write an .html page with patches side by side, overlaid edges and residuals",
+    "write an .html page with real and simulated patches side by side, overlaid edges and "
+    "residuals",
     values.ending_in(HTML))  # fmt: skip
 @options.option("--band", "N", "band or colour to fit to (the first is 0)", values.whole_number)
 @options.numerical_options

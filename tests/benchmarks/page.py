@@ -16,7 +16,8 @@ def section(facts: Mapping[str, Any], tables: Sequence[Table]) -> str:
     made = (
         f"Made by `tests/benchmarks/run.py --page` on {facts['date'][:10]}: "
         f"{', '.join(machine_words(facts['machine']))}. T0 is the time of "
-        "`scipy.fft.irfft2(scipy.fft.rfft2(image))` for the same image and type in the same run."
+        "`scipy.fft.irfft2(scipy.fft.rfft2(image))` for the same image and data type in the "
+        "same run."
     )
     return "\n\n".join([START, made, *map(markdown, tables), END])
 

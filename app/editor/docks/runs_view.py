@@ -187,7 +187,7 @@ def failures_text(run: Run) -> str:
     if result is None or not result.failures:
         return ""
     name, why = result.failures[0]
-    return f"{len(result.failures)} of {result.runs} failed: {name}: {why}"
+    return f"{len(result.failures)} of {result.runs} runs failed; the first, {name}: {why}"
 
 
 def whole_text(run: Run, now: float) -> str:

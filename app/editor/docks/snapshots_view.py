@@ -69,7 +69,9 @@ class SnapshotsView(Viewer):
         self._follow_snapshots()
 
     def _build(self) -> None:
-        self.keep = tool_button("snapshots.keep", "Keep", "Keep the current state (Ctrl+K)", self)
+        self.keep = tool_button(
+            "snapshots.keep", "Keep", "Keep the current state as a snapshot (Ctrl+K)", self
+        )
         self.flip = toggle_button("snapshots.flip", "Flip", "Switch between A and B (K)", self)
         self.wipe = toggle_button(
             "snapshots.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
@@ -120,7 +122,7 @@ class SnapshotsView(Viewer):
         else:
             lines, count = changed_figures(then, now)
             self.figures.addItems(lines)
-            self.title.show_text(f"A {state.name}, B now: {len(lines)} of {count} figures differ")
+            self.title.show_text(f"A: {state.name}, B: now; {len(lines)} of {count} figures differ")
 
 
 class SnapshotList(QTreeWidget):

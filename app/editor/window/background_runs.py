@@ -206,7 +206,9 @@ class AddRun(QDialog):
         self.files, choose = self._browsed("files", "Pictur&es", "Choose pictures", "files")
         self.files.setReadOnly(True)
         self.folder, browse = self._browsed("folder", "&Output folder", "Choose the folder")
-        self.report = self._row("report", "", Check("a report (HTML) for each run", self))
+        self.report = self._row(
+            "report", "", Check("also write a report (HTML) for each run", self)
+        )
         self.error = plain_label("add_run.error", self, role=ERROR)
         buttons = QDialogButtonBox(self)
         add = buttons.addButton("&Add to Queue", QDialogButtonBox.ButtonRole.AcceptRole)

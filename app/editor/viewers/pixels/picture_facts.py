@@ -85,7 +85,8 @@ def check_is_picture(value: Any, port: str) -> None:
     if kind not in PICTURE_TYPES:
         shown = ", ".join(PICTURE_TYPES[:-1])
         raise NetworkError(
-            f"{port} is a {kind}: only {shown} and {PICTURE_TYPES[-1]} can be shown as pictures"
+            f"{port} is of type {kind}: only {shown} and {PICTURE_TYPES[-1]} can be shown as "
+            "pictures"
         )
 
 

@@ -378,7 +378,9 @@ class PortDataQuery(Query):
         value: Any = plan.output(self.port)
         if not isinstance(value, Curve | Table):
             kind = getattr(value, "port_type", type(value).__name__)
-            raise NetworkError(f"{self.port} is a {kind}: only curves and tables can be plotted")
+            raise NetworkError(
+                f"{self.port} is of type {kind}: only curves and tables can be plotted"
+            )
         return value
 
 

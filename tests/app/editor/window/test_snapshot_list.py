@@ -105,5 +105,5 @@ def test_the_figures_that_differ_are_listed_and_go_with_their_network(person):
     assert b / a == pytest.approx(65 / 17, rel=1e-3)
     assert not any("Bandwidth" in line for line in lines)
     assert person.window.snapshots_view.title.text().startswith(
-        f"A Snapshot 1, B now: {len(lines)} of "
+        f"A: Snapshot 1, B: now; {len(lines)} of "
     )
