@@ -34,8 +34,9 @@ def networks(settings: Settings) -> list[Table]:
     rows += [_unchanged(kodak, settings)]
     title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
     text = (
-        "Cold: modules are imported, but only the scene is in memory. Median and quartiles of the "
-        "ratios; the subject and T0 are timed alternately."
+        "The first four rows start cold: modules are imported, but only the scene is in memory. "
+        "Figures are the median and quartiles of the ratio to T0; each subject and T0 are timed "
+        "alternately."
     )
     name = f"Time of the whole chain and of edits: {title}"
     chart = Chart(title=name, where=("unit", "T0"))

@@ -74,7 +74,7 @@ def _edges(measured: PictureMeasurement) -> list[Block]:
         blocks.append(Drawn(drawn, caption, f"edges of {name}"))
     more = measured.picture_count - len(measured.previews)
     if more > 0:
-        blocks.append(Text(f"Pictures not drawn: {more} more."))
+        blocks.append(Text(f"Pictures not drawn: {more}."))
     return blocks
 
 
@@ -84,10 +84,10 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
         across = Text(f"No horizontal MTF: {measured.reason_x}.")
         return [*blocks, across, Text(f"No vertical MTF: {measured.reason_y}.")]
     caption = (
-        "MTF of everything from the scene to the stored samples, pooled over the edges used and "
-        "weighted by their errors; grey: edges whose normals lie within 30° of the axis. Beyond "
-        "the Nyquist frequency, 0.5 cycles/sample, the picture is aliased, but slanted edges "
-        "still give the MTF."
+        "MTF of everything from the scene to the stored samples, pooled over the edges used "
+        "(weights: 1/error²). Grey curves: single edges whose normals lie within 30° of the axis. "
+        "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture is aliased, but slanted "
+        "edges still give the MTF."
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
@@ -121,8 +121,8 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, edges near ±90° "
-                "the vertical MTF. The standard error applies to the pooled MTF in this "
-                "direction if only this edge is used. Edges in other directions show "
+                "the vertical MTF. The value after ± is the standard error that the horizontal or "
+                "vertical MTF50 would have with this edge alone. Edges in other directions show "
                 "how the blur changes with direction."
             ),
         ]
@@ -322,7 +322,7 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     if not known:
         raise DataError(
             f"there is no MTF to write (horizontal: {measured.reason_x}; vertical: "
-            f"{measured.reason_y}): write a page (.html) to see why each edge was rejected"
+            f"{measured.reason_y}). To see why each edge was not used, write a page (.html)"
         )
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.run.readout_tables import number_text
+from core.errors import several
 
 if TYPE_CHECKING:
     from app.measure import picture_measurement as results
@@ -71,7 +72,7 @@ def _mtf_rows(
         of = f"frequency at which the {words} MTF is one half"
         for unit, per_sample, meaning in (
             ("cyc/sample", 1.0, f"{of}, from {many}"),
-            ("cyc/mrad", interval, f"{of}, in angle, from {many}"),
+            ("cyc/mrad", interval, f"{of}, in object space, from {many}"),
             ("cyc/mm", pitch_um and 1e-3 * pitch_um, f"{of}, on the detector, from {many}"),
         ):
             if per_sample is not None:
@@ -100,7 +101,7 @@ def _noise_rows(noise: results.NoiseFigures, unit: str) -> list[Row]:
         rows.append(("gain", gain, "e-/DN", "electrons per digital number"))
     if noise.read_noise_dn is not None:
         read = with_error(noise.read_noise_dn, noise.read_noise_error)
-        meaning = f"noise at the dark level, {noise.offset_dn:.6g}"
+        meaning = f"noise at the dark level of {noise.offset_dn:.6g}"
         rows.append(("read_noise", read, unit or "DN", meaning))
     return rows
 
@@ -158,16 +159,16 @@ def remarks(measured: results.PictureMeasurement) -> list[str]:
             lines.append(f"no {words} MTF50: the MTF does not fall to one half")
         if exceeds_one(curve, _LEAST_ABOVE):
             lines.append(
-                f"warning: the {words} MTF exceeds 1: the picture was sharpened, and this is the "
-                "MTF of the sharpened picture"
+                f"warning: the {words} MTF exceeds 1. The picture was sharpened, so this MTF "
+                "includes the sharpening"
             )
         if curve.edges <= _FEW:
             many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
             others = sum(edge.used for edge in measured.edges) - curve.edges
             lines.append(
-                f"warning: only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words}: "
-                "the MTF also depends on edges in other directions, and its error rests on only a "
-                "few edges"
+                f"warning: only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words} "
+                f"can be used. The {words} MTF also depends on edges in other directions, and its "
+                "error is estimated from few edges"
                 if others > 0
                 else f"warning: the {words} MTF comes from only {many}, so its error could not be "
                 "checked"
@@ -175,8 +176,8 @@ def remarks(measured: results.PictureMeasurement) -> list[str]:
         if curve.scatter > _SCATTERED:
             lines.append(
                 f"warning: the {words} MTFs of the edges scatter by {curve.scatter:.2g} times "
-                "their own errors: the blur varies over the picture, or some edges are not "
-                "sharp in the scene; the error is widened accordingly"
+                "their own errors. The blur varies over the picture, or some edges are not "
+                "sharp in the scene. The standard error of the MTF is enlarged accordingly"
             )
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
@@ -197,7 +198,7 @@ def remarks(measured: results.PictureMeasurement) -> list[str]:
 
 def refused_lines(measured: results.PictureMeasurement) -> list[str]:
     kinds = counted(edge.why_not for edge in measured.edges if not edge.used)
-    lines = [f"{count} not used: {kind}" for kind, count in kinds[:_MOST_REASONS]]
+    lines = [f"{several(count, 'edge')} not used: {kind}" for kind, count in kinds[:_MOST_REASONS]]
     if lines and not any(edge.used for edge in measured.edges):
         lines.append("for advice, run imagechain handbook edge_pictures")
     return lines

@@ -28,7 +28,7 @@ from nodes.files.frames import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
-_INTERPOLATED = "the MTF is that of the interpolated picture, and the noise is not measured"
+_INTERPOLATED = "The MTF includes the interpolation, and the noise is not measured"
 _LEAST = 16  # rows and columns, below which nothing is measured
 _MOST_COLOURS = 4
 MOST_PREVIEWS = 4
@@ -84,7 +84,7 @@ def measure_files(
 
 def checked_pitch(pitch_um: float | None, name: str) -> float | None:
     if pitch_um is not None and not 0.0 < pitch_um <= _WIDEST_UM:
-        raise ParameterError(name, pitch_um, f"above 0 to {_WIDEST_UM:g}", unit="µm")
+        raise ParameterError(name, pitch_um, f"above 0 and at most {_WIDEST_UM:g}", unit="µm")
     return pitch_um
 
 
@@ -119,7 +119,7 @@ def measure_pictures(
         edges += own
         interpolated = why_interpolated(picture=picture) if any(e.used for e in own) else ""
         if interpolated:
-            warnings.append(f"{name}: {interpolated}: {_INTERPOLATED}")
+            warnings.append(f"{name}: {interpolated}. {_INTERPOLATED}")
             no_noise.append(interpolated)
             continue
         try:
@@ -147,7 +147,7 @@ def refuse_small(name: str, rows: int, columns: int) -> None:
     if min(rows, columns) >= _LEAST:
         return
     colours = (
-        "; if the array is (rows, columns, colours), pass one colour (rows, columns)"
+        ". If the array is (rows, columns, colours), pass one colour as (rows, columns)"
         if columns <= _MOST_COLOURS < rows
         else ""
     )
@@ -161,8 +161,8 @@ def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
     mean = float(picture.mean())
     if not offset < mean:
         raise DataError(
-            f"{name}: the mean level, {mean:.6g}, is not above the dark level, {offset:.6g}: give "
-            "dark frames with --dark, or the dark level with --offset-dn"
+            f"{name}: the mean level, {mean:.6g}, is not above the dark level, {offset:.6g}. "
+            "Check the dark frames (--dark) or the dark level (--offset-dn)"
         )
 
 
@@ -172,8 +172,9 @@ def _refuse_extreme(picture: Matrix, name: str) -> None:
     most = max(abs(low), abs(high))
     if most > _LARGEST or 0.0 < high - low < 1.0 / _LARGEST:
         raise DataError(
-            f"{name}: samples from {low:.4g} to {high:.4g} cannot be measured; allowed: up to "
-            f"{_LARGEST:g}, with differences of {1.0 / _LARGEST:g} or more; scale the samples"
+            f"{name}: samples from {low:.4g} to {high:.4g} cannot be measured. Scale the samples: "
+            f"no sample may exceed ±{_LARGEST:g}, and their range must be at least "
+            f"{1.0 / _LARGEST:g}"
         )
 
 
@@ -370,7 +371,7 @@ def pooled(
     if together.edges == 1 and exceeds_one(together, _OVERSHOOT):
         return None, (
             f"the only edge that would give this MTF overshoots (to {together.mtf.max():.2f}), and "
-            "no other edge confirms it"
+            "no other edge confirms the overshoot"
         )
     return together, ""
 
@@ -383,9 +384,7 @@ def _no_edge(near: Sequence[results.MeasuredEdge], direction: str) -> str:
         )
     if removed := sum(edge.why_not == results.BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"
-        return (
-            f"{many} that would give this MTF {'is' if removed == 1 else 'are'} {results.BY_HAND}"
-        )
+        return f"you removed {many} that would give this MTF"
     if len(near) == 1:
         return f"the only edge that would give this MTF cannot be used: {near[0].why_not}"
     reasons = in_words(edge.why_not for edge in near)

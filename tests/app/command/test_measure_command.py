@@ -76,7 +76,10 @@ def test_units_of_the_detector_and_the_mtf_at_nyquist(fails, works, pictures, tm
         [row] = [row for row in rows if row[0] == f"mtf_nyquist_{direction}"]
         assert float(row[1]) == pytest.approx(gaussian(0.5, sigma), abs=4.0 * float(row[3]) + 0.001)
     line = fails("measure", *pictures, "--pitch-um", "0")
-    assert line == "imagechain: --pitch-um = 0.0 µm is not allowed: must be above 0 to 10000\n"
+    assert (
+        line
+        == "imagechain: --pitch-um = 0.0 µm is not allowed: must be above 0 and at most 10000\n"
+    )
 
 
 def test_the_module_mtf_file_reads_the_table(works, pictures, small, write, tmp_path):
@@ -140,10 +143,10 @@ def test_a_picture_without_an_edge_says_so(fails, works, tmp_path):
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
          " at row 3, column 4; replace these samples with one number, such as 0; constant areas "
          "are not measured"),
-        (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
-         "1e+60, with differences of 1e-60 or more; scale the samples"),
+        (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured. Scale the samples: "
+         "no sample may exceed ±1e+60, and their range must be at least 1e-60"),
         (("a.npy", "--dark", "light.npy"), "a.npy: the mean level, 130, is not above the dark "
-         "level, 500: give dark frames with --dark, or the dark level with --offset-dn"),
+         "level, 500. Check the dark frames (--dark) or the dark level (--offset-dn)"),
         (("a.npy", "--dark", "small.npy"),
          "small.npy has 20 × 9 samples, but a.npy has 200 × 160: give frames from one camera"),
     ],

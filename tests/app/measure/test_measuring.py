@@ -57,7 +57,7 @@ def test_an_mtf_above_one_is_called_that_of_a_sharpened_picture(taken):
     picture = taken + 2.0 * (taken - ndimage.gaussian_filter(taken, 1.0))
     lines = remarks(measured(picture))
     assert any(
-        line.startswith("warning: the horizontal MTF exceeds 1: the picture was") for line in lines
+        line.startswith("warning: the horizontal MTF exceeds 1. The picture was") for line in lines
     )
 
 
@@ -199,7 +199,8 @@ def test_what_helps_is_named_where_no_edge_is_used():
         file = MeasuredFile("p.npy", 1, "")
         return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
 
-    told = ["1 not used: not slanted enough", "for advice, run imagechain handbook edge_pictures"]
+    advice = "for advice, run imagechain handbook edge_pictures"
+    told = ["1 edge not used: not slanted enough", advice]
     assert lines(edge(0.0)) == told
     both = np.concatenate([edge(0.0), edge()], axis=1)
     assert lines(both)

@@ -97,7 +97,7 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     qtbot.keyClick(view.canvas, Qt.Key.Key_Delete)
     assert mtf_figures(view) == []
     texts = [text for _, text in view.notices.left]
-    assert "No horizontal MTF: 2 edges that would give this MTF are removed by you." in texts
+    assert "No horizontal MTF: you removed 2 edges that would give this MTF." in texts
     qtbot.mouseClick(view.remove, Qt.MouseButton.LeftButton)
     view.choose(second)
     qtbot.keyClick(view.table, Qt.Key.Key_Space)
@@ -116,7 +116,9 @@ def test_one_edge_that_overshoots_gives_no_figure(view, qtbot, two_edges, tmp_pa
     qtbot.waitUntil(lambda: view.measured is not None)
     assert mtf_figures(view) == []
     texts = [text for _, text in view.notices.left]
-    assert any("overshoots" in text and "no other edge confirms it" in text for text in texts)
+    assert any(
+        "overshoots" in text and "no other edge confirms the overshoot" in text for text in texts
+    )
 
 
 def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, two_edges):
