@@ -38,10 +38,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     a sample after it. The overshoot H is the height of the edge response 1 to 3 samples beyond the
     edge. RER and H follow from the chain's transfer functions; the SNR follows from the chain's
     signal and temporal noise. No noise is drawn or measured. GSD, RER and H are geometric means
-    over both directions; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor
-    samples it, before a frame grabber interpolates it.
+    of the horizontal and vertical values; in GIQE 5 the worse RER counts twice. Connect the picture
+    as the sensor samples it, before a frame grabber interpolates it.
 
-    With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
+    With `snr_of` = `contrast`, the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
     it to radiance, the difference follows from the illumination and the atmosphere set in that
     module. If the scene is not in reflectance, the mean radiance is assumed to come from a surface
@@ -54,7 +54,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
     visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
     warning lists values outside the limits of GIQE 4. The limits of GIQE 3 and 5 could not be
-    checked.
+    verified.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).
@@ -89,7 +89,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         Formula(
             r"E(d)=\frac{1}{2}+\frac{1}{\pi}\int_0^\infty\frac{H(\xi)\,\sin(2\pi\xi d)}{\xi}\,d"
             r"\xi",
-            where="edge response at distance d; RER = E(½) − E(−½) in samples",
+            where="E: edge response at d samples from the edge; H: transfer function; "
+            "RER = E(½) − E(−½)",
         ),
     )
 
@@ -99,13 +100,13 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     gsd_m: float | None = param(
         None,
         "ground sample distance normal to the line of sight, if you know it; empty: "
-        "interval × range",
+        "sampling interval × range",
         low=0,
         slider=(0.1, 10),
     )
     elevation_deg: float | None = param(
         None,
-        "elevation of the line of sight at the target; empty: 90° − off nadir, or "
+        "elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or "
         "from Camera's orbit if off_nadir_deg is 0",
         (0, 90),
         slider=(5, 90),
@@ -121,15 +122,23 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         "contrast", "signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean"
     )
     rer_x: float | None = param(
-        None, "horizontal RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)
+        None,
+        "horizontal RER, if you know it; empty: computed from the chain",
+        low=0,
+        slider=(0.1, 1.2),
     )
     rer_y: float | None = param(
-        None, "vertical RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)
+        None,
+        "vertical RER, if you know it; empty: computed from the chain",
+        low=0,
+        slider=(0.1, 1.2),
     )
     overshoot: float | None = param(
-        None, "overshoot H, if you know it; empty: from the chain", low=0, slider=(0.8, 2)
+        None, "overshoot H, if you know it; empty: computed from the chain", low=0, slider=(0.8, 2)
     )
-    noise_gain: float = param(1.0, "noise gain G of the sharpening", (0, 1e6), slider=(0, 20))
+    noise_gain: float = param(
+        1.0, "noise gain G of the sharpening; 1: no sharpening", (0, 1e6), slider=(0, 20)
+    )
 
     panel = (
         Section("View", ("range_m", "gsd_m", "elevation_deg", "off_nadir_deg")),
@@ -190,8 +199,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         if lineage.transfer_of(image).reflectance is not None:
             return None
         return Caution(
-            "the SNR is an estimate: the scene is not in reflectance, so its mean radiance is "
-            "taken as that of a 15 % surface, and the contrast with a 7 % surface as 8/15 of it",
+            "the SNR is an estimate: the scene is not in reflectance, so a mean reflectance of "
+            "15 % is assumed, and 8/15 of the mean signal is used as the contrast",
             "add Reflected Light, enter snr, or set snr_of to mean",
         )
 
@@ -235,15 +244,19 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     @warning
     def limits(self, outputs: QualityOutputs) -> Recipe:
-        """A value lies outside the range over which the equations were fitted."""
+        """A value lies outside the limits of GIQE 4."""
         return Step.of(limits_caution, outputs.table.recipe)
 
     figures = TableFigures(
         ("giqe5", "NIIRS", "Interpretability by GIQE 5."),
         ("giqe4", "NIIRS", "Interpretability by GIQE 4."),
         ("giqe3", "NIIRS", "Interpretability by GIQE 3."),
-        ("gsd_m", "m", "Ground sample distance normal to the line of sight, geometric mean."),
-        ("gsd_ground_m", "m", "Ground sample distance on the ground, geometric mean."),
+        (
+            "gsd_m",
+            "m",
+            "Ground sample distance normal to the line of sight, geometric mean of both axes.",
+        ),
+        ("gsd_ground_m", "m", "Ground sample distance on the ground, geometric mean of both axes."),
         ("rer", "", "Relative edge response, geometric mean of both axes."),
         ("overshoot", "", "Edge overshoot, geometric mean of both axes."),
         ("snr", "", "Signal divided by temporal noise; left out if there is no noise."),
@@ -303,7 +316,7 @@ def signal_over_noise(
         )
     of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)
-    if clipped := unseen(gain, levels, "the picture has no signal"):
+    if clipped := unseen(gain, levels, "there is no signal"):
         return clipped
     if snr_of == "contrast" and reflectance is not None:
         signal = (BRIGHT - DARK) / reflectance * of_sample / gain
@@ -360,7 +373,7 @@ def quality_table(
         ("gsd_m", gsd_m, "m", "ground sample distance normal to the line of sight (GIQE 3)"),
         ("gsd_ground_m", ground, "m", "ground sample distance on the ground (GIQE 4)"),
         ("gsd_weighted_m", weighted, "m",
-         "geometric mean of the two ground sample distances (GIQE 5)"),
+         "geometric mean of gsd_m and gsd_ground_m (GIQE 5)"),
         ("gsd_inch", gsd_m / giqe.INCH_M, "in",
          "ground sample distance normal to the line of sight"),
         ("elevation_deg", elevation_deg, "deg",
@@ -402,6 +415,6 @@ def limits_caution(work: Work, table: TableData) -> Caution | None:
     if not beyond:
         return None
     return Caution(
-        f"outside the limits of the image quality equations: {', '.join(beyond)}",
+        f"outside the limits of GIQE 4: {', '.join(beyond)}",
         "treat NIIRS as an extrapolation",
     )

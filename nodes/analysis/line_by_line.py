@@ -147,13 +147,14 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     flat, and motion blur is assumed to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
-    − cos(view angle). For the Inframetrics' blur of three samples on the built-in scene (network
-    `line_by_line`), the largest error is 0.03 % of the picture's range for a field of 10°, 0.5 %
-    for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for fields of
-    10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the thesis's
-    field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times
-    as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source:
-    Tantalo 1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
+    − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
+    Inframetrics scanner does. Its largest error is 0.03 % of the picture's range for a field of
+    10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors
+    for fields of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In
+    the 30° field of Tantalo 1996, six-bit quantization hides the error. Filtering line by line
+    takes 1.3 to 4 times as long as filtering the whole image (`imagechain bench`, table scanning);
+    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
+    thesis leaves the comparison to later work.
     """
 
     formulas = (
@@ -175,7 +176,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
     nadir_column: float | None = param(
         None,
-        "index of the scan line's sample at nadir, counted from 0; empty: from the look angle",
+        "index of the scan line's sample at nadir, counted from 0; empty: from look_angle_deg",
         (-65536, 131072),
         unit="px",
         slider=(0, 2048),

@@ -269,8 +269,8 @@ class ImageNoise:
     def require_known(self) -> None:
         if self.unknown:
             raise DataError(
-                f"the noise after {', '.join(self.unknown)} cannot be computed: connect an earlier "
-                "picture"
+                f"the noise after {', '.join(self.unknown)} cannot be computed: connect a picture "
+                "from an earlier stage"
             )
 
 

@@ -513,7 +513,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             if start >= whole:
                 raise ParameterError(first, start, f"0 to {whole - 1}, within the picture")
             if length is not None and start + length > whole:
-                allowed = f"at most {whole - start} from {first} = {start}, within the picture"
+                allowed = f"at most {whole - start} to end within the picture ({first} = {start})"
                 raise ParameterError(size, length, allowed)
             ends.append(whole - start if length is None else length)
         return Region(self.region_y, self.region_x, ends[1], ends[0])

@@ -67,7 +67,9 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         "where kernels are truncated: at half_width_px, where the error reaches `error`, or "
         "at the frame's size",
     )
-    half_width_px: int = param(16, "kernel samples kept on each side", (0, 65536), slider=(0, 64))
+    half_width_px: int = param(
+        16, "kernel samples kept on each side of the centre", (0, 65536), slider=(0, 64)
+    )
     error: float = param(
         0.001,
         "largest error allowed, as a fraction of the scene's largest deviation from its mean",
@@ -116,7 +118,8 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: 
     if kernels.taps * image.size > MOST_MULTIPLICATIONS:
         raise DataError(
             f"{kernels.taps:,} taps on {image.size:,} samples would take too long (the limit is "
-            f"{MOST_MULTIPLICATIONS:g} multiplications): lower half_width_px, or raise error"
+            f"{MOST_MULTIPLICATIONS:g} multiplications): lower half_width_px, or allow a larger "
+            "error"
         )
     # Its mean is taken off before, and put back after.
     mean = float(np.mean(image, dtype=np.float64))

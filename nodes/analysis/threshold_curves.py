@@ -141,8 +141,8 @@ def sensitivity(
     if background_K is None:
         if not scene > 0.0:
             raise DataError(
-                f"the picture's mean {seen.mean:.6g} is not a possible background radiance: give "
-                "background_K"
+                f"the picture's mean of {seen.mean:.6g} gives no background radiance above zero: "
+                "give background_K"
             )
         background_K = float(brightness_temperature(radiance=scene, **band))
     slope = float(band_radiance_derivative(temperature_K=background_K, **band))

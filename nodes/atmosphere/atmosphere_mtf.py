@@ -39,10 +39,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
     number, or the scattering coefficient along the path. On a downward or upward path, the
     scattering coefficient falls exponentially with height. Absorption attenuates all frequencies
-    equally and does not blur: use Atmospheric Path. The blur is stronger looking up than looking
-    down, because the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and
-    the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own
-    wavelength.
+    equally and does not blur; for absorption, use Atmospheric Path. The blur is stronger looking up
+    than looking down, because the strongest turbulence is then near the aperture. r0 scales with
+    λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its
+    own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
@@ -77,7 +77,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         "gaussian", "turbulence model"
     )
     fwhm_mrad: float = param(0.0, "full width at half maximum of the blur", low=0, slider=(0, 5))
-    fried_r0_m: float | None = param(None, "Fried's r0; empty: from Cn²", low=0, slider=(0.005, 1))
+    fried_r0_m: float | None = param(
+        None, "Fried's r0; empty: computed from Cn²", low=0, slider=(0.005, 1)
+    )
     wavelength_um: float | None = param(
         None,
         "wavelength of the blur; empty: the middle of the band, or of each band of a cube",
@@ -112,8 +114,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
     particle_radius_um: float | None = param(
         None,
-        "particle radius, which sets the cutoff (radius over wavelength); empty: from "
-        "turbidity_cutoff_cyc_per_mrad",
+        "particle radius, which sets the cutoff (radius over wavelength); empty: "
+        "turbidity_cutoff_cyc_per_mrad sets the cutoff",
         (0, 1e6),
         slider=(0.1, 20),
     )
@@ -184,8 +186,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             raise ParameterError(
                 "aperture_mm",
                 None,
-                "give the aperture diameter here or on Camera, because turbulence is "
-                "short_exposure",
+                "turbulence = short_exposure needs the aperture diameter; give it here or on "
+                "Camera",
             )
         wavelength = self._wavelength(context)
         how: dict[str, Any] = {
@@ -217,7 +219,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             return self.wavelength_um
         if context.band_um is None:
             raise ParameterError(
-                "wavelength_um", None, "the image has no band: give the wavelength here"
+                "wavelength_um", None, "give the wavelength here; the image has no band"
             )
         return sum(context.band_um) / 2
 

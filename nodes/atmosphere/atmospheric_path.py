@@ -51,14 +51,14 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     transmission is exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times
     (0.55/λ)^q. `modtran`: a tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the
     path radiances; 10⁸/λ² converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um,
-    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L
-    of a black body at `air_K`.
+    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)
+    times the radiance of a black body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
-    mid-latitude summer and the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are
-    interpolated over height and ground range. With every second table left out as a test, a band's
-    transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at nadir,
-    from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
+    mid-latitude summer and the sun 40° above the horizon. Between the tables, −ln τ/R and L_path/(1
+    − τ) are interpolated over height and ground range. With every second table left out as a test,
+    a band's transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at
+    nadir, from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
     `atmosphere` to use `modtran_tables`.
 
     A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
@@ -153,7 +153,10 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def check(self) -> None:
         if self.model == "modtran" and self.path is None:
             raise ParameterError(
-                "path", None, "give a MODTRAN tape7 or JSON file, or a CSV with three columns"
+                "path",
+                None,
+                "give a MODTRAN tape7 or JSON file, or a CSV of wavelength_um, "
+                "transmission and path_radiance",
             )
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PictureTable:

@@ -19,7 +19,8 @@ class ChargeTransfer(Module):
     )
     model: Literal["exact", "published", "leading"] = param(
         "exact",
-        "exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term only",
+        "exact: product over all transfers; published: eqs. 4.57-4.58 of Tantalo 1996; leading: "
+        "leading term only",
     )
     nyquist: Literal["image", "detector"] = param(
         "image", "distance between charge packets: one image sample, or one detector pitch"

@@ -88,7 +88,7 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
 
     @readout("%")
     def trail_percent(self, image: Image) -> float:
-        """Share of its charge that the pixel farthest from the amplifier loses to its trails."""
+        """Share of charge that the pixel farthest from the amplifier loses to its trails."""
         return 100.0 * (1.0 - math.prod(c.efficiency**c.transfers for c in self._changes(image)))
 
 

@@ -61,9 +61,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which are the same in every frame; nonlinearity, which grows towards the full well; read noise;
-    clipping at the full well; gain; offset; rounding to whole numbers. PRNU multiplies all
-    electrons by 1 + p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the
-    light signal only.
+    clipping at the full well; gain; offset; rounding to whole numbers. A PRNU of p multiplies all
+    electrons, including dark-current electrons, by 1 + p times a normal deviate; EMVA 1288 defines
+    PRNU on the light signal only.
 
     Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength. On
     Camera, you can give a T-number, which includes the transmission, and choose the sine condition.
@@ -71,7 +71,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or with the band's middle wavelength
-    (`middle`); the table lists the signal for each choice. For a spectral picture, each band is
+    (`middle`). The table lists the signal for each choice. For a spectral picture, each band is
     converted to photons with the response at its wavelength. For a band that begins below 2.5 µm,
     which is not thermal, `scene` means `source`. NETD, SNR and well fill refer to the picture's
     mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
@@ -93,8 +93,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the digital numbers: read noise grows with the square root of the number of pixels, and
     `saturated` is the share of saturated pixels. If `units` is radiance, a bin is the mean of its
-    pixels. Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch.
-    Leftover rows and columns are dropped.
+    pixels. Binning n pixels multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel
+    pitch. Leftover rows and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -104,14 +104,14 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     formulas = (
         Formula(
             r"N_s=t\,n\,A\varphi\,\mathrm{QE}\;\Omega\left[\tau L_q+(1-\tau)L_q(T_{opt})\right]",
-            where="electrons from scene and optics; t: integration_time_s; n: tdi_stages; Aφ: "
+            where="N_s: electrons from scene and optics; t: integration_time_s; n: tdi_stages; Aφ: "
             "pixel area times both fill factors; L_q: photons per s, m² and sr in the band; "
             "τ: optics_transmission; T_opt: optics_K",
         ),
         Formula(
             r"N=N_s+t\,n\,A\varphi\,\mathrm{QE}\,(\pi-\Omega)(1-\eta)\,L_q(T_{hou})+t\,n\,i",
-            where="electrons from the housing (T_hou: housing_K) past a cold shield of efficiency "
-            "η, and from the dark current i",
+            where="N: all electrons, including those from the housing (T_hou: housing_K) past a "
+            "cold shield of efficiency η, and those from the dark current i",
         ),
         Formula(
             r"i=J\,A_p/q,\quad i(T)=i(T_0)\,2^{(T-T_0)/\Delta T}",
@@ -120,19 +120,20 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ),
         Formula(
             r"\Omega=\frac{\pi}{4F^2+1}\left(1-\varepsilon^2\right)",
-            where="projected solid angle of the optics at F-number F and obscuration ε, sr; "
+            where="Ω: projected solid angle of the optics at F-number F and obscuration ε, sr; "
             "π/(4F²) instead of the fraction if irradiance on Camera is sine",
         ),
         Formula(
             r"\sigma_t=\sqrt{N+\sigma_{read}^2+K^2/12},\quad\sigma_f=\sqrt{(pN)^2+\sigma_{"
             r"dsnu}^2}",
-            where="temporal noise of an exposure, and the fixed pattern, in electrons; K: "
+            where="σ_t, σ_f: temporal noise and fixed pattern of an exposure, in electrons; K: "
             "electrons per digital number; p: PRNU",
         ),
         Formula(
             r"\sigma_t=\sqrt{F\,N+\left(\sigma_{read}/G\right)^2+\left(K/G\right)^2/12}",
             where="G: charge_gain_factor; F: excess noise factor: 2 in a photoconductor, "
-            "(2(G−1)/G^(1/N)+1)/G in a register of N stages, kG+(1−k)(2−1/G) in an avalanche",
+            "(2(G−1)/G^(1/S)+1)/G in an EM register of S stages, "
+            "kG+(1−k)(2−1/G) in an avalanche with k = ionization_ratio",
             when="a charge gain",
         ),
         Formula(
@@ -531,8 +532,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("netd_K", "K", "NETD: temporal noise over responsivity, for a thermal scene."),
         ("snr", "", "SNR: signal over temporal noise."),
         ("snr_at_reference", "", "SNR at reference_radiance: signal over temporal noise."),
-        ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per exposure "
-                                         "whose signal equals the temporal noise."),
+        ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per cm² and "
+                                         "exposure whose signal equals the temporal noise."),
         ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "
          "temporal dark noise."),
         ("emva_dynamic_range_dB", "dB", "Dynamic range according to EMVA 1288: saturation over "
