@@ -441,10 +441,18 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     region_x: int = param(0, "first column of the region", low=0, unit="px", slider=_PIXELS)
     region_y: int = param(0, "first row of the region", low=0, unit="px", slider=_PIXELS)
     region_width: int | None = param(
-        None, "number of columns; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
+        None,
+        "columns in the region; empty: to the picture's right edge",
+        low=0,
+        unit="px",
+        slider=_PIXELS,
     )
     region_height: int | None = param(
-        None, "number of rows; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
+        None,
+        "rows in the region; empty: to the picture's bottom edge",
+        low=0,
+        unit="px",
+        slider=_PIXELS,
     )
     window: Window = param("tukey", "window on the line spread; tukey: flat over its middle half")
     samples: int = param(129, "number of points on the curve", (2, 4096), slider=(32, 1024))

@@ -104,7 +104,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
     turbidity: Literal["none", "low", "moderate", "high", "custom"] = param(
         "none",
-        "aerosol level; custom: from scatter_depth, or from scattering_per_km along the path",
+        "aerosol level; custom: τ from scatter_depth, or from scattering_per_km along the path",
     )
     scatter_depth: float | None = param(
         None, "optical depth τ, used when turbidity is custom; empty: from scattering_per_km", low=0

@@ -526,7 +526,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("quantization_noise_e", "e-", "Quantization noise of the converter."),
         ("temporal_noise_e", "e-", "Temporal noise: shot, excess, read and quantization noise "
          "together."),
-        ("fixed_pattern_e", "e-", "PRNU and DSNU."),
+        ("fixed_pattern_e", "e-", "Fixed-pattern noise: PRNU and DSNU together."),
         ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
          "for a thermal scene."),
         ("netd_K", "K", "NETD: temporal noise over responsivity, for a thermal scene."),
