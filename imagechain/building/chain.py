@@ -17,7 +17,7 @@ from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
 from core.editing import operations
 from core.editing.wiring import refusal
-from core.errors import ImagechainError, NetworkError, UsageError, shown
+from core.errors import ImagechainError, NetworkError, UsageError, several, shown
 from core.evaluation.work import Policy
 from core.network.file import format_network, load_network
 from core.network.macro import declared_node
@@ -480,7 +480,7 @@ class Chain:
 
     def __repr__(self) -> str:
         title = f"<Chain {shown(self.name) if self.name else ''}".rstrip()
-        head = f"{title}: {len(self)} nodes, seed {self.seed}>"
+        head = f"{title}: {several(len(self), 'node')}, seed {self.seed}>"
         rows = [(f"  {name}", key, wires and f"← {wires}") for name, key, wires in self._rows()]
         return f"{head}\n{columns(rows)}" if rows else head
 

@@ -67,7 +67,7 @@ def study(
     over : mapping
         File patterns by ``NODE.PARAM``: ``{"scene.path": "scenes/*.img"}``.
     sample : "grid", "latin" or a .csv file
-        All combinations of the values, a Latin hypercube of `points`, or the rows of a file.
+        All combinations of the values, a Latin hypercube, or the rows of a file.
     points : int, optional
         Number of points of a Latin hypercube.
     figures : sequence of str

@@ -50,7 +50,7 @@ def needed(name: str, purpose: str) -> ModuleType:
         return import_module(name)
     except ImportError:
         raise UsageError(
-            f"{purpose} need {name}, which is not installed: pip install {name}"
+            f"{purpose} need {name}, which is not installed: run pip install {name}"
         ) from None
 
 

@@ -113,8 +113,8 @@ def _of_xarray(array: Any) -> tuple[Any, dict[str, Any]]:
     spectral = [dim for dim in dims if dim in _SPECTRAL] if len(dims) == 3 else []
     across = [dim for dim in dims if dim not in spectral]
     if len(across) != 2 or len(spectral) > 1:
-        words = f"the DataArray has the dimensions {', '.join(dims) or 'none'}"
-        raise DataError(f"{words}; allowed: wavelength, y and x")
+        words = f"dimensions of the DataArray: {', '.join(dims) or 'none'}"
+        raise DataError(f"{words}; allowed: y and x, or wavelength, y and x")
     if across == ["x", "y"]:
         across = ["y", "x"]
     array = array.transpose(*spectral, *across)

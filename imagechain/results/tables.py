@@ -17,7 +17,7 @@ from app.run.readout_tables import columns, jsonable, number_text, warned_points
 from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
 from app.run.transfer_chain import Response, responses_along
 from core.chain.wires import Image
-from core.errors import ParameterError, close, shown
+from core.errors import ParameterError, close, several, shown
 from core.evaluation.recipes import Region
 from core.evaluation.work import Work
 from core.records import dataclass, field
@@ -154,9 +154,9 @@ class StageCurve:
 class StageCurves(_Named[Mapping[str, StageCurve]]):
     """Curves as ``curves[STAGE][AXIS]``.
 
-    Stages are nodes; ``"total"`` is the product of all stages up to the combination of pixels, and
-    ``"total_with_electronics"`` also includes the stages after it. Axes are ``"x"`` and ``"y"``,
-    or ``"line"``.
+    Stages are nodes; ``"total"`` is the product of all stages before pixels are combined, and
+    ``"total_with_electronics"`` also includes the later stages. Axes are ``"x"`` and ``"y"``, or
+    ``"line"``.
     """
 
     def __init__(
@@ -239,8 +239,8 @@ class StudyTable(_Named[list[Any]]):
     """Columns by name, as ``rows["electronics.snr"]``: one value per point, in order.
 
     The columns are the varied parameters, the figures, ``point``, ``key`` (identifies the result),
-    ``seconds``, ``error`` (empty if nothing is missing) and ``warnings``. `units` gives the unit of
-    each column.
+    ``seconds``, ``error`` (empty if no figure or file is missing) and ``warnings``. `units` gives
+    the unit of each column.
     """
 
     def __init__(self, rows: StudyRows) -> None:
@@ -278,7 +278,7 @@ class StudyTable(_Named[list[Any]]):
         heads = [column.head for column in self._rows.columns()]
         count = len(self._rows.rows)
         more = f"\nand {count - _SHOWN} more" if count > _SHOWN else ""
-        ends = [f"{shown(str(count))} points", *self._warned()]
+        ends = [several(count, "point"), *self._warned()]
         return columns([heads, *self._texts(_SHOWN)]) + more + "\n" + "\n".join(ends)
 
     def _warned(self) -> list[str]:
@@ -288,7 +288,7 @@ class StudyTable(_Named[list[Any]]):
         from app.study.study_drawing import study_png
 
         heads = [column.head for column in self._rows.columns()]
-        count = "\n".join([f"{len(self._rows.rows)} points", *self._warned()])
+        count = "\n".join([several(len(self._rows.rows), "point"), *self._warned()])
         picture = png(study_png(self._rows), alt="figures of the study")
         return block(picture, table(heads, self._texts(_SHOWN), caption=count))
 
@@ -367,7 +367,7 @@ class Picture:
 
     @plain_errors
     def to_xarray(self, *, bands: bool = False) -> DataArray:
-        """Return a `DataArray` over y and x, mrad from the centre; unit and band are attributes.
+        """Return a `DataArray` with y and x in mrad from the centre; unit and band are attributes.
 
         y increases downwards, as the rows do.
 

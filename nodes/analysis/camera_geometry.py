@@ -146,12 +146,12 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
     sample at equal steps in the focal plane. The flight direction is down the picture, and scan
     lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
     footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
-    choose samples finer than the detector, and combine pixels after the detector's MTF.
+    choose samples smaller than the pixels, and combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
-    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
-    1996, sections 2 and 5.3, for the Salacain camera.
+    footprints are oblique: each is cut into `strips` strips, and the error is estimated. Source:
+    Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
     """
 
     formulas = (
@@ -219,7 +219,9 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         0.0, "distance of the camera from the scene's centre, down the picture", slider=(-500, 500)
     )
     interpolation: Between = param(
-        "area", "interpolation between scene samples: constant, linear, or parabolic"
+        "area",
+        "interpolation between scene samples: constant (area), linear (bilinear), or "
+        "parabolic (cubic)",
     )
     strips: int = param(4, "number of strips per oblique footprint", (1, 64))
     outside: Literal["refuse", "fill"] = param(
@@ -319,7 +321,9 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
             if focal_length is None and self.pitch_x_um is not None:
                 focal_length = self.pitch_x_um / step_x
             if focal_length is None:
-                allowed = "give a focal length or pitch_x_um, because pitch_y_um is given"
+                allowed = (
+                    "pitch_y_um is given without pitch_x_um. Give pitch_x_um or a focal length"
+                )
                 raise ParameterError("focal_length_mm", None, allowed)
             step_y = self.pitch_y_um / focal_length
         values = self.values()
@@ -338,7 +342,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         if self.fov_x_deg is None:
             if of_pitch is None:
                 raise ParameterError(
-                    "fov_x_deg", None, "give a field of view, or pitch_x_um and focal_length_mm"
+                    "fov_x_deg", None, "give pitch_x_um and focal_length_mm, or a field of view"
                 )
             return of_pitch
         step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
@@ -359,11 +363,11 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
             return step_y_mrad / 1000.0 * self.altitude_m
         if rate is None:
             raise ParameterError(
-                "line_rate_Hz", None, "give a number, because velocity_m_per_s is given"
+                "line_rate_Hz", None, "velocity_m_per_s is given. Give a line rate too"
             )
         if velocity is None:
             raise ParameterError(
-                "velocity_m_per_s", None, "give a number, because line_rate_Hz is given"
+                "velocity_m_per_s", None, "line_rate_Hz is given. Give a ground speed too"
             )
         return velocity / rate
 
@@ -376,7 +380,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
             y = image.interval_y_mrad / 1000.0 * self.altitude_m
         if x is None or y is None:
             allowed = (
-                "the scene has no angular sampling interval: give a sampling interval on the ground"
+                "the scene has no angular sampling interval. Give a sampling interval on the ground"
             )
             raise ParameterError("ground_interval_m", None, allowed)
         for name, interval, samples in (
@@ -407,7 +411,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample distance across the track: farther end of the middle line over centre."""
+        """Ground sample distance across the track: at the line's farther end / at its centre."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 

@@ -80,10 +80,10 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
     threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
     threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
-    the eyeball and the eye's visual channel at each frequency. `flir92` includes fixed patterns.
-    The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
-    target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
-    tracked vehicles; this value could not be checked.
+    the eyeball and the eye's visual channel at each frequency. With `flir92`, σ includes fixed
+    patterns. The MRTD includes neither the display nor the eye's contrast threshold. The defaults
+    are a target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for
+    identifying tracked vehicles; this value could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -265,8 +265,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         if shortest < SHORTEST_THERMAL_UM and self.background_K is None:
             raise DataError(
                 f"the band begins at {shortest:g} µm, where the signal is reflected light, which "
-                "has no temperature: NETD, MRTD, MDTD and the ranges derived from them do not "
-                "apply; use Image Quality, or give background_K for a scene hot enough to emit in "
+                "has no temperature. NETD, MRTD, MDTD and the ranges derived from them do not "
+                "apply. Use Image Quality, or give background_K for a scene hot enough to emit in "
                 "this band"
             )
         seen = here.step(

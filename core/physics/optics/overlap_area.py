@@ -166,7 +166,7 @@ def annular_otf(
     frequency_ratio : array_like
         Radial frequency over the cutoff (aperture diameter over wavelength), of either sign.
     obscuration_ratio : float
-        Inner over outer radius, 0 up to but not including 1.
+        Inner radius divided by outer radius, at least 0 and below 1.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def annular_otf(
     ratio = float(obscuration_ratio)
     if not 0.0 <= ratio < 1.0:
         raise ParameterError(
-            "obscuration_ratio", ratio, "0 up to but not including 1 (an opening must remain)"
+            "obscuration_ratio", ratio, "at least 0 and below 1 (an opening must remain)"
         )
     v = np.abs(np.asarray(frequency_ratio, dtype=np.float64))
     if not np.all(np.isfinite(v)):

@@ -103,7 +103,7 @@ class Spectrum:
             positive("temperature_K", self.temperature_K, unit="K")
         if self.responses and self.cut_on_um < self.cut_off_um and not self._lets_light_through():
             whole = f"{self.cut_on_um:g} to {self.cut_off_um:g} µm"
-            met = "a response above 0 somewhere in the band"
+            met = "above 0 somewhere in the band"
             raise ParameterError("response", f"0 from {whole}", met)
 
     def _lets_light_through(self) -> bool:

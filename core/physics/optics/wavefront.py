@@ -116,7 +116,10 @@ def known_wavefront(samples: ArrayLike) -> NDArray[np.float64]:
     """
     values = np.array(samples, np.float64)
     if values.ndim != 2 or values.size == 0:
-        raise DataError(f"a wavefront map of shape {values.shape}; allowed: (rows, columns)")
+        raise DataError(
+            f"the wavefront map has shape {values.shape}; it must be two-dimensional "
+            "(rows, columns) and not empty"
+        )
     if np.isinf(values).any():
         row, column = np.argwhere(np.isinf(values))[0]
         raise DataError(f"the wavefront map is infinite at row {row}, column {column}")

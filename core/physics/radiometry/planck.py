@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Floats
-from core.errors import DataError, ParameterError
+from core.errors import DataError, ParameterError, several
 from core.physics.numerics import chebyshev_fit, chebyshev_sum, gauss_legendre, positive
 from core.records import dataclass
 
@@ -177,8 +177,9 @@ def _brightness(
     if np.any(faulty):
         first = float(values[faulty].flat[0])
         raise DataError(
-            f"radiance: {np.count_nonzero(faulty)} of {values.size} samples have no brightness"
-            f" temperature (the first is {first!r} W/m²/sr); allowed: 0 to {brightest:.3g}"
+            f"radiance: no brightness temperature for {np.count_nonzero(faulty)} of"
+            f" {several(values.size, 'sample')} (the first is {first!r} W/m²/sr);"
+            f" allowed: 0 to {brightest:.3g}"
         )
     temperature = np.zeros(values.size)
     lit = np.flatnonzero(values)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Floats
-from core.errors import DataError, ParameterError
+from core.errors import DataError, ParameterError, several
 from core.physics.numerics import gauss_legendre
 from core.physics.radiometry.planck import (
     STEFAN_BOLTZMANN_W_M2_K4,
@@ -309,7 +309,8 @@ def _emissivity(values: ArrayLike) -> Floats:
     if np.any(wrong):
         first = float(share[wrong].flat[0])
         raise DataError(
-            f"emissivity: {np.count_nonzero(wrong)} of {share.size} samples are outside 0 to 1 "
+            f"emissivity: outside 0 to 1 in {np.count_nonzero(wrong)} of "
+            f"{several(share.size, 'sample')} "
             f"(the first is {first:g})"
         )
     return share

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Complex, Floats, Index, Vector
-from core.errors import DataError, ParameterError
+from core.errors import DataError, ParameterError, several
 from core.physics.numerics import positive, within
 from core.physics.optics.wavefront import autocorrelation
 
@@ -322,7 +322,9 @@ def pixel_count(*, samples: int, ratio: float) -> int:
     """
     count = math.floor(samples / positive("ratio", ratio) + _WHOLE)
     if count < 1:
-        raise DataError(f"a pixel of {ratio:g} samples does not fit a frame of {samples} samples")
+        raise DataError(
+            f"a pixel is {ratio:g} samples wide, but the frame has {several(samples, 'sample')}"
+        )
     return count
 
 

@@ -289,7 +289,7 @@ def orbit_view(
     cosine = math.sin(angle) * r / radius  # of the elevation
     if not (angle < 0.5 * math.pi and cosine < 1.0):
         horizon = math.degrees(math.asin(radius / r))
-        allowed = f"0 to below {horizon:.4g}, where the line of sight misses the Earth"
+        allowed = f"0 to below {horizon:.4g}; at larger angles the line of sight misses the Earth"
         raise ParameterError("look_angle_deg", look_angle_deg, allowed, unit="deg")
     sine = math.sqrt((1.0 - cosine) * (1.0 + cosine))
     ground = 1000.0 * math.sqrt(EARTH_GM_KM3_PER_S2 / r) * radius / r

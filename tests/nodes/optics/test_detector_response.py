@@ -111,7 +111,7 @@ def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(folder, key):
     ("name", "text", "words"),
     [
         ("missing.csv", None, "missing.csv"),
-        ("far.csv", "8, 1\n12, 1\n", "response above 0 somewhere in the band"),
+        ("far.csv", "8, 1\n12, 1\n", "above 0 somewhere in the band"),
         ("long.csv", "3, 1\n4, 1.5\n", "line 2"),
     ],
 )

@@ -121,10 +121,10 @@ def test_no_unit_is_taken_for_another(chain, unit, key, words):
     ("samples", "key", "unit", "params", "shares", "words"),
     [
         (-KELVIN, "to_radiance", "K", {}, None, "temperature_K"),
-        (-KELVIN, "to_temperature", "W/m²/sr", {}, None, "6 of 6 samples have no brightness"),
+        (-KELVIN, "to_temperature", "W/m²/sr", {}, None, "temperature for 6 of 6 samples"),
         (KELVIN / 100, "to_temperature", "W/m²/sr", {"emissivity": 0.1, "surroundings_K": 300.0},
          None, "no brightness temperature"),
-        (KELVIN, "to_radiance", "K", {}, KELVIN, "emissivity: 6 of 6 samples are outside"),
+        (KELVIN, "to_radiance", "K", {}, KELVIN, "outside 0 to 1 in 6 of 6 samples"),
         (KELVIN, "to_temperature", "W/m²/sr", {}, np.zeros((2, 3)), "emissivity of 0"),
     ],
 )  # fmt: skip

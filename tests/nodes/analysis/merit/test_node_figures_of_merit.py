@@ -227,6 +227,6 @@ def test_reflected_light_is_refused():
     _, plan, _ = sensor(scene=VISIBLE, noisy=False)
     assert [str(error) for error in plan.errors()] == [
         "merit: the band begins at 0.4 µm, where the signal is reflected light, which has no "
-        "temperature: NETD, MRTD, MDTD and the ranges derived from them do not apply; use Image "
+        "temperature. NETD, MRTD, MDTD and the ranges derived from them do not apply. Use Image "
         "Quality, or give background_K for a scene hot enough to emit in this band"
     ]
