@@ -145,8 +145,8 @@ def _wavelengths(array: Any, dim: str) -> Any:
             if unit in _UM:
                 return np.asarray(coordinate.to_numpy(), np.float64) * _UM[unit]
     raise DataError(
-        f"the DataArray's {dim} has no wavelengths: give the wavelengths as a coordinate with the "
-        "units µm or nm, or as wavelengths_um"
+        f"the dimension {dim} of the DataArray has no wavelengths. Give it a coordinate with the "
+        "units µm or nm, or give wavelengths_um"
     )
 
 

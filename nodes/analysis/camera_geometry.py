@@ -308,7 +308,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         return Preview(
             f"field {brief(field_deg(camera=camera))}°, ground sample "
             f"{pair(*samples[_PREVIEW_POINTS // 2])} m at the centre, "
-            f"{pair(*max(samples[0], samples[-1]))} m at the end",
+            f"{pair(*max(samples[0], samples[-1]))} m at the line's end",
             (drawn,),
         )
 
@@ -411,7 +411,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample distance across the track: at the line's farther end / at its centre."""
+        """Ground sample distance across the track: farther end of the line divided by centre."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 

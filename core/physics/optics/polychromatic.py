@@ -184,9 +184,9 @@ def band_wavelengths(
     One is the band's mean, up to 256 are Gauss-Legendre nodes.
     """
     if not (math.isfinite(cut_on_um) and cut_on_um > 0.0):
-        raise ParameterError("cut_on_um", cut_on_um, "above 0", unit="um")
+        raise ParameterError("cut_on_um", cut_on_um, "above 0", unit="µm")
     if not (math.isfinite(cut_off_um) and cut_off_um >= cut_on_um):
-        raise ParameterError("cut_off_um", cut_off_um, f"{cut_on_um:g} or more", unit="um")
+        raise ParameterError("cut_off_um", cut_off_um, f"{cut_on_um:g} or more", unit="µm")
     if not 1 <= count <= MOST_WAVELENGTHS:
         raise ParameterError("wavelengths", count, f"1 to {MOST_WAVELENGTHS}")
     nodes, weights = gauss_legendre(count)
