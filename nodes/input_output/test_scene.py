@@ -41,12 +41,12 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     surfaces have the spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and
     glass, coarsely sampled. Surfaces emit at their own temperature and reflect the sky. With
     `sun_elevation_deg`, surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm.
-    Targets are black in all bands. With `emissivity` grey, every surface keeps a single emissivity;
-    without sunlight, the bands then add up to the picture for `bands` = 0. If `quantity` is
-    reflectance, the samples are surface reflectances, as input for Reflected Light. Shade and sky
-    get the reflectance of a sunlit surface that looks as bright. If `quantity` is reflectance,
-    targets have `target_reflectance` and their background has `background_reflectance`, at all
-    wavelengths.
+    Targets and their backgrounds are black bodies in all bands. With `emissivity` grey, every
+    surface keeps a single emissivity; without sunlight, the bands then add up to the picture for
+    `bands` = 0. If `quantity` is reflectance, the samples are surface reflectances, as input for
+    Reflected Light. Shade and sky get the reflectance of a sunlit surface of the same brightness.
+    If `quantity` is reflectance, targets have `target_reflectance` and their background has
+    `background_reflectance`, at all wavelengths.
     """
 
     formulas = (
@@ -59,8 +59,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         ),
         Formula(
             r"L=\overline{\rho}\;\frac{\Omega_\odot}{\pi}\,L_B(5800\,\mathrm{K})\,\sin h",
-            where="ρ: reflectance; Ω☉/π: the square of the Sun's radius over its distance; L_B: "
-            "radiance of a black body in the band; h: sun_elevation_deg",
+            where="ρ: reflectance; Ω☉/π: square of the ratio of the Sun's radius to its distance; "
+            "L_B: radiance of a black body in the band; h: sun_elevation_deg",
             when="sunlight, if the scene has bands",
         ),
     )
@@ -79,7 +79,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     )
     emissivity: Emissivity = param(
         "spectra",
-        "spectra of the surfaces, used if bands is above 0: from the surfaces' materials, or grey",
+        "emissivity of the surfaces if bands is above 0: spectra of the materials, or grey",
     )
     quantity: Literal["radiance", "reflectance"] = param(
         "radiance", "quantity of the samples: radiance, or reflectance for Reflected Light"
@@ -99,9 +99,13 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     delta_K: float = param(
         10.0, "target temperature minus background temperature", slider=(-50, 50)
     )
-    angle_deg: float = param(5.0, "direction of the edge's normal or of the wave", slider=(-90, 90))
+    angle_deg: float = param(
+        5.0,
+        "direction of the edge's normal or of the sine wave, clockwise from horizontal",
+        slider=(-90, 90),
+    )
     frequency: float = param(
-        16.0, "cycles per frame width, or spokes of the star", low=0, above=True
+        16.0, "cycles per frame width, or number of spokes of the star", low=0, above=True
     )
 
     panel = (

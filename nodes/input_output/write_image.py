@@ -110,7 +110,7 @@ class WriteImage(
             return path
         if wanted is None:
             endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
-            allowed = f"a name that ends in {endings}; or choose a format"
+            allowed = f"choose a format, or end the name in {endings}"
             raise ParameterError("path", self.path.as_posix(), allowed)
         return path.with_name(path.name + wanted.suffixes[0])
 

@@ -11,7 +11,7 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     """Smear along the track from the platform's forward motion while a sample is collected.
 
     The MTF is sinc(b·eta) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
-    Erratum: the width 134 of eq. 4.28 is in cycles/rad.
+    Erratum: the width 134 in eq. 4.28 is in cycles/rad, not cycles/mrad.
     """
 
     formulas = (

@@ -73,8 +73,8 @@ class LineOfSight(
     )
     psd_path: Path | None = param(
         None,
-        "CSV file of frequency (Hz) and density (mrad²/Hz, horizontal and vertical); empty: "
-        "from rms and corner",
+        "CSV file of frequency (Hz) and one-sided power density (mrad²/Hz, horizontal and "
+        "vertical); empty: calculated from rms motion and corner frequency",
     )
     integration_time_s: float = param(0.01, "exposure time", (0, 1e6), slider=(0, 0.05))
     frame_rate_Hz: float = param(30.0, "frame rate", (1e-6, 1e9), slider=(1, 120))
@@ -138,13 +138,13 @@ class LineOfSight(
 
     @readout("mrad")
     def within_x_mrad(self, axis: str, outputs: OtfOutputs) -> float:
-        """Horizontal rms motion within an exposure, about its mean."""
+        """Horizontal rms motion within an exposure, about the mean position."""
         bound = _bound(outputs.mtf, axis)
         return math.sqrt(float(np.dot(bound["variances"], bound["weights"]))) if bound else 0.0
 
     @readout("mrad")
     def between_x_mrad(self, axis: str, outputs: OtfOutputs) -> float:
-        """Horizontal rms shift from frame to frame."""
+        """Horizontal rms shift of a frame."""
         bound = _bound(outputs.ptf, axis)
         if not bound:
             return 0.0

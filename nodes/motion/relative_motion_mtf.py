@@ -17,8 +17,8 @@ class RelativeMotionMTF(
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
     sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
-    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
-    eqs. 4.34 and 4.35 are in cycles/rad.
+    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 in
+    eqs. 4.34 and 4.35 are in cycles/rad, not cycles/mrad.
     """
 
     formulas = (

@@ -63,14 +63,14 @@ def source_temperature(
         return SUNLIGHT_K
     image = magnitude.image
     if image is None:
-        allowed = "give a temperature: no picture is connected from which to derive one"
+        allowed = "no picture is connected to derive it from; give a temperature"
         raise ParameterError("source_K", None, allowed)
     if image.unit.strip() in _KELVIN:
         return Step.of(mean_kelvin, image.recipe, node=node)
     if not is_radiance(image.unit):
         allowed = (
-            "give a temperature or set weighting to uniform: the picture's unit is "
-            f"{image.unit or 'unknown'!r:.40}, not W/m²/sr"
+            f"the picture's unit is {image.unit or 'unknown'!r:.40}, not W/m²/sr; set weighting to "
+            "uniform, or give a temperature"
         )
         raise ParameterError("source_K", None, allowed)
     # Of the picture's own band, whose radiance it holds.

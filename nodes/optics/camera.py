@@ -29,8 +29,8 @@ _ORBIT = (
     ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
     ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
     ("velocity_m_per_s", "m/s", "Velocity of the scene across the line of sight."),
-    ("gsd_ground_x_m", "m", "Horizontal ground sample distance, projected onto the ground."),
-    ("gsd_ground_y_m", "m", "Vertical ground sample distance, projected onto the ground."),
+    ("gsd_ground_x_m", "m", "Horizontal sample distance, projected onto the ground."),
+    ("gsd_ground_y_m", "m", "Vertical sample distance, projected onto the ground."),
     ("line_rate_Hz", "Hz", "Line rate at which the image moves by one pixel per line."),
 )
 
@@ -38,25 +38,25 @@ _ORBIT = (
 class Camera(Module, key="camera", title="Camera", group="Optics"):
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes through unchanged and carries the data: pitch, focal length, F-number, fill
-    factor and range for Init & Trans and all modules after it; aperture and obscuration for
-    Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
-    there. Any two of focal length, F-number and aperture determine the third. An image without a
-    sampling interval, or with the same field of view as the lens, 2·atan(Np/2f), gets its sampling
-    interval from the pixel angle on the axis, because a wide field must not be divided into equal
+    The image passes through unchanged and carries the data. Init & Trans and all modules after it
+    use pitch, focal length, F-number, fill factor and range. Diffraction MTF uses aperture and
+    obscuration, and Sample Pixels uses the pitch. Init & Trans uses the data for parameters left
+    empty there. Any two of focal length, F-number and aperture determine the third. An image
+    without a sampling interval gets one from the pixel angle on the axis. So does an image with the
+    same field of view as the lens, 2·atan(Np/2f): a wide field must not be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
-    neglected: in a low orbit it changes the speed by up to 7 % or the direction by up to 4°
-    (`yaw_deg` of TDI MTF), in a high orbit by more. Above an altitude of 2000 km, a warning states
-    the error in speed.
+    neglected. In a low orbit, it changes the speed by up to 7 % or the direction by up to 4°
+    (`yaw_deg` of TDI MTF); in a high orbit, it changes them more. Above an altitude of 2000 km, a
+    warning states the error in speed.
 
     The obscuration blocks light: electrons, NETD and SNR use the open share of the aperture, 1 −
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
     depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
-    the axis and usual in infrared work; `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    the axis and usual in infrared work. `sine` (π/(4F²)) is exact for a lens corrected for coma,
     such as a fast photographic or infrared lens. The values of `disc` and `sine` differ by 25 % at
     F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical Imaging System Performance,
     chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983, Optical System Design, chapter 6
@@ -80,7 +80,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Formula(
             r"v_g=\frac{R_E}{r}\sqrt{\frac{GM}{r}},\quad\cos E=\frac{r}{R_E}\sin\eta,\quad R=r"
             r"\cos\eta-R_E\sin E",
-            where="r: R_E (Earth) plus altitude; v_g: ground speed; η: look angle; E: elevation",
+            where="R_E: radius of the Earth; r: R_E plus altitude; v_g: ground speed; "
+            "η: look angle; E: elevation; R: range",
         ),
     )
 
@@ -310,14 +311,14 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
                 samples = "1 sample" if number == "1" else f"{number} samples"
                 return Caution(
                     f"aliasing is only partly simulated: the picture has {samples} per pixel, "
-                    f"each {interval:.4g} mrad {name}",
+                    f"and a sample is {interval:.4g} mrad {name}",
                     "use a picture with two or more samples per pixel",
                 )
         return None
 
     figures = TableFigures(
-        ("pixel_x_mrad", "mrad", "Horizontal pixel angle (IFOV spacing)."),
-        ("pixel_y_mrad", "mrad", "Vertical pixel angle (IFOV spacing)."),
+        ("pixel_x_mrad", "mrad", "Horizontal pixel angle: pitch over focal length."),
+        ("pixel_y_mrad", "mrad", "Vertical pixel angle: pitch over focal length."),
         ("fov_x_deg", "deg", "Horizontal field of view."),
         ("fov_y_deg", "deg", "Vertical field of view."),
         ("nyquist_x", "cyc/mrad", "Horizontal Nyquist frequency of the pixels."),

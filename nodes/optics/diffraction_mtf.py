@@ -71,12 +71,12 @@ class DiffractionMTF(
         Formula(
             r"H(\rho)=\sum_j w_j\,H_0(\nu_j),\quad\nu_j=\frac{\lambda_j\,\rho}{D}",
             where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that sample the "
-            "band, and their weights, set by the light at each",
+            "band, and their weights, set by the light at each wavelength",
         ),
         Formula(
             r"H_0(\nu)=\frac{2}{\pi}\left(\arccos\nu-\nu\sqrt{1-\nu^2}\right)",
-            where="0 for ν ≥ 1; for an annular aperture, the overlap of the annulus with a copy "
-            "shifted by ν",
+            where="H₀ is 0 for ν ≥ 1; for an annular aperture, H₀ is the overlap of the annulus "
+            "with a copy shifted by ν",
             when="clear aperture in focus",
         ),
         Formula(
@@ -212,7 +212,7 @@ class DiffractionMTF(
         """The aperture here, else of Camera, else by F-number and focal length."""
         diameter = self.aperture_mm or _of_context(context)
         if diameter is None:
-            allowed = "give a value here or on Camera, or F-number and focal length on Init & Trans"
+            allowed = "give F-number and focal length on Init & Trans, or a value here or on Camera"
             raise ParameterError("aperture_mm", None, allowed)
         inner = self.obscuration_ratio
         return Aperture(
@@ -283,7 +283,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Number of wavelengths (cube: of bands; long response: of integration panels)."""
+        """Number of wavelengths, spectral bands or integration panels (long response)."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count

@@ -43,14 +43,14 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
     `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
     over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
-    with vanes at 360°/n from +x.
+    with n vanes, 360°/n apart, the first along +x.
 
     The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
     aperture's radius. For a file, the disc is the smallest circle around all samples above 1 % of
     the largest. The circle is centred on the array if centring increases its radius by at most one
     sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
     gives the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
-    defocus and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border
+    defocus and Zernike terms. Outside the aperture, the map must be NaN, or 0 as far as the border
     of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
     wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
     `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
@@ -89,8 +89,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     vane_width: float = param(4.0, "width of a vane", low=0, unit="samples", slider=(0, 64))
     path: Path | None = param(
         None,
-        "amplitude transmission for the shape `file`, or a complex `.npy`; empty: "
-        "from the wavefront map",
+        "file of the amplitude transmission, or a complex `.npy`, for the shape `file`; empty: "
+        "1 where the wavefront map has a value",
     )
     wavefront_path: Path | None = param(
         None,
@@ -142,7 +142,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         for name, size in (("size_x", self.size_x), ("size_y", self.size_y)):
             if extent > size:
                 raise ParameterError(
-                    name, size, f"at least the aperture's diameter {extent:g}", unit="samples"
+                    name, size, f"at least the aperture's diameter, {extent:g}", unit="samples"
                 )
         samples = here.step(sampled, shape=shape, rows=self.size_y, columns=self.size_x)
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))

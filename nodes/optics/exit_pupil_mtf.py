@@ -56,9 +56,9 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     (sunlight) for a band that begins below 2.5 µm, and otherwise the brightness temperature of the
     picture's mean radiance. A spectral picture is blurred band by band, each band at its own
     wavelength. With interpolation `none`, the module outputs the raw autocorrelation at the pupil's
-    own frequency intervals and does not blur the picture. Sizes refer to the whole pupil array.
-    Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21
-    is the array's half width over λ.
+    own frequency intervals and does not blur the picture. `size_x_cm` and `size_y_cm` are the
+    sizes of the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is
+    aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
     """
 
     formulas = (
@@ -79,7 +79,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     size_y_cm: float = param(25.6, "height of the whole pupil array", low=0, above=True)
     method: Literal["exact", "autocorrelation"] = param(
         "exact",
-        "exact: closed form if there is one; autocorrelation: always from the sampled pupil",
+        "exact: closed-form OTF if there is one; autocorrelation: always the sampled pupil's OTF",
     )
     interpolation: Literal["none", "linear", "bilinear"] = param(
         "bilinear", "interpolation from the sampled pupil to the image's frequencies"

@@ -13,7 +13,7 @@ import numpy as np
 from core import kernels
 from core.chain.step_lineage import Array, Filtering, picture_step
 from core.chain.wires import CameraSheet, Context, Image, Magnitude
-from core.errors import ParameterError
+from core.errors import ParameterError, several
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
@@ -34,7 +34,9 @@ _TURNS = 0.25  # of a PSF's outermost wave, from one frequency of its table to t
 _MOST_REACH, _LOST = 1024, 0.005  # samples around a tile; share of light
 _DOUBTFUL = 5.0  # % of the range
 _FIGURED = 6  # cells along each axis of a quadrant, of which the error is figured
-_Path = Annotated[Path | None, Param("MTF or PSF file of one position, in the order of positions")]
+_Path = Annotated[
+    Path | None, Param("MTF or PSF file of one position; files follow the order of positions")
+]
 
 
 class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
@@ -52,12 +54,12 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
     blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
     that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
-    times smaller. Smaller tiles reduce the blending error. The blur uses a margin around each tile:
-    half a tile, at least 16 samples, and up to 1024 if a narrower margin would lose more than 0.5 %
-    of a PSF's light. A tile is at least a quarter as wide as its margin. Beyond the frame the
-    picture is mirrored, or repeated if Back Transform made it periodic. Budgets, MTFs and figures
-    of merit use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput.
-    19, 1063.
+    times smaller. Smaller tiles reduce the blending error. Around each tile, the blur uses a
+    margin of half a tile, but at least 16 samples. If this margin would lose more than 0.5 % of a
+    PSF's light, it is widened, up to 1024 samples. A tile is at least a quarter as wide as its
+    margin. Beyond the frame the picture is mirrored, or repeated if Back Transform made it
+    periodic. Budgets, MTFs and figures of merit use the PSF of the first position. Source: Nagy and
+    O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
     """
 
     formulas = (
@@ -105,7 +107,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         for name in ("tangential_mrad", "sagittal_mrad"):
             given = getattr(self, name)
             if self.kind == "gaussian" and given and len(given) != len(self.positions):
-                allowed = f"{len(self.positions)} numbers, one for each position"
+                allowed = f"{several(len(self.positions), 'number')}, one for each position"
                 raise ParameterError(name, given, allowed)
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> ImageOutput:
@@ -132,10 +134,8 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
             path = paths[number] if number < len(paths) else None
             if path is None:
                 name = f"path_{min(number, 3) + 1}"
-                allowed = (
-                    f"give a file for each of the {len(self.positions)} positions; at most 4 files "
-                    "are possible"
-                )
+                known_positions = several(len(self.positions), "position")
+                allowed = f"give a file for each position ({known_positions}; at most 4 files)"
                 raise ParameterError(name, None, allowed)
             of_listing = number if paths[0] is paths[-1] else 0
             lens: Any = (

@@ -126,7 +126,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         """What cycles/mrad across and along are multiplied by to be in the file's unit."""
         unit = table.unit if self.frequency_unit == "file" else self.frequency_unit
         if table.unit not in (None, unit):
-            allowed = f"choose file or {table.unit}, because {table.file.name} names this unit"
+            allowed = f"choose file or {table.unit}, the unit that {table.file.name} names"
             raise ParameterError("frequency_unit", self.frequency_unit, allowed)
         if unit is None:
             allowed = (
@@ -151,7 +151,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         mtfs, phases = self._curves(table, "mtf"), self._curves(table, "phase")
         if "radial" in phases:
             raise DataError(
-                f"{table.file}: a phase needs a direction: set direction to x or y, or name "
+                f"{table.file}: a phase needs a direction; set direction to x or y, or name "
                 "the columns phase_x and phase_y"
             )
         shift = self._separable(tabulated_ptf, phases, scales, "ptf", node)
@@ -226,9 +226,9 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             last = frequencies[-1] / scale
             if values[-1] > ENDS_LOW and last < nyquist:
                 return Caution(
-                    f"higher frequencies are lost: the table ends at {last:.4g} cyc/mrad with "
-                    f"an MTF of {values[-1]:.3g}, and the MTF is set to 0 from there to the "
-                    f"picture's Nyquist frequency, {nyquist:.4g} cyc/mrad",
+                    "higher frequencies are lost: the MTF is "
+                    f"{values[-1]:.3g} where the table ends ({last:.4g} cyc/mrad), and 0 from "
+                    f"there to the picture's Nyquist frequency ({nyquist:.4g} cyc/mrad)",
                     "extend the table until the MTF is 0",
                 )
         return None

@@ -45,7 +45,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     )
 
     path: Path | None = param(
-        None, "picture of a point, relative to the network file's folder; empty: no blur"
+        None, "PSF file, relative to the network file's folder; empty: no blur"
     )
     band: int | None = param(
         None, "band or channel to read, counted from 0", low=0, zero_is_empty=False
@@ -95,7 +95,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             source = lens_source(self.path, here, band=self.band or 0)
             if self.band is None and source.samples.bands > 1:
                 allowed = (
-                    f"{source.file.name} has {source.samples.bands} bands: choose 0 to "
+                    f"{source.file.name} has {source.samples.bands} bands; choose 0 to "
                     f"{source.samples.bands - 1}"
                 )
                 raise ParameterError("band", None, allowed)
@@ -135,7 +135,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             across, unit = source.samples.spacing_um, "um"
         if across is None:
             allowed = (
-                f"{source.file.name} does not state its sampling interval: give the interval in µm "
+                f"{source.file.name} does not state its sampling interval; give the interval in µm "
                 "at the focal plane or in mrad"
             )
             raise ParameterError("sample_pitch", None, allowed)
@@ -150,7 +150,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         """No file is given, so the module does nothing."""
         if self.path is not None:
             return None
-        return Caution("nothing is blurred: path is empty", "give the path of a picture of a point")
+        return Caution("nothing is blurred: path is empty", "give the path of a PSF file")
 
     @warning
     def border(self, outputs: OtfOutputs) -> Step | None:

@@ -172,9 +172,8 @@ def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0
     ratio = 1.0 if pupil.wavefront_um is None else pupil.wavefront_um / scale.mean_um
     if pupil.wrapped and any(abs(ratio * one - 1.0) > SAME_WAVELENGTH for one in ratios):
         raise DataError(
-            "a complex pupil gives its wavefront only modulo one wave, so it is valid only at "
-            "its own wavelength: set wavelengths to 1, and centre the band on the map's "
-            "wavelength"
+            "a complex pupil, whose wavefront is known modulo one wave, is valid only at its own "
+            "wavelength: set wavelengths to 1, and centre the band on this wavelength"
         )
     return ratio
 

@@ -11,8 +11,8 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs, radial
 class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group="Optics"):
     """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
-    The point spread function has two parts: a share 1 − g of the light is not spread, and the share
-    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
+    The point spread function has two parts. A share 1 − g of the light is not spread. The share g
+    falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
     drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
     detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
     index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
@@ -99,7 +99,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     @readout("%")
     def scatter_percent(self) -> float:
-        """Share of the light that all surfaces together spread."""
+        """Total share of the light that is spread."""
         if self.form == "length":
             return self.share_percent
         return 100.0 * (1.0 - (1.0 - harvey_scatter(**self._surface())) ** self.surfaces)

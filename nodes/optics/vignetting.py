@@ -51,7 +51,7 @@ class LightOverField(Module):
 class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Optics"):
     """Darken the picture with distance from the optical axis, which is at the picture's middle.
 
-    `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
+    `natural` applies cos⁴ of the field angle. The tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
     `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
     c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
@@ -60,8 +60,8 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
     `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
     Plane converts radiance to photons at the brightness temperature that the picture had before the
-    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm). This
-    error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
+    mean loss. A sample with half the mean light then gets 0.3 % too many photons (3.7 to 4.8 µm).
+    This error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
     Kingslake 1983, Optical System Design, chapter 6.
     """
 
@@ -154,8 +154,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         unit = _UNITS[self.against]
         return Caution(
             f"the light may be wrong at the corners: the curve in the file ends at {last:.4g} "
-            f"{unit}, but the picture reaches {reached:.4g} {unit}; the last value is used beyond "
-            "the end of the curve",
+            f"{unit}, but the picture reaches {reached:.4g} {unit}; the last value is used there",
             "extend the file to the corner",
         )
 

@@ -125,7 +125,7 @@ def given_band(
     )
     for name, value in (("cut_on_um", low), ("cut_off_um", high)):
         if value is None:
-            raise ParameterError(name, None, "the image has no band: give a value here")
+            raise ParameterError(name, None, "the image has no band; give a value here")
     assert low is not None
     assert high is not None
     if not (low <= high if empty else low < high):

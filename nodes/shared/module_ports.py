@@ -42,7 +42,10 @@ def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Transfe
 
 
 class NyquistReadouts(Module):
-    """Base class of modules with an MTF: adds read-outs at both Nyquist frequencies."""
+    """Base class of modules with an MTF.
+
+    Adds read-outs of the MTF at the Nyquist frequencies of the samples and of the pixels.
+    """
 
     @readout()
     def mtf_at_nyquist_x(self, axis: str, outputs: Any) -> TransferAt | None:

@@ -22,7 +22,7 @@ _SIGMA_SAMPLES = math.sqrt(2.0 * math.log(2.0)) / math.pi
 
 
 class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Transform"):
-    """Filter out frequencies that would alias if only every factor-th sample were kept.
+    """Filter out frequencies that would alias in a picture decimated by `factor`.
 
     No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
     Detector MTF. `box` is the mean of `factor` samples, centred for even factors too. `gaussian`

@@ -28,8 +28,7 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
         ),
         Formula(
             r"H(\xi)=\frac{\sin(\pi n\xi\Delta)}{n\,\sin(\pi\xi\Delta)}",
-            where="block mean in the spectrum, before frequencies beyond the new Nyquist "
-            "frequency alias; Δ: sampling interval",
+            where="H: transfer function of the block mean, before aliasing; Δ: sampling interval",
         ),
     )
 
@@ -72,9 +71,9 @@ def _twice(
             "ignore this warning if the blocks represent the pixels, as in the 1996 networks",
         )
     return Caution(
-        f"the pixel is averaged twice: {detector} already averages over {width_mrad:.4g} mrad "
-        f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad again, "
-        f"so the contrast at Nyquist falls to {float(left):.3g} times its value after {detector}",
+        f"the pixel is averaged twice: over {width_mrad:.4g} mrad {direction} by {detector}, then "
+        f"over {block:.4g} mrad by blocks of {factor} samples; the second average multiplies the "
+        f"contrast at Nyquist by {float(left):.3g}",
         "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this warning if "
         "both averages are intended, as in the 1996 networks",
     )

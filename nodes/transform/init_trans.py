@@ -57,7 +57,7 @@ class InitTrans(
     detector_x_um: float | None = param(None, "horizontal detector pitch", low=0, slider=(1, 1000))
     detector_y_um: float | None = param(None, "vertical detector pitch", low=0, slider=(1, 1000))
     focal_length_mm: float | None = param(None, "effective focal length", low=0, slider=(10, 1000))
-    f_number: float | None = param(None, "F number", low=0, slider=(0.5, 32))
+    f_number: float | None = param(None, "F-number", low=0, slider=(0.5, 32))
     obscuration_ratio: float | None = param(
         None,
         "obscuration: inner diameter of the aperture divided by its outer diameter; "
@@ -162,7 +162,7 @@ class InitTrans(
     def _interval(self, name: str, samples: int, of_image: float | None) -> float:
         interval = interval_of(name, getattr(self, name), samples) or of_image
         if interval is None:
-            allowed = f"no field of view is known: give {name} here or on Read Image"
+            allowed = "the picture has no field of view; give a value here or on Read Image"
             raise ParameterError(name, None, allowed)
         return interval
 

@@ -88,7 +88,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
             return own
         known = pitch_in_samples(axis, image)
         if known is None:
-            allowed = "give a factor here, or pitch and focal length on Camera or Init & Trans"
+            allowed = "give pitch and focal length on Camera or Init & Trans, or a factor here"
             raise ParameterError(f"factor_{axis}", None, allowed, unit="samples")
         if not _LEAST <= known <= 65536:
             allowed = f"the pitch must give a factor from {_LEAST:g} to 65536"

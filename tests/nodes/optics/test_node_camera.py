@@ -166,7 +166,7 @@ def test_an_orbit_is_entered_once(planned):
 def test_few_samples_are_counted(planned, scale, words):
     fov = {f"fov_{a}_deg": math.degrees(0.15e-3 / scale * n) for a, n in (("x", 1280), ("y", 1024))}
     plan = planned(MWIR, read=fov).plan
-    assert any(f"the picture has {words} pixel, each" in text for text in texts(plan))
+    assert any(f"the picture has {words} pixel, and" in text for text in texts(plan))
 
 
 @pytest.mark.parametrize(

@@ -190,8 +190,8 @@ def test_lineage_bands_blocks_and_a_uniform_field(tmp_path):
     ("params", "words"),
     [({"positions": [0.5, 0.5]}, "positions = .* in rising order"),
      ({"tangential_mrad": [1.0]}, "tangential_mrad = .*3 numbers"),
-     ({"kind": "mtf"}, "path_1 .*a file for each of the 3 positions"),
-     ({"kind": "psf", "path_1": "1.npy"}, "path_2 .*a file for each of the 3 positions")],
+     ({"kind": "mtf"}, "path_1 .*a file for each position .3 positions"),
+     ({"kind": "psf", "path_1": "1.npy"}, "path_2 .*a file for each position .3 positions")],
 )  # fmt: skip
 def test_what_is_refused(tmp_path, params, words):
     np.save(tmp_path / "1.npy", np.ones((3, 3)))

@@ -216,7 +216,7 @@ def test_bad_files_are_one_clear_line(tmp_path, text, words):
     ("params", "words"),
     [
         ({"direction": "y"}, ""),
-        ({"frequency_unit": "cyc/mrad"}, "choose file or cyc/mm, because lens.csv names this unit"),
+        ({"frequency_unit": "cyc/mrad"}, "choose file or cyc/mm, the unit that lens.csv names"),
     ],
 )
 def test_what_does_not_fit_the_file(tmp_path, params, words):
@@ -247,7 +247,7 @@ def test_warns_of_a_table_that_ends_before_the_picture_does(tmp_path, last, end,
     found = cautions(tmp_path, table(tmp_path, [0.0, last], mtf_x=[1.0, end]))
     assert set(found) == ({"end"} if warned else set())
     if warned:
-        assert "ends at 1 cyc/mrad with an MTF of 0.3" in found["end"]
+        assert "MTF is 0.3 where the table ends (1 cyc/mrad)" in found["end"]
         assert "1.833 cyc/mrad" in found["end"]
 
 

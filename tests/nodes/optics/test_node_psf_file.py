@@ -146,7 +146,7 @@ def test_bad_files_are_one_clear_line(tmp_path, name, content, words):
 def test_of_several_bands_one_is_chosen(tmp_path):
     np.save(tmp_path / "psf.npy", COMET)
     np.save(tmp_path / "cube.npy", np.stack([COMET[::-1], COMET], axis=-1))
-    assert "cube.npy has 2 bands: choose 0 to 1" in refusal(tmp_path, {"path": "cube.npy", **PITCH})
+    assert "cube.npy has 2 bands; choose 0 to 1" in refusal(tmp_path, {"path": "cube.npy", **PITCH})
     chosen = value(tmp_path, {"path": "cube.npy", "band": 1, **PITCH})
     np.testing.assert_array_equal(chosen, value(tmp_path, {"path": "psf.npy", **PITCH}))
     first = value(tmp_path, {"path": "cube.npy", "band": 0, **PITCH})
