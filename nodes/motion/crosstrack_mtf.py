@@ -8,9 +8,10 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
-    """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
+    """Smear across the track from the scan during one dwell time.
 
-    The MTF is sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
+    The MTF is sinc(v·t·xi). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
+    the thesis neglects this smear.
     """
 
     formulas = (

@@ -32,13 +32,13 @@ class LineOfSight(
 ):
     """Move the line of sight at random; the motion blurs each exposure and shifts each frame.
 
-    The angle has the power spectral density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the
-    density in `psd_path`; the two axes are independent. Motion about the mean position of an
-    exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with
-    spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single
-    picture is frame 0 and is also shifted. 3-D Noise includes the pixel changes from this motion in
-    its measurement, but not in its prediction. Sources: Papoulis 1991, chapter 10; Kopeika 1998,
-    chapter 14.
+    The line-of-sight angle has the power spectral density S = rms²·(2/π)/(corner·(1 +
+    (f/corner)²)), or the density in `psd_path`; the two axes are independent. Motion about the mean
+    position of an exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean
+    position, with spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp,
+    −2π·ξ·shift. A single picture is frame 0 and is also shifted. 3-D Noise includes the pixel
+    changes from this motion in its measurement, but not in its prediction. Sources: Papoulis 1991,
+    chapter 10; Kopeika 1998, chapter 14.
     """
 
     formulas = (

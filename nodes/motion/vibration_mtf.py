@@ -11,9 +11,9 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):
     """Blur by sinusoidal vibration of the line of sight.
 
-    Over a whole number of periods, the MTF is J0(2πA·xi). A remaining part of a period is
-    integrated from phase 0 and weighted by time. Without a frequency or an integration time, many
-    periods are assumed. The two axes are independent. Source: Kopeika 1998.
+    Over a whole number of periods, the MTF is J0(2πA·xi), where A is the amplitude. A remaining
+    part of a period is integrated from phase 0 and weighted by time. Without a frequency or an
+    integration time, many periods are assumed. The two axes are independent. Source: Kopeika 1998.
     """
 
     formulas = (

@@ -129,8 +129,8 @@ def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> 
     if image.unit.strip() not in _KELVIN:
         return None
     return Caution(
-        "temperatures are blurred as if they were radiance: the picture is in kelvin, and the "
-        "band is weighted at its mean temperature",
+        "temperatures are blurred as if they were radiance: the picture is in kelvin, and its "
+        "mean temperature weights the band",
         "put To Radiance before Init & Trans",
     )
 

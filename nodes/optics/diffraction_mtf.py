@@ -82,7 +82,7 @@ class DiffractionMTF(
         Formula(
             r"H_0(\nu)=\frac{4}{\pi}\int_0^{\arccos\nu}\sin^2 t\,\cos\left[8\pi W_{20}\,\nu\,("
             r"\cos t-\nu)\right]dt",
-            where="W₂₀: defocus_waves at the rim, in waves at λ_j",
+            where="W₂₀: defocus at the rim (defocus_waves), converted to waves at λ_j",
             when="out of focus",
         ),
         Formula(

@@ -75,7 +75,7 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
 
     @readout("cyc/mrad")
     def new_nyquist_x(self, axis: str, image: Image) -> float | None:
-        """Horizontal Nyquist frequency after the samples are dropped."""
+        """Horizontal Nyquist frequency after the later decimation."""
         interval = image.interval_x_mrad if axis == "x" else image.interval_y_mrad
         return None if interval is None else 0.5 / interval / self.factor
 

@@ -9,8 +9,8 @@ from nodes.shared.module_ports import ImageOutput
 class BackTransform(Module, key="back_transform", title="Back Transform", group="Transform"):
     """Compute the image from a magnitude and a phase.
 
-    Magnitude and phase may come from different images of the same size: the result is then
-    |A|·exp(i·∠B), with periodic edges. Source: Tantalo 1996, section 4.1.
+    Magnitude and phase may come from different images A and B of the same size. The result then has
+    the spectrum |A|·exp(i·∠B) and periodic edges. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (
