@@ -105,9 +105,8 @@ class ParameterError(InputError):
         rule = requirement(allowed)
         if value is None:
             verb = "are" if also else "is"
-            text = f"{listed(self.parameters)} {verb} empty: {rule}" + (
-                f" ({unit})" if unit else ""
-            )
+            its_unit = f" ({unit})" if unit and unit != unit_of(parameter) else ""
+            text = f"{listed(self.parameters)}{its_unit} {verb} empty: {rule}"
         else:
             shown = _shown(value) + (f" {unit}" if unit else "")
             text = f"{parameter} = {shown} is not allowed: {rule}"

@@ -10,11 +10,11 @@ SEVERAL = ParameterError(
 
 
 def test_the_panels_label_and_the_nodes_name():
-    empty = ParameterError("detector_x_um", None, "give it here", unit="um", node="init")
+    empty = ParameterError("detector_x_um", None, "give it here", unit="µm", node="init")
     for error, on_node, text in (
         (ERROR, False, "σ y of my blur = -1.0 mrad is not allowed: must be at least 0"),
         (ERROR, True, "σ y = -1.0 mrad is not allowed: must be at least 0"),
-        (empty, False, "Detector x of init is empty: give it here (um)"),
+        (empty, False, "Detector x of init is empty: give it here"),
         (SEVERAL, False, "Detector x, Detector y and Fill x of init are empty: give values"),
         (DataError("no samples", node="scene"), False, "scene: no samples"),
         (DataError("no samples", node="scene"), True, "no samples"),

@@ -31,6 +31,6 @@ def test_all_that_is_missing_is_named_at_once():
         "Init & Trans"
     )
     assert error_of(pitch_x, pitch_y).message == (
-        "focal_length_mm is empty: give a value here or on Init & Trans (mm)"
+        "focal_length_mm is empty: give a value here or on Init & Trans"
     )
     assert error_of(lens, pitch_x | pitch_y) is None
