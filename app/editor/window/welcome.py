@@ -28,7 +28,7 @@ from core.network.file import read_network
 
 _PICTURE = QSizeF(6, 5)  # in lines of text
 _CARD = 50  # letters that a card is wide at least
-_LETTERS, _LARGEST = 230.0, 2.5  # a page wider than that has larger cards, at most this much
+_LETTERS, _LARGEST = 230.0, 2.8  # a page wider than that has larger cards, at most this much
 
 
 class WelcomePage(QScrollArea):
