@@ -244,8 +244,8 @@ def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) ->
     if levels.brightest_e > saturation:
         return Caution(
             f"the brightest pixels saturate: they reach {levels.brightest_e:.4g} e- and are "
-            f"clipped at {saturation:.4g} e-; SNR and noise refer to the mean, and "
-            "saturated_pixels counts the clipped pixels",
+            f"clipped at {saturation:.4g} e-; SNR and noise refer to the picture's mean, "
+            "and saturated_pixels counts the clipped pixels",
             "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
         )
     return None
@@ -321,7 +321,8 @@ def figures(
     return TableData.of(
         ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
         ("optics_e", collected.optics_e, "e-", "electrons from the optics' own emission"),
-        ("housing_e", collected.housing_e, "e-", "electrons from the housing past the cold shield"),
+        ("housing_e", collected.housing_e, "e-", "electrons from housing radiation past the cold "
+         "shield"),
         ("dark_e", collected.dark_e, "e-", "electrons from the dark current"),
         ("well_fill_percent", fill, "%", "fraction of the full well filled by all electrons"),
         ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
@@ -432,7 +433,7 @@ def _worth(levels: ElectronLevels) -> Iterator[tuple[str, float | None, str, str
             else:
                 signal = collected.per_photon * float(ratio[0]) * levels.seen.mean
                 known.append(signal)
-        meaning = f"signal with photons weighted by {weighting}"
+        meaning = f"signal if photon_weighting is {weighting}"
         yield f"signal_by_{weighting}_e", signal, "e-", meaning
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:

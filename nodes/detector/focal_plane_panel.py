@@ -107,7 +107,7 @@ class FocalPlanePanel(SeededModule):
         slider=(60, 200),
     )
     material_cutoff_um: float | None = param(
-        None, "cutoff of the detector material, for Rule 07", (0, 100), slider=(2, 16)
+        None, "cutoff wavelength of the detector material, for Rule 07", (0, 100), slider=(2, 16)
     )
     full_well_e: float | None = param(
         None, "electrons that a pixel can hold; empty: unlimited", low=0, slider=(0, 1e7)
@@ -189,7 +189,7 @@ class FocalPlanePanel(SeededModule):
         slider=(0, 300),
     )
     units: Literal["dn", "electrons", "radiance"] = param(
-        "dn", "unit of the output; the picture is always digitized"
+        "dn", "unit of the output; with bits above 0, the output is digitized in every unit"
     )
 
     panel = (
@@ -232,7 +232,7 @@ class FocalPlanePanel(SeededModule):
              "detector"),
             ("detector_K", self.rule_07 or self.dark_doubling_K,
              "rule_07 and dark_doubling_K need the detector's temperature"),
-            ("material_cutoff_um", self.rule_07, "rule_07 needs the material's cutoff"),
+            ("material_cutoff_um", self.rule_07, "rule_07 needs the material's cutoff wavelength"),
             ("dark_reference_K", self.dark_doubling_K,
              "dark_doubling_K scales the dark current from dark_reference_K"),
             ("dark_doubling_K", self.dark_reference_K,
@@ -243,7 +243,7 @@ class FocalPlanePanel(SeededModule):
              "responsivity_um is used only with responsivity_A_per_W"),
         ):  # fmt: skip
             if given and getattr(self, needed) is None:
-                raise ParameterError(needed, None, f"give a number, because {why}")
+                raise ParameterError(needed, None, f"{why}; give a number")
         forms = ("response", "responsivity_A_per_W", "quantum_efficiency_percent")
         typed = [name for name in forms if getattr(self, name) is not None]
         if len(typed) > 1:

@@ -50,8 +50,8 @@ class FrameTransferSmear(
     )
     passed: Literal["both", "above", "below"] = param(
         "both",
-        "illuminated rows that a packet passes: on both sides of its pixel, only above or "
-        "only below",
+        "illuminated rows that a charge packet passes: on both sides of its pixel, only above "
+        "or only below",
     )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

@@ -353,7 +353,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's band."""
+        """The band entered here differs from the picture's band."""
         return context_defaults.band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning

@@ -67,7 +67,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     )
     low_K: float = param(
         290.0,
-        "temperature of the single reference, or of the cooler of two",
+        "temperature of the reference, or of the cooler one if there are two",
         (1, 1e4),
         slider=(260, 340),
     )

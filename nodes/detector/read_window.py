@@ -94,7 +94,8 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
         if start + wanted > size:
             name = "left" if axis == "x" else "top"
             allowed = (
-                f"at most {size - wanted}: the window must lie within the picture's {size} {what}"
+                f"at most {size - wanted}, so that the window lies within the picture's "
+                f"{size} {what}"
             )
             raise ParameterError(name, start, allowed)
         return start

@@ -111,10 +111,9 @@ class SpectralResponse(
             return ImageOutput(image)
         if not response.integral(*band) > 0.0:
             low, high = response.ends_um
-            allowed = f"a response that overlaps the picture's band, {band[0]:g} to {band[1]:g} µm"
-            raise ParameterError(
-                "path" if self.shape == "file" else "centre_um", f"{low:g} to {high:g} µm", allowed
-            )
+            allowed = f"the response must overlap the picture's band, {band[0]:g} to {band[1]:g} µm"
+            name = "path" if self.shape == "file" else "centre_um"
+            raise ParameterError(name, f"{low:g} to {high:g} µm", allowed, unit="")
         passed = (*image.responses, response)
         if image.bands is not None:
             pairs = zip(image.bands.centres_um, image.bands.widths_um, strict=True)
@@ -308,7 +307,7 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     )
     if not any(weights):
         low, high = bands.band_um
-        allowed = f"a filter that passes some of the picture's bands, {low:g} to {high:g} µm"
+        allowed = f"the filter must pass some of the picture's bands, {low:g} to {high:g} µm"
         raise ParameterError("cut_on_um", efficiency.cut_on_um, allowed)
     return weights
 

@@ -4,6 +4,7 @@ import math
 from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
+from core.errors import several
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import image_motion, smear_mrad, tdi_askew_mtf, tdi_mtf
 from core.physics.numerics import positive
@@ -23,7 +24,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     """Blur by time delay and integration: stepwise charge motion and a velocity mismatch.
 
-    Relative to the middle of the exposure, the MTF is sinc((1 +
+    With phase measured from the middle of the exposure, the transfer function is sinc((1 +
     m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). Here, m is the image velocity divided by the charge
     velocity, minus 1; s is the pitch divided by `phases`, and N = stages·phases. With
     `line_rate_Hz`, m follows from the scene's velocity and range (Init & Trans, or Camera's orbit).
@@ -139,8 +140,8 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
             return None
         askew = f" and a yaw of {self.yaw_deg:g}°" if self.yaw_deg else ""
         return Caution(
-            f"the MTF at Nyquist is almost zero: over {self.stages} stages, the image moves "
-            f"{pixels:.3g} pixels away from its charge at a mismatch of {along:.4g} %{askew}",
+            f"the MTF at Nyquist is almost zero: over {several(self.stages, 'stage')}, the image "
+            f"moves {pixels:.3g} pixels away from its charge at a mismatch of {along:.4g} %{askew}",
             "lower the mismatch, yaw_deg or stages",
         )
 

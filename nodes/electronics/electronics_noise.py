@@ -70,7 +70,7 @@ class ElectronicsNoise(
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
     The steps, in this order: gain and bias errors of each detector; detector noise with rms NER;
-    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
+    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·ξ); amplifier noise with rms
     reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
     NETD and SNR use the rms noise over all detectors, which is √(1 + v²) times the mean noise for a
     relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as
@@ -387,7 +387,7 @@ class ElectronicsNoise(
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's band."""
+        """The band entered here differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
@@ -455,7 +455,7 @@ class ElectronicsNoise(
                 "give bandwidth_Hz, time_constant_s, scan_mirror_rate_Hz or the scan velocity on "
                 "Init & Trans"
             )
-            raise ParameterError("bandwidth_Hz", None, allowed)
+            raise ParameterError("bandwidth_Hz", None, allowed, unit="")
         return filters.noise_bandwidth_hz(time_constant_s=tau)
 
     def _detector(self, context: Context) -> dict[str, Any]:
@@ -476,7 +476,10 @@ class ElectronicsNoise(
             return ()
         tau, velocity = self._tau(context), self.scan_velocity(context)
         if tau is None or velocity == 0:
-            allowed = "the pre-amplifier's MTF needs scan_mirror_rate_Hz or a scan velocity"
+            allowed = (
+                "the pre-amplifier's MTF needs scan_mirror_rate_Hz or a scan velocity on Init & "
+                "Trans"
+            )
             raise ParameterError("use_mtf", True, allowed)
         law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": tau}
         return (
@@ -490,7 +493,8 @@ class ElectronicsNoise(
         velocity = self.scan_velocity(context)
         if self.post_corner_Hz is None or velocity == 0:
             allowed = (
-                "a post filter needs post_corner_Hz, and scan_mirror_rate_Hz or a scan velocity"
+                "a post filter needs a corner frequency, and scan_mirror_rate_Hz or a scan "
+                "velocity on Init & Trans"
             )
             raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed)
         law = {
@@ -544,7 +548,7 @@ def summed_within(image: Image, low_um: float | None, high_um: float | None) -> 
         part = min(centre + width / 2, high) - max(centre - width / 2, low)
         weights.append(weight * min(max(part / width, 0.0), 1.0))
     if not any(weights):
-        allowed = f"a band that overlaps the picture's band, {first:g} to {last:g} µm"
+        allowed = f"the band must overlap the picture's band, {first:g} to {last:g} µm"
         raise ParameterError("cut_on_um", low, allowed)
     band = max(first, low), min(last, high)
     return image.with_recipe(bands.picture(tuple(weights)), band_um=band)

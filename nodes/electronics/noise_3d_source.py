@@ -87,7 +87,9 @@ class Noise3DSource(
         if not self.corner_Hz:
             return
         if not self.sigma_tvh:
-            allowed = "above 0 if corner_Hz is above 0: at the corner, 1/f noise equals sigma_tvh"
+            allowed = (
+                "above 0 if corner_Hz is above 0, because 1/f noise equals sigma_tvh at corner_Hz"
+            )
             raise ParameterError("sigma_tvh", 0.0, allowed)
         self._band()
 

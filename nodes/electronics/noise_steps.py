@@ -164,7 +164,7 @@ def value_range(
         name, value = ("range_low", low) if high is None else ("range_high", high)
         allowed = (
             f"give a level within the picture's range, {picture.min():.6g} to {picture.max():.6g}, "
-            "or give both levels"
+            "or give both range_low and range_high"
         )
         raise ParameterError(name, value, allowed, unit="W/m²/sr")
     return lowest, highest

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
-from core.errors import DataError, FileError
+from core.errors import DataError, FileError, several
 from core.records import dataclass
 from core.scratch import Empty
 from nodes.files.common import picture_info
@@ -163,7 +163,7 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     if wrong.any():
         place = tuple(int(index) for index in np.argwhere(wrong)[0])
         raise DataError(
-            f"{int(wrong.sum())} samples of the matrix are not finite, the first at {place}"
+            f"the matrix has {several(int(wrong.sum()), 'non-finite sample')}, the first at {place}"
         )
     separator = "," if CSV.matches(Path(os.fspath(path))) else " "
     lines = io.StringIO()

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import DataError, FileError, ParameterError
+from core.errors import DataError, FileError, ParameterError, several
 from core.machine import ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.records import dataclass, replace
@@ -154,8 +154,8 @@ def _numbers(layout: EnviLayout, key: str) -> tuple[float, ...] | None:
         return None
     if len(values) != layout.bands:
         raise FileError(
-            f"{layout.header}: {key} has {len(values)} values; allowed: one value for "
-            f"each of the {layout.bands} bands"
+            f"{layout.header}: {key} has {several(len(values), 'value')} for "
+            f"{several(layout.bands, 'band')}; allowed: one value per band"
         )
     for place, value in enumerate(values):
         if value <= 0:
@@ -283,9 +283,9 @@ def _check_coverage(
     raise ParameterError(
         "cut_on_um, cut_off_um",
         (cut_on_um, cut_off_um),
-        f"the bands of {info.path.name} lie between {low.min():.6g} and "
-        f"{high.max():.6g} µm and cover {covered:.6g} µm of the interval from "
-        "cut_on_um to cut_off_um; set both within the bands",
+        f"the bands of {info.path.name} cover {covered:.6g} µm of this interval; set "
+        "cut_on_um and cut_off_um within the bands, which lie between "
+        f"{low.min():.6g} and {high.max():.6g} µm",
     )
 
 

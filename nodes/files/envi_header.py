@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import FileError
+from core.errors import FileError, several
 from core.records import dataclass, replace
 from nodes.files.common.picture_info import delivered_dtype
 from nodes.files.common.stored_bytes import first_bytes, is_file, readable_file
@@ -278,8 +278,8 @@ def number_list(fields: Fields, key: str, header: Path, bands: int) -> tuple[flo
         return None
     if len(texts) not in (1, bands):
         raise FileError(
-            f"{header}: {key} has {len(texts)} values; allowed: one value for each of "
-            f"the {bands} bands"
+            f"{header}: {key} has {several(len(texts), 'value')} for {several(bands, 'band')}; "
+            "allowed: one value per band"
         )
     try:
         values = tuple(number_of(text) for text in texts)
@@ -313,7 +313,7 @@ def _check_size(layout: EnviLayout) -> None:
     raise FileError(
         f"{layout.data}: contains {size_bytes} bytes, but {layout.header.name} gives header offset "
         f"{layout.offset_bytes} + lines {layout.rows} × samples {layout.columns} × bands "
-        f"{layout.bands} × {size} bytes = {expected} ({verdict}){cause}{hint}"
+        f"{layout.bands} × {several(size, 'byte')} = {expected} ({verdict}){cause}{hint}"
     )
 
 
@@ -328,7 +328,7 @@ def _what_would_fit(layout: EnviLayout, size_bytes: int) -> list[str]:
         if samples > 0 and samples % others == 0:
             fits.append(f"{key} = {samples // others}")
     if samples > 0 and samples % per_item == 0 and samples // per_item in (1, 2, 4, 8):
-        fits.append(f"a data type of {samples // per_item} bytes")
+        fits.append(f"a data type of {several(samples // per_item, 'byte')}")
     if size_bytes >= per_item * size:
         fits.append(f"header offset = {size_bytes - per_item * size}")
     return fits

@@ -203,7 +203,10 @@ def _data_bytes(header: FitsHeader) -> int:
         samples = math.prod(sizes) if axes else 0
         size = abs(int(header.cards["BITPIX"])) // 8 * samples
     except (KeyError, ValueError) as error:
-        raise FileError(f"{header.path}: this FITS header is damaged: {error}") from error
+        raise FileError(
+            f"{header.path}: this FITS header is damaged: BITPIX, NAXIS or a NAXISn is missing or "
+            f"not a whole number ({error})"
+        ) from error
     return -(-size // _BLOCK) * _BLOCK
 
 

@@ -93,7 +93,7 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     if names[0] != "frequency" or len(names) < 2 or wrong is not None or repeated:
         raise table_cells.line_refused(
             file, number,
-            "a header line: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial; "
+            "column names: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial; "
             "then, if known, phase, or phase_x and phase_y",
         )  # fmt: skip
     if not set(names) & set(MTF_COLUMNS):

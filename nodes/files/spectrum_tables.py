@@ -60,8 +60,9 @@ def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Point
 @table_cells.read_once
 def read_heights(path: Path, *, unit: str, what: str, low: float, high: float) -> Points:
     """Points (height in the field, value), rising from 0 or above; `unit` is that of heights."""
-    least = 0.0, f"a height from 0 to {_LARGEST_UM:g} {unit}"
-    return _points(path, "height", unit, least, what, low, high)
+    against = "angle" if unit == "deg" else "height"
+    least = 0.0, f"a non-negative {against} up to {_LARGEST_UM:g} {unit}"
+    return _points(path, against, unit, least, what, low, high)
 
 
 def _points(
@@ -76,9 +77,11 @@ def _points(
         if not least[0] <= place <= _LARGEST_UM:
             raise table_cells.line_refused(path, number, least[1])
         if not (math.isfinite(value) and low <= value <= high):
-            raise table_cells.line_refused(path, number, f"{what} from {low:g} to {high:g}")
+            raise table_cells.line_refused(
+                path, number, f"a value of {what} from {low:g} to {high:g}"
+            )
         if points and place <= points[-1][0]:
-            allowed = f"a {against} above the previous one, {points[-1][0]:g} {unit}"
+            allowed = f"a larger {against} than the previous one, {points[-1][0]:g} {unit}"
             raise table_cells.line_refused(path, number, allowed)
         points.append((place, value))
     return tuple(points)
@@ -254,7 +257,7 @@ def _rows(
         row = _row(lines[index], names)
         if row is None:
             raise table_cells.line_refused(
-                file, index + 1, "numbers below the column names, up to the final -9999."
+                file, index + 1, "numbers, like all rows from the column names to the final -9999."
             )
         if row.get("FREQ") == _END:
             if _is_tape7(lines[index + 1 :]):

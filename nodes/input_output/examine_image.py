@@ -66,7 +66,11 @@ class ExamineImage(
 
     renamed = MappingProxyType({"magnitude": "image", "phase": "image", "transfer": "image"})
 
-    display: Display = param("linear", "how the samples are shown")
+    display: Display = param(
+        "linear",
+        "how the samples are shown: linear, logarithmic, or as a spectrum with zero frequency in "
+        "the middle",
+    )
     probe_x: int | None = param(
         None, "column of the sample to report, counted from 0", low=0, zero_is_empty=False
     )

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from core.chain.wires import Header, Image
-from core.errors import ParameterError
+from core.errors import ParameterError, several
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.records import replace
@@ -266,7 +266,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not count:
             return None
         return Caution(
-            f"the store lacks {count} of its chunks: their samples are treated as missing",
+            f"the store lacks {several(count, 'chunk')}: samples there are treated as missing",
             "if the store should be complete, copy it again",
         )
 

@@ -69,7 +69,8 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     if not chosen and file_unit.photons:
         raise FileError(
             f"{info.path}: the samples are in {info.unit}, and the energy of a photon depends on "
-            f"its wavelength; set unit = {file_unit.name} to keep photons, or give scale for watts"
+            f"its wavelength; set unit = {file_unit.name} to keep photons, or set scale to convert "
+            "to watts"
         )
     if chosen and (own is None or own.name != file_unit.name):
         allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"
@@ -127,7 +128,9 @@ def _of_typed(
         return SampleUnit(own.name, own.factor)
     if own.spectral != "µm":
         raise ParameterError(
-            "unit", typed, "must be per µm or nm: the file's bands are integrated over wavelength"
+            "unit",
+            typed,
+            "must be per µm or nm, because the file's bands are integrated over wavelength",
         )
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None
@@ -158,7 +161,7 @@ def radiance_caution(
     kelvin = _like_kelvin(stats)
     if stats.mean > limit:
         where = (
-            "at all wavelengths" if band_um is None else f"in {band_um[0]:g} to {band_um[1]:g} µm"
+            "at all wavelengths" if band_um is None else f"from {band_um[0]:g} to {band_um[1]:g} µm"
         )
         looks = "; the samples look like temperatures in kelvin" if kelvin else ""
         return Caution(
@@ -170,8 +173,8 @@ def radiance_caution(
         least = spectra.coldest_for_radiance(radiance=stats.mean)
         return Caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
-            "like temperatures in kelvin but are read as W/m²/sr, a radiance that no scene below "
-            f"{least:.0f} K emits over all wavelengths",
+            "like temperatures in kelvin but are read as W/m²/sr; over all wavelengths, no scene "
+            f"below {least:.0f} K emits as much",
             f"{_REMEDY}; if the samples are radiance, give cut_on_um and cut_off_um",
         )
     return None

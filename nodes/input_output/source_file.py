@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, Row, Rows
 from core.chain.step_lineage import source_step
-from core.errors import DataError, FileError, ParameterError
+from core.errors import DataError, FileError, ParameterError, several
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
@@ -235,8 +235,8 @@ class HeldSamples:
         for what, values in (("wavelengths_um", wavelengths_um), ("widths_um", widths_um)):
             if values is not None and len(values) != len(array):
                 raise DataError(
-                    f"{what} has {len(values)} numbers, but the array has {len(array)} "
-                    "bands; allowed: one number for each band"
+                    f"{what} has {several(len(values), 'number')}, but the array has "
+                    f"{several(len(array), 'band')}; allowed: one number for each band"
                 )
         if np.ma.is_masked(array):
             raise DataError(f"{name} has masked samples: replace them with numbers")
@@ -394,7 +394,9 @@ def bands_of(
     places = sorted(lit, key=lambda place: _centre(info, place))
     if not places:
         ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
-        allowed = f"an interval that contains bands of the file, {ends}"
+        allowed = (
+            f"the interval from cut_on_um to cut_off_um must contain bands of the file, {ends}"
+        )
         raise ParameterError("cut_on_um", low, allowed)
     centres = [_middle(info, place, (first[place], last[place]), (low, high)) for place in places]
     factors = [
@@ -508,8 +510,9 @@ def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: M
     for place in places:
         if missing == "refuse" and counts[place] < size:
             raise DataError(
-                f"{name}: {size - counts[place]} of {size} samples of band {place} are not "
-                "finite: set missing to mean or zero to replace them"
+                f"{name}: band {place} has "
+                f"{several(int(size - counts[place]), 'non-finite sample')} of {size}: set "
+                "missing to mean or zero to replace such samples"
             )
         if missing == "mean" and not counts[place]:
             raise DataError(f"{name}: band {place} has no finite sample")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.errors import DataError, ParameterError
+from core.errors import DataError, ParameterError, several
 
 DIGITAL_NUMBER = "DN"
 """Unit of a converter's numbers, which integer files hold as they are."""
@@ -93,8 +93,8 @@ def _as_floats(samples: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any]:
     if overflowed.any():
         row, column, _ = np.argwhere(overflowed)[0]
         raise DataError(
-            f"{int(overflowed.sum())} samples are beyond ±{largest:.6g}, the range of {dtype}, "
-            f"the first at row {row}, column {column}"
+            f"the range of {dtype}, ±{largest:.6g}, is too small for "
+            f"{several(int(overflowed.sum()), 'sample')}, the first at row {row}, column {column}"
         )
     return stored
 

@@ -72,7 +72,7 @@ def number_of(cell: str) -> float:
 
 def line_refused(file: Path, number: int, allowed: str) -> FileError:
     """The fault of a line, which is not quoted: the file may be any that the user can read."""
-    return FileError(f"{file}: line {number}: must be {allowed}")
+    return FileError(f"{file}: line {number}: must contain {allowed}")
 
 
 def begins_with_number(line: str) -> bool:

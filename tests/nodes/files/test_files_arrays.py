@@ -127,7 +127,7 @@ def test_text_matrix_written_by_others(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"1 2\n3\n", "line 2: must be 2 numbers, as in the first row, not 1"),
+        (b"1 2\n3\n", "line 2: must contain 2 numbers, as in the first row, not 1"),
         (b"1 2\n3 x\n", "not a matrix of numbers; line 2 contains text"),
         (b"1;2\n", "not a matrix of numbers; line 1 contains text"),
         (b"\n# nothing\n", "contains no numbers"),
@@ -156,7 +156,7 @@ def test_a_text_that_is_too_long_is_refused_before_it_is_read(tmp_path, length):
 def test_what_cannot_be_written_leaves_no_file(tmp_path):
     path = tmp_path / "m.txt"
     with pytest.raises(
-        DataError, match=r"1 samples of the matrix are not finite, the first at \(0, 1\)"
+        DataError, match=r"the matrix has 1 non-finite sample, the first at \(0, 1\)"
     ):
         arrays.write_matrix(path, [[0, np.nan]])
     with pytest.raises(DataError, match="is not a matrix"):

@@ -122,7 +122,7 @@ def test_missing_field(tmp_path, key):
         (
             "wavelength",
             "{1, 2}",
-            "wavelength has 2 values; allowed: one value for each of the 3 bands",
+            "wavelength has 2 values for 3 bands; allowed: one value per band",
         ),
         ("wavelength", "{1, 2, x}", "wavelength contains a value that is not a number"),
         ("fwhm", "{1, 2, -1}", "fwhm of band 2 = -1; allowed: positive"),

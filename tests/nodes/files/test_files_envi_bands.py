@@ -38,9 +38,9 @@ def test_wavelengths_in_nanometers_and_radiance_per_nanometer(tmp_path):
 def test_interval_beyond_the_bands_is_refused_unless_asked_for(tmp_path):
     cube = random_cube(2)
     data = write(tmp_path, cube, [8.5, 9.5], [1, 1])
-    with pytest.raises(ParameterError, match=r"between 8 and 10 µm and cover 2 µm of the interval"):
+    with pytest.raises(ParameterError, match=r"cover 2 µm .* lie between 8 and 10 µm"):
         integrate_bands(data, 7.5, 13)
-    with pytest.raises(ParameterError, match=r"cover 0 µm of the interval"):
+    with pytest.raises(ParameterError, match=r"cover 0 µm of this interval"):
         integrate_bands(data, 3, 5, min_coverage=0)
     read = integrate_bands(data, 7.5, 13, min_coverage=0)
     np.testing.assert_allclose(read, cube.sum(axis=2), rtol=1e-13)

@@ -161,7 +161,7 @@ def test_chunks_that_a_store_lacks_are_warned_of(tmp_path):
     stored[10:] = 3.0
     bench = reading(tmp_path, path="a.zarr", missing="zero")
     said = said_by(bench)
-    assert any("the store lacks 4 of its chunks" in line for line in said)
+    assert any("the store lacks 4 chunks" in line for line in said)
     assert bench.value("in.image").sum() == 3.0 * 30 * 40
     with pytest.raises(DataError, match="400 samples are not finite"):
         reading(tmp_path, path="a.zarr").value("in.image")

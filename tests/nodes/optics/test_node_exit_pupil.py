@@ -267,7 +267,7 @@ def test_a_complex_pupil_holds_at_its_own_wavelength(tmp_path):
         ("a.txt", b"", "the file is empty"),
         ("a.txt", b"Listing of Wavefront Map Data\n", "contains no matrix"),
         ("a.txt", b"1 2 3\n4 5\n", "line 2 has 2 numbers; allowed: 3"),
-        ("a.txt", b"1 2 3\n4 five 6\n", "line 2: must be 3 numbers"),
+        ("a.txt", b"1 2 3\n4 five 6\n", "line 2: must contain 3 numbers"),
         ("a.txt", b"1 2 3\n4 inf 6\n", "infinite at row 1, column 1"),
         ("a.txt", b"0 0\n0 0\n", "the aperture is unknown"),
         ("a.txt", b"nan nan\nnan nan\n", "the aperture is unknown"),

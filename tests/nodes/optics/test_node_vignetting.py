@@ -145,7 +145,7 @@ def test_gain_and_noise_are_means_over_the_field(tmp_path):
      ({"measured": "polynomial", "coefficients": [-0.01]}, ParameterError, "it reaches -"),
      ({"measured": "polynomial", "coefficients": [1.0], "against": "height_mm"}, ParameterError,
       "focal_length_mm"),
-     ({"measured": "file", "path": "bad.csv"}, FileError, "line 2: must be a height above")],
+     ({"measured": "file", "path": "bad.csv"}, FileError, "line 2: must contain a larger")],
 )  # fmt: skip
 def test_what_is_refused(tmp_path, params, error, words):
     (tmp_path / "bad.csv").write_text("1 1\n0.5 0.9\n")

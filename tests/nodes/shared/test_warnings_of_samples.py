@@ -58,7 +58,7 @@ class TestRadianceOfFiles:
         # (π 290 / 5.670374e-8)^¼ = 356.0
         assert caution.message == (
             "the unit may be wrong: the samples, 290 ± 8, look like temperatures in kelvin but "
-            "are read as W/m²/sr, a radiance that no scene below 356 K emits over all wavelengths"
+            "are read as W/m²/sr; over all wavelengths, no scene below 356 K emits as much"
         )
         assert "such as K" in caution.remedy
 
@@ -105,7 +105,7 @@ class TestRadianceOfElectronics:
         )
         assert caution.message == (
             f"the samples' mean, 290 W/m²/sr, exceeds {limit:.3g} W/m²/sr, the most that a surface "
-            "on Earth can emit and reflect in 8 to 12 µm; the samples look like temperatures in "
+            "on Earth can emit and reflect from 8 to 12 µm; the samples look like temperatures in "
             "kelvin"
         )
 
