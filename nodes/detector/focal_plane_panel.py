@@ -54,10 +54,10 @@ class FocalPlanePanel(SeededModule):
         "quantum_efficiency",
     )
     cut_on_um: float | None = param(
-        None, "shortest wavelength of the cold filter; empty: the image's band", low=0
+        None, "shortest wavelength of the cold filter; empty: start of the image's band", low=0
     )
     cut_off_um: float | None = param(
-        None, "longest wavelength of the cold filter; empty: the image's band", low=0
+        None, "longest wavelength of the cold filter; empty: end of the image's band", low=0
     )
     photon_weighting: Literal["scene", "source", "middle"] = param(
         "scene",
@@ -150,10 +150,10 @@ class FocalPlanePanel(SeededModule):
     )
     read_noise_e: float = param(0.0, "read noise", (0, 1e12), slider=(0, 1000))
     prnu_percent: float = param(
-        0.0, "PRNU: spread of the response between pixels", (0, 100), slider=(0, 5)
+        0.0, "PRNU: rms spread of the response between pixels", (0, 100), slider=(0, 5)
     )
     dsnu_e: float = param(
-        0.0, "DSNU: spread of the dark level between pixels", (0, 1e12), slider=(0, 2000)
+        0.0, "DSNU: rms spread of the dark level between pixels", (0, 1e12), slider=(0, 2000)
     )
     bad_pixel_percent: float = param(
         0.0, "share of dead and hot pixels, some of them clustered", (0, 100), slider=(0, 1)

@@ -44,7 +44,7 @@ class FrameTransferSmear(
     line_transfer_time_s: float = param(0.0, "time to transfer one line", (0, 1), slider=(0, 1e-5))
     integration_time_s: float = param(
         0.01,
-        "exposure time, equal to integration_time_s on Focal Plane",
+        "exposure time; enter integration_time_s of Focal Plane",
         (1e-9, 1e6),
         slider=(1e-4, 0.05),
     )

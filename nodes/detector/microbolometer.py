@@ -134,11 +134,11 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
     longest_period_s: module_ports.LongestPeriod = 60.0
     response_percent: float = param(
-        0.0, "PRNU: spread of the response between pixels", (0, 100), slider=(0, 10)
+        0.0, "PRNU: rms spread of the response between pixels", (0, 100), slider=(0, 10)
     )
     offset_mK: float = param(
         0.0,
-        "spread of the offset between pixels, at the data sheet's background",
+        "rms spread of the offset between pixels, at the data sheet's background",
         (0, 1e9),
         slider=(0, 5000),
     )

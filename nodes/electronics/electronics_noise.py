@@ -69,12 +69,12 @@ class ElectronicsNoise(
 ):
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    The steps, in this order: gain and bias errors of each detector; detector noise with rms NER;
-    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·ξ); amplifier noise with rms
-    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
-    NETD and SNR use the rms noise over all detectors, which is √(1 + v²) times the mean noise for a
-    relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as
-    printed scales the picture by the gain error (`literal`).
+    The first steps are gain and bias errors of each detector, and detector noise with rms NER. Then
+    the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps are
+    amplifier noise with rms reference/SNR, a post filter and quantization. NEP and NER refer to a
+    detector with mean noise. NETD and SNR use the rms noise over all detectors, which is √(1 + v²)
+    times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
+    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
     """
 
     formulas = (
@@ -135,17 +135,22 @@ class ElectronicsNoise(
         "signal to which amplifier_snr refers: the picture's mean, or its maximum "
         "minus its minimum",
     )
-    gain_percent: float = param(0.0, "spread of the gain between detectors", low=0, slider=(0, 10))
+    gain_percent: float = param(
+        0.0, "rms spread of the gain between detectors", low=0, slider=(0, 10)
+    )
     bias_percent: float = param(
-        0.0, "spread of the bias between detectors, relative to the mean", low=0, slider=(0, 10)
+        0.0,
+        "rms spread of the bias between detectors, relative to the picture's mean",
+        low=0,
+        slider=(0, 10),
     )
     gain_model: Literal["per_pixel", "published", "literal"] = param(
         "per_pixel",
-        "per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. "
-        "4.59 as printed",
+        "gain errors: per_pixel scales each pixel; published adds a fraction of the picture's "
+        "mean; literal uses Tantalo's eq. 4.59 as printed",
     )
     noise_variability_percent: float = param(
-        0.0, "spread of the noise level between detectors", low=0, slider=(0, 100)
+        0.0, "rms spread of the noise level between detectors", low=0, slider=(0, 100)
     )
     use_mtf: bool = param(False, "apply the pre-amplifier's MTF and PTF")
     post_filter: Literal["none", "lowpass", "highpass", "boost"] = param(

@@ -69,8 +69,8 @@ class PoissonNoise(
     )
     mode: Literal["published", "photon"] = param(
         "published",
-        "published: add a Poisson deviate to each sample; photon: replace the sample "
-        "with a deviate",
+        "published: add a Poisson deviate to each sample; photon: replace each sample with a "
+        "Poisson deviate",
     )
 
     panel = (

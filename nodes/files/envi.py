@@ -117,8 +117,8 @@ def _wavelengths(layout: EnviLayout) -> tuple[tuple[float, ...] | None, tuple[fl
         if centres is not None and max(centres) > _LONGEST_ASSUMED_UM:
             raise FileError(
                 f"{layout.header}: the header gives wavelengths up to {max(centres):g} without "
-                f"wavelength units; only values up to {_LONGEST_ASSUMED_UM:g} are then read as µm: "
-                "add a line such as wavelength units = Nanometers"
+                f"wavelength units; values above {_LONGEST_ASSUMED_UM:g} are not assumed to be in "
+                "µm: add a line such as wavelength units = Nanometers"
             )
         return centres, widths
     if unit in _WAVENUMBERS:

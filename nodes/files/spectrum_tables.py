@@ -144,7 +144,7 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
     lines = table_cells.table_lines(
         path,
         what="a path's transmission",
-        wanted=": neither a tape7 nor a CSV",
+        wanted=", so neither a tape7 nor a CSV file",
         most_bytes=_LONGEST_BYTES,
     )
     if lines and lines[0].lstrip().startswith("{"):

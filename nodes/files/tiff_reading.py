@@ -98,7 +98,7 @@ def read_plain_tiff(
         layout = read_tiff_layout(content, path)
         if layout.compression not in (_NONE, *_DEFLATES):
             raise FileError(
-                f"{path}: 64-bit samples in tiles or a single row cannot be read from TIFF "
+                f"{path}: 64-bit samples in tiles or a single row cannot be read with TIFF "
                 f"compression {layout.compression}; allowed: none or deflate"
             )
         if not layout.is_plain:

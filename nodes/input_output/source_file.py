@@ -490,7 +490,7 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
     row, column = np.unravel_index(np.argmin(finite), finite.shape)
     raise DataError(
         f"{file}: a band has a sample that is not finite at row {top + row}, column {column}: set "
-        "missing to mean or zero to replace samples that are not finite or missing"
+        "missing to mean or zero to replace such samples"
     )
 
 

@@ -111,7 +111,7 @@ def test_damaged_tiles_of_doubles(tmp_path):
         read_band(path)
     lzw = tiff_tag(259, 5)
     path.write_bytes(whole.replace(tiff_tag(259, 1), lzw))
-    with pytest.raises(FileError, match="cannot be read from TIFF compression 5; allowed: none or"):
+    with pytest.raises(FileError, match="cannot be read with TIFF compression 5; allowed: none or"):
         read_band(path)
     places = np.frombuffer(whole, np.uint8).copy()
     for index in range(len(whole) - 160, len(whole)):
