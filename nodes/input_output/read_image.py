@@ -145,7 +145,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return checked_band(self.band, info.bands, info.path)
         names = [name.upper() for name in info.channels]
         if not {"R", "G", "B"} <= set(names):
-            why = f"{info.path.name} has no channels R, G and B; set bands to one or all"
+            why = f"set bands to one or all, because {info.path.name} has no channels R, G and B"
             raise ParameterError("bands", self.bands, why)
         return tuple(names.index(name) for name in "RGB")
 
