@@ -45,6 +45,7 @@ _PLATE = 14.0  # height of the output's mark, half of it below the node
 OUTPUT_MARK = "output"
 _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
 _BESIDE = 10.0  # left and right of a title together, at least
+_APART_PX = 3.0  # on the screen, between two stages at least: a wire is seen there
 _PORTS_BESIDE = 18.0  # where there is room: the title stands clear of the ports
 _TALLER = 34.0  # the title of a small node may be, above its frame
 
@@ -149,7 +150,8 @@ class NodeItem(AbstractNodeItem):
         made_for = zoom, self.title_room, self.style
         if self._title is None or self._title[0] != made_for:
             high = self._height + _TALLER - 4
-            rooms = [QSizeF(self.title_room - less, high) for less in (_beside(zoom), _BESIDE)]
+            less = _beside(zoom), max(_BESIDE, 2 * _APART_PX / zoom)
+            rooms = [QSizeF(self.title_room - beside, high) for beside in less]
             self._title = made_for, fitted(self.face, rooms, zoom, self.style)
         return self._title[1]
 
@@ -157,7 +159,7 @@ class NodeItem(AbstractNodeItem):
         frame, title = self.geometry.frame, self.title_at(zoom)
         if title is None:
             return frame
-        wide = min(title.size.width() + _beside(zoom), self.title_room)
+        wide = min(title.size.width() + _beside(zoom), self.title_room - _APART_PX / zoom)
         beside = max(0.0, wide - frame.width()) / 2
         above = max(0.0, title.size.height() + 4 - frame.height())
         return frame.adjusted(-beside, -above, beside, 0)
