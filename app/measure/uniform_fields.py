@@ -49,7 +49,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
         # Where EMVA 1288 defines a figure otherwise, or has one more.
         ("system_gain_dn_per_e", emva.system_gain_dn_per_e, "DN/e-", "K of EMVA 1288: 1/gain"),
         ("saturation_capacity_e", emva.saturation_capacity_e, "e-",
-         "µe.sat of EMVA 1288: level of the largest temporal variance"),
+         "µe.sat of EMVA 1288: level with the largest temporal variance"),
         ("sensitivity_threshold_e", emva.sensitivity_threshold_e, "e-",
          "µe.min of EMVA 1288: signal at SNR 1"),
         ("emva_dynamic_range_dB", _decibels(emva.dynamic_range), "dB", "µe.sat divided by µe.min"),
@@ -115,9 +115,9 @@ class TransferMeasurement:
     def _textures(self) -> list[str]:
         """Fields of which more is structure than pixels that differ; saturated ones say nothing."""
         return [
-            f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the differences "
-            "between pixels is structure of 8 pixels or more, as in a scene or uneven light: PRNU "
-            "and DSNU include this structure. Give frames of a uniform field"
+            f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the variance between "
+            "pixels comes from structure wider than 8 pixels, as in a scene or uneven light. "
+            "PRNU and DSNU include this structure. Give frames of a uniform field"
             for (path, field), saturated in zip(self.files, self.curve.saturated, strict=True)
             if field.structure_share > _MOSTLY and not saturated
         ]
@@ -374,7 +374,7 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
     if departure is not None and departure > _DEPARTS:
         lines.append(
             "warning: a mean deviates from Planck's law (for any effective wavelength) by "
-            f"{departure:.2g} % of the range of all means: the temperatures are wrong, the "
+            f"{departure:.2g} % of the range of all means. The temperatures are wrong, the "
             "camera drifted, or its response is nonlinear. Check the temperatures, let the camera "
             "settle, or use a smaller range of temperatures"
         )
@@ -393,15 +393,15 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
         if random < (_COARSE * step) ** 2:
             lines.append(
                 f"warning: {path.name}: the noise is {math.sqrt(max(random, 0.0)) / step:.2g} "
-                "times the converter's step: rounding adds to the noise or hides it, so NETD is "
+                "times the converter's step. Rounding adds to the noise or hides it, so NETD is "
                 "wrong. Raise the gain before the converter"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(
                 f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of the "
-                "differences between pixels is structure of 8 pixels or more, as in a non-uniform "
-                "field: the fixed components vh, v and h include this structure. Give frames "
-                "of a uniform field"
+                "variance between pixels comes from structure wider than 8 pixels, as in a "
+                "non-uniform field. The fixed components vh, v and h include this structure. Give "
+                "frames of a uniform field"
             )
     return lines
 

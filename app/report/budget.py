@@ -192,8 +192,7 @@ def _noise(noise: Fact) -> list[Block]:
     unit = f" ({noise['unit']})" if noise["unit"] else ""
     heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
     text = (
-        f"Predicted for {noise['port']} from the chain, averaged over all sensors of the same "
-        "design. "
+        f"Noise predicted for {noise['port']}, averaged over all sensors of the same design. "
         "Temporal noise changes from frame to frame; fixed patterns stay the same. "
         f"{_beside(noise)}"
     )
@@ -222,7 +221,7 @@ def _blur(blur: Fact) -> list[Block]:
     ]  # fmt: skip
     rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
-    text = f"At {xi} cyc/mrad horizontally and {eta} vertically."
+    text = f"|MTF| of each stage at {xi} cyc/mrad horizontally and {eta} vertically."
     if blur["behind"] is not None:
         text += (
             f" {blur['behind']} has no known transfer function, so only the stages after it are "

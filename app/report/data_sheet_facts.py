@@ -39,8 +39,8 @@ _CAMERA: Rows = (  # label, figure, of both axes where it ends in *; in the orde
     ("Range", "range_m", "m"),
     ("Ground sample distance", "gsd_*_m", "m"),
     ("Altitude", "altitude_km", "km"),
-    ("Elevation at the target", "elevation_deg", "deg"),
-    ("Ground sample distance on the ground", "gsd_ground_*_m", "m"),
+    ("Elevation of the line of sight at the target", "elevation_deg", "deg"),
+    ("Ground sample distance, projected onto the ground", "gsd_ground_*_m", "m"),
     ("Ground speed", "ground_speed_m_per_s", "m/s"),
     ("Line rate for one pixel per line", "line_rate_Hz", "Hz"),
 )

@@ -324,8 +324,8 @@ def _introduction(edges: Fact) -> str:
 def _caption(published: str | None) -> str:
     text = (
         "MTF measured (marks, with their standard errors) and expected (lines). For the slanted "
-        "edge, the expected MTF is the product of the MTFs of the stages and of sampling: the "
-        "samples' area in the scene, pixel combining, and interpolation along the edge. "
+        "edge, the expected MTF is the product of the stages' MTFs and the MTF of sampling (sample "
+        "area in the scene, pixel combining, interpolation along the edge). "
         "Because of aliasing, the measured MTF scatters about the expected MTF. "
         "The row average samples a vertical edge at a single "
         "position relative to the pixels, so frequencies beyond the pixels' Nyquist frequency are "

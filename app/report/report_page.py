@@ -397,7 +397,9 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
     if acting and responses.products:
         caption = "The product of all stages, horizontal and vertical."
         if responses.products[1:]:
-            caption = "The product of all stages with the electronics, horizontal and vertical."
+            caption = (
+                "The product of all stages including the electronics, horizontal and vertical."
+            )
         drawn = product_png(responses, chain)
         blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
     if responses.beside:
@@ -446,7 +448,7 @@ _KINDS = {
     "wavelengths": (
         "Fourier transforms of every band",
         "a few wavelengths represent all bands",
-        "{share} % of the transforms, at most {bound} of the contrast",
+        "{share} % of the transforms, error at most {bound} of the contrast",
     ),
     "region": ("pictures outside a region", "only the region is needed", "{share} % computed"),
     "unchanged": (
@@ -486,7 +488,7 @@ def state(listed: list[Fact]) -> str:
         if fact["kind"] == "identity":
             return "neutral: skipped"
         if fact["kind"] == "below_budget":
-            return f"left out: at most {short(fact['bound'], 2)}"
+            return f"left out: effect at most {short(fact['bound'], 2)}"
     return ""
 
 

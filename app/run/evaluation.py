@@ -16,7 +16,7 @@ from app.run.transfer_chain import Chain, Responses, find_chain, response, respo
 from core.chain.block_plan import largest_picture, least_scratch, planned_blocks
 from core.chain.engine import Engine, Plan, asked_for, realize
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
-from core.errors import DataError, FileError, ImagechainError, UsageError
+from core.errors import DataError, FileError, ImagechainError, UsageError, several
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import Store
 from core.evaluation.work import BlockRun, Policy, Shape, Work
@@ -247,7 +247,7 @@ def way_in_words(facts: dict[str, Any]) -> str:
     return (
         f"in blocks: pictures of {largest} would take up to {needed} in memory, but the limit is "
         f"{allowed}; up to {amount_text(facts['scratch_bytes'])} were on disk in "
-        f"{facts['scratch_arrays']} arrays, transformed by rows and columns"
+        f"{several(facts['scratch_arrays'], 'array')}, transformed by rows and columns"
     )
 
 
@@ -311,7 +311,7 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
             "again with another seed"
         )
     if not any(kind.matches(path) for kind in STREAMED):
-        words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)
+        words = ", ".join(suffix for kind in STREAMED for suffix in kind.suffixes)
         raise UsageError(
             f"--save {port}={path}: a picture of {image.rows} × {image.columns} samples that is "
             f"computed in blocks must be written as {words}"

@@ -37,7 +37,7 @@ _REFLECTANCE = ("reflectance", "albedo", "%", "1")
 _LOWER = (RELATIVE, "reflectance", "albedo")
 _KNOWN = (
     "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), "
-    f"reflectance, %, or {RELATIVE}: scaled to the range of the old scene"
+    f"reflectance, %, or {RELATIVE} (scaled to the range of the old scene)"
 )
 Array = NDArray[Any]
 Pair = tuple[float, float]
@@ -268,7 +268,7 @@ class _Replacing:
             reason = self._plan.nodes[self._name].error
             raise UsageError(
                 f"{self._info.path}: the file gives no unit, and the network's own scene cannot be "
-                f"read ({reason}), so the samples cannot be scaled to its range: give "
+                f"read ({reason}), so the samples cannot be scaled to its range. Give "
                 f"{self._option('unit')}"
             )
         if before.rows * before.columns > _MOST_SAMPLES:
@@ -310,7 +310,7 @@ class _Replacing:
     def _refusal(self) -> UsageError:
         return UsageError(
             f"{self._info.path}: the file gives no unit, and its samples are too large or not "
-            "finite, so they cannot be scaled to the range of the network's own scene: give "
+            "finite, so they cannot be scaled to the range of the network's own scene. Give "
             f"{self._option('unit')}"
         )
 

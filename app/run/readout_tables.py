@@ -11,7 +11,7 @@ from numbers import Integral, Real
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from core.errors import printable
+from core.errors import printable, several
 
 if TYPE_CHECKING:
     from app.run.evaluation import Evaluation
@@ -126,7 +126,7 @@ def warned_points(points: Sequence[Sequence[str]]) -> list[str]:
     if not first:
         return []
     count = sum(map(bool, points))
-    lines = [f"{count} of {len(points)} points have warnings:"]
+    lines = [f"{count} of {several(len(points), 'point')} with warnings:"]
     for kind, number in counts.most_common(MOST_WARNINGS):
         lines.append(printable(f"warning: {first[kind]} ({number} point{'s' * (number > 1)})"))
     if len(counts) > MOST_WARNINGS:

@@ -59,7 +59,7 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
         allowed = _CURVES
     if not any(file_format.matches(path) for file_format in allowed):
         what = f"{'an' if value.port_type[0] in 'aeiou' else 'a'} {value.port_type}"
-        words = " ".join(suffixes(*allowed))
+        words = ", ".join(suffixes(*allowed))
         raise UsageError(f"--save {port}={path}: {what} must be written as {words}")
     if ZARR.matches(path):
         check_zarr(path)
@@ -116,7 +116,7 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     elif CSV.matches(path):
         write_matrix(path, array)
     elif kind is None:
-        words = " ".join(suffixes(*SAVED, ENVI_FRAMES, ZARR))
+        words = ", ".join(suffixes(*SAVED, ENVI_FRAMES, ZARR))
         raise UsageError(f"{path}: a picture must be written as {words}")
     elif kind.stores_floats:
         whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)
@@ -262,8 +262,10 @@ _COLLECTED = 256  # frames between two collections of what refers to itself: 4 M
 def format_for_frames(port: str, path: Path) -> FrameFormat:
     kind = frame_format(path)
     if kind is None:
-        words = " ".join(frame_suffixes())
-        raise UsageError(f"--save {port}={path}: --frames of an image must be written as {words}")
+        words = ", ".join(frame_suffixes())
+        raise UsageError(
+            f"--save {port}={path}: with --frames, an image must be written as {words}"
+        )
     return kind
 
 

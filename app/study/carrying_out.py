@@ -215,7 +215,7 @@ def _lost(study: Study, row: Row) -> bool:
 
 def _kept(why: str, journal: Journal, study: Study) -> str:
     return (
-        f"{why}; {len(journal.rows)} of {len(study.points)} points are done and saved in "
+        f"{why}; {len(journal.rows)} of {len(study.points)} points done and saved in "
         f"{journal.path}: give the same command again to resume"
     )
 

@@ -197,8 +197,8 @@ def write_summary(result: StudyRows, path: Path) -> None:
 def summary_page(result: StudyRows) -> str:
     study = result.study
     caption = (
-        f"Figures at {len(result.rows)} points; a cross, or white on a map, marks a point where "
-        "the figure has no value."
+        f"Figures at {several(len(result.rows), 'point')}; a cross, or white on a map, marks "
+        "a point where the figure has no value."
     )
     blocks: list[Block] = [
         Heading(1, f"{study.name or 'Image chain'}: study"),

@@ -17,7 +17,7 @@ import numpy as np
 from app.run.readout_tables import exact
 from app.study.point_rows import Row
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
-from core.errors import FileError, UsageError, how_to_install, printable
+from core.errors import FileError, UsageError, how_to_install, printable, several
 from core.records import dataclass
 from nodes.files.common.file_format import NETCDF, PARQUET
 from nodes.files.common.table_cells import csv_lines
@@ -91,8 +91,8 @@ class Journal:
         if lines and head != self._head:
             raise UsageError(
                 f"{self._output}: another study, or this study with other inputs, was started "
-                f"there and is not finished ({len(lines) - 1} rows in {self.path.name}); "
-                "--fresh discards its rows"
+                f"there and is not finished ({several(len(lines) - 1, 'row')} in "
+                f"{self.path.name}); --fresh discards its rows"
             )
         for self._end, entry in lines:
             if isinstance(entry, list) and len(entry) == len(Row._fields):

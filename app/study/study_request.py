@@ -33,6 +33,7 @@ from core.errors import (
     ParameterError,
     UsageError,
     close,
+    several,
     shown,
     shown_path,
 )
@@ -142,7 +143,8 @@ def listed_points(
     for number, line in enumerate(lines[1:], 2):
         if len(line) != len(heads):
             raise FileError(
-                f"{name}: line {number} has {len(line)} cells, but the first line has {len(heads)}"
+                f"{name}: line {number} has {several(len(line), 'cell')}, but the first "
+                f"line has {len(heads)}"
             )
     axes, columns = [], []
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):

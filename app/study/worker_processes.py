@@ -479,7 +479,7 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
         if wanted.version != version():
             raise UsageError(
                 f"a worker has imagechain {version()}, and this machine has {wanted.version}: all "
-                "must have the same version"
+                "machines must have the same version"
             )
         makers[thread] = RowMaker(wanted, standard_library(), share)
     return [tuple(row) for row in _first_rows(makers[thread], tasks)]

@@ -323,7 +323,7 @@ def _nothing(
     name = figure.text
     if not search.seen:
         why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
-        return f"{name} has no value at any {port}{why}"
+        return f"{name} has no value for any value of {port}{why}"
     first, last = search.seen[0], search.seen[-1]
     text = (
         f"no value of {port} from {shown_value(first[0], unit)} to {shown_value(last[0], unit)} "

@@ -143,7 +143,7 @@ def _range(setting: Assignment, parameter: Parameter, most: int, *, drawn: bool)
     if log := parts[-1] == "log":
         del parts[-1]
     if len(parts) != (2 if drawn else 3) or not all(map(_NUMBER.fullmatch, parts[:2])):
-        how = f"for random points write {_DRAWN}" if drawn else f"write {FORM}"
+        how = f"for random points, write {_DRAWN}" if drawn else f"write {FORM}"
         raise UsageError(f"{said}: {how}")
     low, high = float(parts[0]), float(parts[1])
     whole = parameter.kind == "integer"

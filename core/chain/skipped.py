@@ -9,6 +9,7 @@ from typing import Any, Literal
 from core.chain.back_transformed import Delivered, DeliveredBands
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
+from core.errors import several
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.records import dataclass, replace
@@ -155,7 +156,7 @@ class _Account:
         rank = recipe.rank(self.work)
         if rank is not None and rank.bound > 0.0:
             count, every = rank.shares.shape
-            text = f"{count} wavelengths were transformed to represent {every} bands"
+            text = f"transforms of {several(count, 'wavelength')} represent {every} bands"
             yield Skip(
                 recipe.node or name, "wavelengths", text, bound=rank.bound, share=count / every
             )

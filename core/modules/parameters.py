@@ -171,7 +171,9 @@ def coerce_all(
     for name in values:
         if name not in names:
             known = ", ".join(names) or "none"
-            raise ParameterError(name, values[name], f"{title} has the parameters {known}")
+            raise ParameterError(
+                name, values[name], f"{title} has no such parameter; its parameters: {known}"
+            )
     result = {}
     for parameter in parameters:
         value = values.get(parameter.name)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from itertools import chain
 from typing import Any
 
-from core.errors import NetworkError, ParameterError, shown, thaw
+from core.errors import NetworkError, ParameterError, several, shown, thaw
 from core.modules.declaration import Declaration, Library, Port, declaration
 from core.modules.parameters import Parameter, complete
 from core.network.expressions import rewritten
@@ -128,7 +128,7 @@ def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
         for name, end in face.parameters.items()
         if (parameter := _parameter(name, body, inner.get(end[0]), end))
     ]
-    text = body.description or f"{len(body.nodes)} modules in one node."
+    text = body.description or f"{several(len(body.nodes), 'module')} in one node."
     return Declaration(
         key=MACRO,
         title=body.name or node.id.rpartition(SEPARATOR)[2],

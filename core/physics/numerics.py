@@ -63,7 +63,7 @@ def all_from_zero(
     parameter: str, values: ArrayLike, *, unit: str = "", infinite: bool = False
 ) -> Floats:
     """Numbers of zero or above; `infinite` lets infinity pass, never NaN."""
-    allowed = "zero or above" if infinite else "finite, zero or above"
+    allowed = "at least 0" if infinite else "finite, zero or above"
     numbers = _numbers(parameter, values, allowed, unit)
     fit = (numbers >= 0.0) & (infinite | (numbers < np.inf))
     return _all_of(parameter, numbers, fit, allowed, unit)

@@ -46,8 +46,8 @@ def test_warnings_are_kept_by_point(chain):
     assert list(found.warnings) == [2]
     assert "overlap by 22 % of their total width" in found.warnings[2][0]
     assert found["warnings"] == ["", found.warnings[2][0]]
-    assert "1 of 2 points have warnings:" in repr(found)
-    assert "1 of 2 points have warnings:" in found._repr_html_()
+    assert "1 of 2 points with warnings:" in repr(found)
+    assert "1 of 2 points with warnings:" in found._repr_html_()
 
 
 SIGMA = {"blur.sigma_x_mrad": [0.0, 1.0]}

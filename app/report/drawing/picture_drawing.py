@@ -286,7 +286,7 @@ FIGURES = ("stages", "total", "judged")
 def drawn_as(network: Network) -> dict[str, str]:
     given = network.extra.get("drawn_as", {})
     if not isinstance(given, Mapping):
-        raise NetworkError("drawn_as must be an object of figures")
+        raise NetworkError("drawn_as must be an object with a string for each figure")
     for name, text in given.items():
         if name not in FIGURES:
             hint = close(name, FIGURES) or f"; allowed: {', '.join(FIGURES)}"

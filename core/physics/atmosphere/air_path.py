@@ -317,8 +317,8 @@ def _no_range() -> ParameterError:
     return ParameterError(
         "range_m",
         None,
-        "set the range of the path here, put this node after a Camera that has a range, "
-        "or connect the context of Init & Trans",
+        "connect the context of Init & Trans, put this node after a Camera that has a range, or "
+        "set the range of the path here",
         unit="m",
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.arrays import Floats
-from core.errors import DataError, ParameterError
+from core.errors import DataError, ParameterError, several
 from core.physics.numerics import positive, within
 from core.physics.radiometry.planck import (
     BOLTZMANN_J_K,
@@ -254,7 +254,8 @@ class ResponseCurve:
     def __post_init__(self) -> None:
         if self.shape == "file":
             if len(self.points) < 2:
-                raise ParameterError("path", len(self.points), "a file with two or more points")
+                found = f"a file with {several(len(self.points), 'point')}"
+                raise ParameterError("path", found, "a file with two or more points")
             return
         positive("centre_um", self.centre_um, unit="µm")
         positive("width_um", self.width_um, unit="µm")

@@ -68,7 +68,7 @@ def open_share(*, obscuration_ratio: float) -> float:
     """Share of the aperture's area that a central obscuration leaves open: 1 − ε²."""
     ratio = float(obscuration_ratio)
     if not 0.0 <= ratio < 1.0:
-        raise ParameterError("obscuration_ratio", ratio, "0 up to but not including 1")
+        raise ParameterError("obscuration_ratio", ratio, "at least 0 and below 1")
     return 1.0 - ratio * ratio
 
 

@@ -82,8 +82,8 @@ def measure_edge(
     samples = edge_samples(picture=picture, edge=edge)
     if len(samples.value) < _LEAST_SAMPLES:
         raise DataError(
-            f"{len(samples.value)} samples lie near the edge at x = {edge.x:.1f}, "
-            f"y = {edge.y:.1f}; needed: at least {_LEAST_SAMPLES}"
+            f"too few samples near the edge at x = {edge.x:.1f}, y = {edge.y:.1f}: "
+            f"{len(samples.value)}; needed: at least {_LEAST_SAMPLES}"
         )
     fit = fit_spread(samples=samples, reach=edge.reach, half_length=edge.length / 2.0)
     if fit.gap > _LARGEST_GAP:

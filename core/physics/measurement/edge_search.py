@@ -183,9 +183,10 @@ def _enough(used: int, examined: int) -> str:
     if used >= _ENOUGH_USED:
         return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
-        return f"not examined: none of the {examined} stronger edges can be used"
+        return f"not examined: no stronger edge can be used ({examined} examined)"
     return (
-        f"not examined: weaker than {several(examined, 'other edge')} ({used} usable), or too close"
+        f"not examined: weaker than {several(examined, 'other edge')} ({used} usable), or too "
+        "close to one of them"
     )
 
 
@@ -361,7 +362,7 @@ def _within_surroundings(
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "brightness or contrast varies along the edge: by "
+                    "brightness or contrast varies along the edge by "
                     f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
                     "the contrast"
                 )

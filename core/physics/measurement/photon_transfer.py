@@ -376,7 +376,7 @@ def photon_transfer(
     fitted += [dark] if dark is not None else []
     if len({field.mean_dn for field in fitted}) < 2:
         raise DataError(
-            f"{int(used.sum())} of {len(levels)} levels are below {_USED:g} of saturation; a "
+            f"levels below {_USED:g} times saturation: {int(used.sum())} of {len(levels)}. A "
             "photon transfer curve needs 2 or more levels of different brightness, or one "
             "level and dark frames that are not clipped at zero"
         )

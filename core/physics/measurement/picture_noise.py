@@ -131,9 +131,9 @@ def noise_of_picture(
         flat = flat_blocks(blocks=blocks, at=mean, least=hidden, low=low, high=high)
     if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
         return _nothing(
-            f"{0 if flat is None else np.count_nonzero(flat.chosen)} blocks of {SIDE} × {SIDE} "
-            f"samples are flat, but at least {_LEAST_BLOCKS} are needed: texture or edges are "
-            "everywhere",
+            f"too few flat blocks of {SIDE} × {SIDE} samples: "
+            f"{0 if flat is None else np.count_nonzero(flat.chosen)}; needed: at least "
+            f"{_LEAST_BLOCKS} (texture or edges are everywhere)",
             mean,
             step,
         )
@@ -169,10 +169,12 @@ def _measured(
         at_mean, error = flat.mean()
     refusal = _refusal(blocks, flat)
     if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
-        known = "no value"
+        known = "sigma has no value"
         if at_mean > 0.0:
             spread = 0.5 * _CONFIDENCE * error / at_mean
-            known = f"{math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
+            known = (
+                f"sigma is {math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
+            )
         refusal = (
             f"the flat areas ({len(level)} blocks at levels {level.min():.4g} to "
             f"{level.max():.4g}) do not determine the noise at the picture's mean level, "
@@ -228,15 +230,14 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     falls = structure.middle > _WHITE + 3.0 * structure.middle_error
     if falls:
         return (
-            "the noise of the flattest areas falls towards high frequencies (low, middle and "
-            f"high frequencies have power {1 + structure.coarse:.2f}:"
-            f"{1 + structure.middle:.2f}:1): the picture was blurred after the noise was "
-            "added, or there is texture everywhere"
+            "the noise of the flattest areas falls towards high frequencies (power "
+            f"low:middle:high = {1 + structure.coarse:.2f}:{1 + structure.middle:.2f}:1): the "
+            "picture was blurred after the noise was added, or there is texture everywhere"
         )
     if structure.middle < -_WHITE - 3.0 * structure.middle_error:
         return (
-            "the noise of the flattest areas rises towards high frequencies (middle and high "
-            f"frequencies have power {1 + structure.middle:.2f}:1): the picture was sharpened, "
+            "the noise of the flattest areas rises towards high frequencies (power middle:high = "
+            f"{1 + structure.middle:.2f}:1): the picture was sharpened, "
             "or a fine pattern covers it"
         )
     if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):
@@ -249,8 +250,8 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
         return (
             f"the noise of the flattest areas falls more along the {first} than along the "
-            f"{then} (middle-frequency power differs by {abs(flat.lean):.2f} of the "
-            f"high-frequency power): the picture was blurred along the {first} after the noise "
+            f"{then} (at middle frequencies, by {abs(flat.lean):.2f} times the high-frequency "
+            f"power). The picture was blurred along the {first} after the noise "
             "was added, or there is texture everywhere"
         )
     share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)

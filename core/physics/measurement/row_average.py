@@ -4,7 +4,7 @@ import numpy as np
 
 from core import kernels
 from core.arrays import Matrix, Vector
-from core.errors import DataError
+from core.errors import DataError, several
 from core.physics.measurement.slanted_edge import Target, jackknife_error
 from core.records import dataclass
 
@@ -69,8 +69,8 @@ def row_average(
     rows, columns = picture.shape
     if columns < LEAST_SAMPLES:
         raise DataError(
-            f"the region is too small: {columns} samples across the edge; needed: at least "
-            f"{LEAST_SAMPLES}"
+            f"the region is too small: {several(columns, 'sample')} across the edge; needed: "
+            f"at least {LEAST_SAMPLES}"
         )
     profile = np.mean(picture, axis=0)
     noise = float(np.sqrt(np.mean((picture - profile) ** 2)))

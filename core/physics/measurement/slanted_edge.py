@@ -129,8 +129,8 @@ def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
     margin = float(min(middle.min(), columns - 1 - middle.max()))
     if margin < _MARGIN:
         raise DataError(
-            f"the edge leaves the region or comes within {_MARGIN:g} samples of the region's side: "
-            "choose a region in which the edge runs through the middle from end to end"
+            f"the edge leaves the region or comes within {_MARGIN:g} samples of the region's side. "
+            "Choose a region in which the edge runs through the middle from end to end"
         )
     half = min(margin, max(_MARGIN, 2.5 * _width(signal, middle)))
     away = np.arange(columns) - middle[:, np.newaxis]

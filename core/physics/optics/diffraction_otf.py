@@ -242,7 +242,7 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
     if not np.sum(weights) > 0.0:
         raise DataError(
             f"the response is 0 at all {count} wavelengths over the band: use more "
-            "wavelengths, or leave their number to the tolerance"
+            "wavelengths, or set wavelengths = auto"
         )
     return places, weights / np.sum(weights)
 
@@ -286,7 +286,7 @@ def annular_defocus_otf(
     inner = float(obscuration_ratio)
     if not 0.0 <= inner < 1.0:
         raise ParameterError(
-            "obscuration_ratio", inner, "0 up to but not including 1 (an opening must remain)"
+            "obscuration_ratio", inner, "at least 0 and below 1 (an opening must remain)"
         )
     v, w20 = np.broadcast_arrays(
         np.abs(np.asarray(frequency_ratio, np.float64)), np.abs(np.asarray(w20_waves, np.float64))

@@ -98,7 +98,7 @@ def test_frames_of_a_simulated_camera(works, small, write, tmp_path):
         (("flat0.npy", "--offset-dn", "much"), "--offset-dn 'much': give a number"),
         (
             ("flat0.npy",),
-            "1 of 1 levels are below 0.7 of saturation; a photon transfer curve needs 2 or more "
+            "levels below 0.7 times saturation: 1 of 1. A photon transfer curve needs 2 or more "
             "levels of different brightness, or one level and dark frames that are not clipped at "
             "zero",
         ),

@@ -82,7 +82,7 @@ def test_a_study_tells_those_of_each_point(name, works, tmp_path):
     words = [FOCAL, CUTOFF, "--jobs=1", f"--output={name}", "--summary=a.html"]
     done = works("study", *CAMERA, *words)
     lines = done.stdout.splitlines()
-    assert lines[1] == "5 of 5 points have warnings:"
+    assert lines[1] == "5 of 5 points with warnings:"
     assert any(
         line.startswith(f"warning: {contradiction(100)}") and line.endswith(" (4 points)")
         for line in lines
@@ -97,13 +97,13 @@ def test_a_study_tells_those_of_each_point(name, works, tmp_path):
     assert told == [True, True, False, True, True]
     for focal, text in zip((100, 150, 200, 250, 300), table["warnings"], strict=True):
         assert contradiction(focal) in text
-    assert "5 of 5 points have warnings" in (tmp_path / "a.html").read_text()
+    assert "5 of 5 points with warnings" in (tmp_path / "a.html").read_text()
 
 
 def test_a_trade_off_tells_those_of_varied_points(works, tmp_path):
     outputs = ["--output=a.csv", "--output=a.json", "--output=a.html"]
     done = works("tradeoff", *CAMERA, FOCAL, CUTOFF, *outputs)
-    assert "5 of 5 points have warnings:" in done.stdout.splitlines()
+    assert "5 of 5 points with warnings:" in done.stdout.splitlines()
     (curve,) = json.loads((tmp_path / "a.json").read_text())["curves"]
     told = ["; ".join(point["warnings"]) for point in curve["points"]]
     for focal, text in zip((100, 150, 200, 250, 300), told, strict=True):

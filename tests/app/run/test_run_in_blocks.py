@@ -170,7 +170,7 @@ def test_saved_pictures_are_streamed(imagechain, works, small, write, scene, tmp
         (
             ["--save", "back.image=b.png"],
             "--save back.image=b.png: a picture of 99 × 84 samples that is computed in blocks "
-            "must be written as .npy .tif .tiff .bsq .img .zarr",
+            "must be written as .npy, .tif, .tiff, .bsq, .img, .zarr",
         ),
         (
             ["--save", "blur.magnitude=b.npy"],

@@ -84,8 +84,8 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
     [
         (
             ("--frames", "2", "--save", "electronics.image=f.exr"),
-            "--save electronics.image=f.exr: --frames of an image must be written as "
-            ".npy .tif .tiff .bsq .img",
+            "--save electronics.image=f.exr: with --frames, an image must be written as "
+            ".npy, .tif, .tiff, .bsq, .img",
         ),
         (
             (

@@ -53,7 +53,7 @@ def test_says_what_the_budget_left_out(imagechain, write, small, tmp_path):
     assert bound == pytest.approx(4 * np.pi**2 * 1e-12 * 0.458366**2, rel=0.06)
     page = (tmp_path / "r.html").read_text()
     text = f"{bound:.1e}".replace("e-12", "·10⁻¹²")
-    assert f"left out: at most {text}" in page
+    assert f"left out: effect at most {text}" in page
     assert economy(page)[0][2] == f"jitter (at most {text})"
     told = f"left out within the error budget of 1.49e-08: jitter (at most {bound:.2g})\n"
     assert told in done.stdout

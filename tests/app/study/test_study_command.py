@@ -134,7 +134,7 @@ USAGE = {
     "points of a grid": ([SIGMA, "--points=3"], "works only with --sample latin"),
     "latin by steps": (
         ["--sample=latin", "--points=3", SIGMA],
-        "for random points write NODE.PARAM=FROM:TO",
+        "for random points, write NODE.PARAM=FROM:TO",
     ),
     "list and vary": ([SIGMA, "--sample=list.csv"], "the points come from list.csv"),
     "no list": (["--sample=list.csv"], "cannot read list.csv: No such file"),

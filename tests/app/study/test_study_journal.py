@@ -129,7 +129,7 @@ def test_a_full_disk_ends_it_with_one_line_and_what_is_done_stays(sensor, imagec
     out, line = child.communicate(timeout=PATIENCE_S)
     assert (child.returncode, out) == (2, "")
     assert line.startswith("imagechain: cannot write a.csv.journal: File too large; ")
-    assert "of 200 points are done and saved in a.csv.journal" in line
+    assert "of 200 points done and saved in a.csv.journal" in line
     assert line.count("\n") == 1
     content = (tmp_path / "a.csv.journal").read_bytes()
     assert content.endswith(b"\n")

@@ -151,7 +151,7 @@ def test_edges_of_which_none_can_be_used_are_not_enough():
     picture = 50.0 + 40.0 * (((x // 15) + (y // 15)) % 2)
     edges = find_edges(picture=picture + np.random.default_rng(3).normal(0.0, 0.5, picture.shape))
     assert not any(edge.used for edge in edges)
-    assert [edge for edge in edges if "stronger edges can be used" in edge.why_not]
+    assert [edge for edge in edges if "no stronger edge can be used" in edge.why_not]
     assert not [edge for edge in edges if "are enough" in edge.why_not]
 
 
