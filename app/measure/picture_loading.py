@@ -143,7 +143,7 @@ def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None
     """The band that is measured, or None for luminance, and the words for it."""
     if band is not None:
         if not 0 <= band < info.bands:
-            allowed = "0 alone" if info.bands == 1 else f"0 to {info.bands - 1}"
+            allowed = "only 0" if info.bands == 1 else f"0 to {info.bands - 1}"
             raise UsageError(f"{path} has no band {band}; allowed: {allowed}")
         if info.bands == 1:
             return 0, ""

@@ -223,7 +223,7 @@ def files_axis(text: str, network: Network, *, library: Library) -> Variation:
     inner = behind(setting, network)
     parameter = one_value(OVER, inner, network, library)
     if parameter.kind != "path":
-        allowed = f"the parameter must be {parameter.allowed()}, not a file name"
+        allowed = f"the parameter is {parameter.allowed()}, not a file name"
         raise UsageError(f"{OVER} {setting.port}: {allowed}")
     matching = glob.glob(setting.text, recursive=True)  # noqa: PTH207, as Path's needs a folder
     names = [name for name in matching if Path(name).is_file()]

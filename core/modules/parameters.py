@@ -95,7 +95,7 @@ class Parameter:
         is_number = self.kind in ("number", "integer")
         if unit and is_number and isinstance(value, str) and _WITH_UNIT.fullmatch(value):
             allowed = (
-                f"{self.allowed()} in {unit}; to convert from another unit, begin with '=': "
+                f"{self.allowed()}, in {unit}; to convert from another unit, begin with '=': "
                 f"'={value}'"
             )
             return ParameterError(self.name, value, allowed, unit="")

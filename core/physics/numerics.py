@@ -56,7 +56,7 @@ def _checked(
 def all_finite(parameter: str, values: ArrayLike, *, unit: str = "") -> Floats:
     """Finite numbers."""
     numbers = _numbers(parameter, values, "finite numbers", unit)
-    return _all_of(parameter, numbers, np.isfinite(numbers), "finite numbers", unit)
+    return _all_of(parameter, numbers, np.isfinite(numbers), "finite", unit)
 
 
 def all_from_zero(

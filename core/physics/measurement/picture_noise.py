@@ -169,16 +169,16 @@ def _measured(
         at_mean, error = flat.mean()
     refusal = _refusal(blocks, flat)
     if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
-        known = "sigma has no value"
+        known = "Sigma has no value"
         if at_mean > 0.0:
             spread = 0.5 * _CONFIDENCE * error / at_mean
             known = (
-                f"sigma is {math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
+                f"Sigma is {math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
             )
         refusal = (
             f"the flat areas ({len(level)} blocks at levels {level.min():.4g} to "
             f"{level.max():.4g}) do not determine the noise at the picture's mean level, "
-            f"{mean:.4g}: {known}; allowed uncertainty: at most {_WITHIN:.0%}"
+            f"{mean:.4g}. {known}; allowed uncertainty: at most {_WITHIN:.0%}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2

@@ -169,7 +169,7 @@ def _refuse_direction(slope: float) -> None:
     if angle > _LARGEST_ANGLE_DEG:
         raise DataError(
             f"the edge is tilted by about {angle:.0f}°, where horizontal and vertical edges cannot "
-            f"be distinguished: tilt the edge by 2° to 10° (up to "
+            f"be distinguished. Tilt the edge by 2° to 10° (up to "
             f"{_LARGEST_ANGLE_DEG:g}° is accepted)"
         )
 

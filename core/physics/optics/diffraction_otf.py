@@ -159,7 +159,7 @@ def wavelengths_needed(
 ) -> tuple[int, float]:
     """Wavelengths between two kinks that reach a tolerance, and the error left."""
     if not FINEST_TOLERANCE <= tolerance < 1.0:
-        raise ParameterError("tolerance", tolerance, f"{FINEST_TOLERANCE:g} or more and below 1")
+        raise ParameterError("tolerance", tolerance, f"at least {FINEST_TOLERANCE:g} and below 1")
     last = _ends(aperture, spectrum)[-1]
     probes = last * (np.arange(_PROBES) + 0.37) / _PROBES
     counts = PANELS if has_many_bends(spectrum) else COUNTS
@@ -396,7 +396,7 @@ def _fit(function: Callable[[Vector], Vector], low: float, high: float, toleranc
             return np.asarray(coefficients[: max(2, int(np.count_nonzero(rest > tolerance / 8)))])
     raise DataError(
         f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad needs more than "
-        f"{SIZES[-1]} terms: give a larger tolerance, a number of wavelengths, or fewer waves of "
+        f"{SIZES[-1]} terms. Give a larger tolerance, a number of wavelengths, or fewer waves of "
         "defocus"
     )
 

@@ -32,7 +32,7 @@ class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
         (
             "length_mm",
             "3 um",
-            "length_mm = '3 um' is not allowed: must be a number above 0 in mm; to "
+            "length_mm = '3 um' is not allowed: must be a number above 0, in mm; to "
             "convert from another unit, begin with '=': '=3 um'",
         ),
         ("range_m", 9, "range_m = 9 m is not allowed: must be a number from 2 below 9 or empty"),

@@ -109,7 +109,7 @@ def test_no_noise_and_no_flat_area():
     waves = np.cumsum(np.cumsum(np.random.default_rng(6).standard_normal((160, 200)), 0), 1)
     rough = noise_of_picture(picture=waves)
     assert rough.sigma is None
-    assert "blocks of 8 × 8 samples are flat" in rough.sigma_reason
+    assert "too few flat blocks of 8 × 8 samples" in rough.sigma_reason
 
 
 def test_clipped_and_avoided_samples_do_not_count(scene):
