@@ -74,7 +74,7 @@ class OwnScene:
             raise UsageError(f"{self._named('band_um')} {low:g} {high:g}: {what}")
         if self.fov_deg is not None and self.sample_m is not None:
             names = f"{self._named('fov_deg')} and {self._named('sample_m')}"
-            raise UsageError(f"{names} both give the field of view: give only one of them")
+            raise UsageError(f"{names} both set the field of view: give only one of them")
 
     def _named(self, name: str) -> str:
         return f"{self.option}{name.replace('_', '-') if self.option else name}"
@@ -241,7 +241,7 @@ class _Replacing:
             return values | self._relative(unit)
         if radiance is not None and radiance.spectral:
             if band is None:
-                raise UsageError(f"{unit}: give {self._option('band_um')}, the band to sum over")
+                raise UsageError(f"{unit} needs {self._option('band_um')}, the band to sum over")
             scale = radiance.factor * (band[1] - band[0])
             values |= {"scale": scale, "unit": "W/m²/sr"}
             self._lines.append(f"samples in {unit}, multiplied by the width of the band")

@@ -182,7 +182,7 @@ def poisson_field(
         faulty = np.argwhere(~((mean >= 0.0) & (mean < np.inf)))
         first = tuple(int(place) for place in faulty[0])
         raise DataError(
-            f"Poisson means: {len(faulty)} of {mean.size} samples are negative or not finite;"
+            f"Poisson means: {len(faulty)} of {mean.size} samples negative or not finite;"
             f" the first is {float(mean[first])!r} at {first}"
         )
     counts = mean if in_place else np.empty(mean.shape, mean.dtype)

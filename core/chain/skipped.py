@@ -124,7 +124,7 @@ class _Account:
         steps = self._steps.get(name, [])
         reused = [key for key in steps if key not in self.computed]
         if len(reused) < len(steps) and reused:
-            text = f"{len(reused)} of {len(steps)} steps unchanged: their values were reused"
+            text = f"{len(reused)} of {len(steps)} steps unchanged and reused"
         elif reused or (not steps and keys & self.was_there):
             text = "unchanged: the node's values were reused"
         else:
