@@ -63,6 +63,11 @@ def several(count: int, thing: str) -> str:
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
+def percent(share: float, digits: int = 0) -> str:
+    """A share in words: 0.32 is 32 %."""
+    return f"{100 * share:.{digits}f} %"
+
+
 class InputError(ImagechainError):
     """The input is at fault; the message states how to mend it."""
 

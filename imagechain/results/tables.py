@@ -155,8 +155,8 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
     """Curves as ``curves[STAGE][AXIS]``.
 
     Stages are nodes; ``"total"`` is the product of all stages before pixels are combined, and
-    ``"total_with_electronics"`` also includes the later stages. Axes are ``"x"`` and ``"y"``, or
-    ``"line"``.
+    ``"total_with_electronics"`` also includes the later stages. The axes are ``"x"`` and ``"y"``,
+    or only ``"line"`` if you gave ``angle_deg``.
     """
 
     def __init__(

@@ -188,7 +188,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         air, band = how["air"], how["band_um"]
         words = [f"mean band transmission {brief(figures['transmission'])}"]
         if figures["path_radiance"] > 0.0:
-            words.append(f"the air adds {brief(figures['path_radiance'])} W/m²/sr")
+            words.append(f"path radiance {brief(figures['path_radiance'])} W/m²/sr")
         if band is None:
             return Preview("; ".join(words), ("; ".join(words),))
         places = _places(air.points, *band)

@@ -25,12 +25,12 @@ _BLOCK_SAMPLES = 1 << 18
 class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="Detector"):
     """Add the trails of incomplete charge transfer, which grow with distance from the amplifier.
 
-    In each transfer, a share of the charge stays behind and joins the next packet. Columns are
-    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers from the
-    amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of
-    the picture is lost. Use either this module or Charge Transfer MTF, which blurs all pixels
-    equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the
-    middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
+    In each transfer, a share of the charge stays behind and joins the next packet. Charge is
+    shifted along the columns into the serial register, which is then read pixel by pixel. A pixel
+    n transfers from the amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge
+    that trails out of the picture is lost. Use either this module or Charge Transfer MTF, which
+    blurs all pixels equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs
+    hold for the middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
     """
 
     formulas = (

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Matrix, Vector
-from core.errors import several
+from core.errors import percent, several
 from core.physics.measurement import found_edge, ridges
 from core.physics.measurement.spread_fit import SpreadFit, fit_spread
 from core.records import replace
@@ -358,13 +358,13 @@ def _within_surroundings(
         first, last = _longest_run(np.asarray(within.all(axis=1)) & in_frame)
         piece_length = (last - first) * length / cells
         if piece_length < _LEAST_LENGTH:
+            near = (beside > _STEEP) & (beside <= reach_now)
             reasons[reach_now] = (
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "brightness or contrast varies along the edge: by "
-                    f"{off[:, (beside > _STEEP) & (beside <= reach_now)].max() / contrast:.0%} of "
-                    "the contrast"
+                    "brightness or contrast varies along the edge: the largest deviation is "
+                    f"{percent(off[:, near].max() / contrast)} of the edge's contrast"
                 )
             )
             continue
@@ -456,8 +456,8 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"a side is not level: the level still changes by {change / contrast:.0%} of the "
-                f"contrast at {reach} samples from the edge"
+                "a side is not level: the level still changes by "
+                f"{percent(change / contrast)} of the contrast at {reach} samples from the edge"
             )
     seen = min(reach + _BEYOND, wide)
     place = np.arange(-seen, seen + 1)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Vector
+from core.errors import percent
 from core.physics.measurement.sample_noise import compressed_in_blocks
 from core.records import dataclass, replace
 
@@ -157,7 +158,7 @@ def why_clipped(
     if clip_levels is not None:
         share = float(np.mean((value <= clip_levels[0]) | (value >= clip_levels[1])))
         return (
-            f"clipped: {share:.0%} of the edge's samples are at a clipping level"
+            f"clipped: {percent(share)} of the edge's samples are at a clipping level"
             if share > _SHARE
             else ""
         )
@@ -172,8 +173,8 @@ def why_clipped(
             continue
         other = sides[1 - bright]
         at_limit = (
-            f"clipped: {share:.0%} of the samples on one side are at the limit of the picture's "
-            f"values, {limit:.6g}"
+            f"clipped: {percent(share)} of the samples on one side are at the limit of the "
+            f"picture's values, {limit:.6g}"
         )
         if share < _ALL_AT_LIMIT:
             # Near the edge a side without noise has the end of the step, which varies too.
@@ -218,8 +219,8 @@ def without_those_at(
         for place in reaching:
             if made[place].used:
                 reason = (
-                    f"clipped: {shares[place]:.0%} of the edge's samples are at {limit:.6g}, the "
-                    f"limit of the picture's values, at which {many} other edges are clipped"
+                    f"clipped: {percent(shares[place])} of the edge's samples are at {limit:.6g}, "
+                    f"the limit of the picture's values, at which {many} other edges are clipped"
                 )
                 made[place] = replace(made[place], used=False, why_not=reason)
     return made

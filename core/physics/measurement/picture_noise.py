@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Mask, Matrix, Vector
-from core.errors import DataError
+from core.errors import DataError, percent
 from core.kernels import special
 from core.physics.measurement import sample_noise
 from core.physics.measurement.flat_blocks import (
@@ -171,14 +171,12 @@ def _measured(
     if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
         known = "Sigma has no value"
         if at_mean > 0.0:
-            spread = 0.5 * _CONFIDENCE * error / at_mean
-            known = (
-                f"Sigma is {math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at 95 % confidence"
-            )
+            by = percent(0.5 * _CONFIDENCE * error / at_mean, 1)
+            known = f"Sigma is {math.sqrt(at_mean):.4g}, uncertain by {by} at 95 % confidence"
         refusal = (
             f"the flat areas ({len(level)} blocks at levels {level.min():.4g} to "
             f"{level.max():.4g}) do not determine the noise at the picture's mean level, "
-            f"{mean:.4g}. {known}; allowed uncertainty: at most {_WITHIN:.0%}"
+            f"{mean:.4g}. {known}; allowed uncertainty: at most {percent(_WITHIN)}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2
@@ -257,7 +255,7 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)
     if not flat.even and (share < _LEAST_UNEVEN or structure.coarse > _COARSE_UNEVEN):
         return (
-            f"no areas of uniform noise: {share:.0%} of the picture seems flat, but its low "
+            f"no areas of uniform noise: {percent(share)} of the picture seems flat, but its low "
             f"frequencies have {1 + structure.coarse:.2f} times the power of the high ones, "
             "so there is texture everywhere"
         )
@@ -500,7 +498,9 @@ def _settled(
 
 
 def _it_moves(share: float) -> str:
-    return f"{share:.0%} of the pixels change between the frames: the scene or the camera moved"
+    return (
+        f"{percent(share)} of the pixels change between the frames: the scene or the camera moved"
+    )
 
 
 def _by_level(level: Vector, power: Vector, inside: NDArray[np.bool_]) -> Vector:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Mask, Matrix, Vector
-from core.errors import DataError
+from core.errors import DataError, percent
 from core.physics.measurement.flat_blocks import SIDE, VarianceLine
 from core.records import dataclass
 
@@ -205,8 +205,8 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
     if _CONFIDENCE * error > _GAIN_WITHIN * gain:
         reason = (
             f"the gain cannot be determined from these levels: {gain:.4g} ± {error:.2g} {between}, "
-            f"uncertain by {_CONFIDENCE * error / gain:.1%} at 99 % confidence; allowed: at "
-            f"most {_GAIN_WITHIN:.0%}"
+            f"uncertain by {percent(_CONFIDENCE * error / gain, 1)} at 99 % confidence; allowed: "
+            f"at most {percent(_GAIN_WITHIN)}"
         )
         return None, None, reason
     return gain, error, ""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arrays import Complex, Matrix, Vector
-from core.errors import DataError
+from core.errors import DataError, percent
 from core.physics.measurement.found_edge import why_clipped
 from core.physics.numerics import sinc
 from core.records import dataclass
@@ -477,8 +477,9 @@ def _check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target
         doubt = 4.0 * error * np.sqrt(2.0 / len(near))
         if change > _UNSETTLED * height + doubt:
             raise DataError(
-                f"the region is too small: the level still changes by {change / height:.0%} of the "
-                f"contrast at {spread.away[-1]:.3g} samples from the {target}. Widen the region"
+                f"the region is too small: the level still changes by {percent(change / height)} "
+                f"of the contrast at {spread.away[-1]:.3g} samples from the {target}. Widen the "
+                "region"
             )
     if target == "edge":
         _refuse_narrow(spread, height, error)
@@ -505,6 +506,6 @@ def _refuse_narrow(spread: EdgeSpread, height: float, error: float) -> None:
     outside = abs(left - spread.levels[0]) + abs(right - spread.levels[1])
     if outside > _CUT_BY_WINDOW * height + 6.0 * error / np.sqrt(near):
         raise DataError(
-            f"the region is too small: {outside / height:.0%} of the edge's step lies more than "
-            f"{spread.away[-1] / 2:.3g} samples from the edge. Widen the region"
+            f"the region is too small: {percent(outside / height)} of the edge's step lies more "
+            f"than {spread.away[-1] / 2:.3g} samples from the edge. Widen the region"
         )

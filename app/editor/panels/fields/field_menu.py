@@ -87,7 +87,7 @@ def add_fit_action(menu: QMenu, session: Session, node: str, parameter: str) -> 
     name, text = "free", "Free for a fit"
     if is_free:
         act = partial(session.free.fix, node, parameter)
-        name, text = "fix", "Fix (no longer fitted)"
+        name, text = "fix", "Fix (do not fit)"
     action = offer(menu, name, text, act, about=_ABOUT_FREE)
     action.setStatusTip(_ABOUT_FREE)
     menu.setToolTipsVisible(True)

@@ -365,9 +365,9 @@ def test_what_is_not_known_well_is_withheld_with_its_value():
     few = polygons(64, 72, (4000, 8000))
     noise = noise_of_picture(picture=digitized(few, NOISY, 1))
     assert noise.sigma is None
-    assert "at 95 % confidence; allowed uncertainty: at most 3%" in noise.sigma_reason
+    assert "at 95 % confidence; allowed uncertainty: at most 3 %" in noise.sigma_reason
     more = polygons(240, 320, (4000, 6000))
     noise = noise_of_picture(picture=digitized(more, NOISY, 1))
     assert noise.sigma is not None
     assert noise.gain_e_per_dn is None
-    assert "at 99 % confidence; allowed: at most 5%" in noise.gain_reason
+    assert "at 99 % confidence; allowed: at most 5 %" in noise.gain_reason
