@@ -177,7 +177,8 @@ def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
     if outputs is None:
         final = find_output(plan)
         if final.port is None:
-            raise NetworkError(f"{final.missing}: name the pictures, as outputs='NODE.PORT'")
+            hint = ": name the pictures, as outputs='NODE.PORT'" if final.choices else ""
+            raise NetworkError(f"{final.missing}{hint}")
         return (final.port,)
     ports = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     if not ports:

@@ -336,8 +336,8 @@ def figures(
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
         *_at_reference(levels, reading, reference_radiance),
-        ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure whose signal equals the "
-                                              "temporal noise", why),
+        ("nei_photons_per_cm2", nei, "1/cm²", "photons per cm² and exposure whose signal equals "
+                                              "the temporal noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the temporal dark noise", too_dark),
         *_emva(levels, reading, efficiency, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),

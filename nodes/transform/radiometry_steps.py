@@ -139,5 +139,5 @@ class Radiometry(Module):
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """The band differs from the picture's band."""
+        """The band entered here differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)

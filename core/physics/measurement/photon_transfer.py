@@ -98,8 +98,8 @@ class FlatFrames:
         """Take another frame, shape (rows, columns)."""
         if frame.shape != self._sum.shape:
             raise DataError(
-                f"a frame of {frame.shape[0]} × {frame.shape[1]} samples does not match the "
-                f"earlier frames, {self._sum.shape[0]} × {self._sum.shape[1]}"
+                f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not match the "
+                f"earlier frames, {self._sum.shape[1]} × {self._sum.shape[0]}"
             )
         samples = frame.astype(np.float64)
         # Double precision has whole numbers up to that exactly.

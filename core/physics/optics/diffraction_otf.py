@@ -42,7 +42,7 @@ _PROBES = 24  # frequencies at which the number of wavelengths is judged
 class Aperture:
     """A circular aperture and its wavefront error.
 
-    The obscuration is inner over outer diameter, 0 up to but not including 1. The defocus is W20 at
+    The obscuration is inner over outer diameter, at least 0 and below 1. The defocus is W20 at
     the outer rim and the rms a random wavefront error, both in waves of `reference_um`; at any
     wavelength they are at most 100 and 0.18.
     """
@@ -268,7 +268,7 @@ def annular_defocus_otf(
     w20_waves : array_like
         Wavefront error at the outer rim [waves], at most 10000 in size; broadcasts.
     obscuration_ratio : float
-        Inner over outer radius, 0 up to but not including 1.
+        Inner over outer radius, at least 0 and below 1.
 
     Returns
     -------

@@ -44,7 +44,9 @@ def test_clipped_edge():
     """Noise about a level that is the limit is cut off in half of the samples."""
     picture = noisy_edge()
     assert refused(picture.clip(48.0, 56.0)).startswith("clipped: ")
-    assert refused(np.minimum(picture, 55.5)).startswith("clipped: 100 % of the samples on one side")
+    assert refused(np.minimum(picture, 55.5)).startswith(
+        "clipped: 100 % of the samples on one side"
+    )
     both = noisy_edge(noise=0.1).clip(49.0, 55.0)  # no noise is left on either side
     assert refused(both).startswith("clipped: the samples beside the edge")
     assert find_edges(picture=noisy_edge(noise=0.0))[0].used

@@ -178,7 +178,7 @@ def test_what_is_refused():
     with pytest.raises(DataError, match="does not rise with the mean"):
         photon_transfer(levels=[quiet], dark=loud)
     taken = FlatFrames(4, 5)
-    with pytest.raises(DataError, match="3 × 5 samples does not match the earlier frames, 4 × 5"):
+    with pytest.raises(DataError, match="5 × 3 samples does not match the earlier frames, 5 × 4"):
         taken.add(np.zeros((3, 5)))
     levels = [field(Camera(), electrons) for electrons in (500, 5000)]
     with pytest.raises(DataError, match="dark frames' mean, 1450"):
