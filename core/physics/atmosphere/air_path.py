@@ -17,10 +17,10 @@ from core.arrays import Floats
 from core.errors import DataError, ParameterError
 from core.physics.numerics import finite, non_negative, positive, within
 from core.physics.radiometry.planck import (
-    SECOND_RADIATION_CONSTANT_UM_K,
     band_nodes,
     band_radiance,
     spectral_radiance,
+    spectral_radiance_slope,
 )
 from core.physics.radiometry.spectra import SUN_SHARE, SUNLIGHT_K
 from core.records import dataclass, replace
@@ -35,7 +35,6 @@ VISIBLE_UM = 0.55
 """Wavelength at which a visibility holds."""
 
 _NEAR = 1e-9  # by which a table may end before the band
-_LARGEST_X = 700.0
 
 
 @dataclass(frozen=True)
@@ -282,9 +281,7 @@ def transmission_at_ranges(
         return _passed(np.asarray([per_m]), np.ones(1), distance)
     places = tuple(sorted({place for path in paths for place in path.places_um}))
     wavelength, width = band_nodes(cut_on_um, cut_off_um, places)
-    x = SECOND_RADIATION_CONSTANT_UM_K / (wavelength * background_K)
-    x = np.minimum(x, _LARGEST_X)  # beyond, the radiance is zero anyway
-    weight = width * spectral_radiance(wavelength, background_K) * x / -np.expm1(-x)
+    weight = width * spectral_radiance_slope(wavelength, background_K)
     total = float(weight.sum())
     if not total > 0.0:
         raise DataError(

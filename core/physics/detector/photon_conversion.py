@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,8 +17,6 @@ from core.records import dataclass
 
 PHOTON_ENERGY_J_UM = planck.PLANCK_J_S * planck.SPEED_OF_LIGHT_M_S * 1e6
 """Energy of a photon times its wavelength, J µm."""
-
-_LARGEST_X = 700.0
 
 
 def efficiency_of_responsivity(
@@ -75,31 +73,23 @@ class QuantumEfficiency:
 
     def photon_radiance(self, temperature_K: ArrayLike) -> Floats:
         """∫ QE·L_q dλ of black bodies, s⁻¹ m⁻² sr⁻¹."""
+        if self.points:
+            return _summed(temperature_K, *self._places(), photons=True)
         temperature = np.asarray(temperature_K, np.float64)
-        if not self.points:
-            band = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
-            return np.asarray(
-                self.value * planck.band_photon_radiance(temperature_K=temperature, **band)
-            )
-        wavelength, weight = self._places()
-        flat = temperature.reshape(-1, 1)
-        photons = planck.spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
-        return np.asarray((photons @ weight).reshape(temperature.shape))
+        photons = planck.band_photon_radiance(
+            cut_on_um=self.cut_on_um, cut_off_um=self.cut_off_um, temperature_K=temperature
+        )
+        return np.asarray(self.value * photons)
 
     def photon_radiance_slope(self, temperature_K: ArrayLike) -> Floats:
         """Derivative of `photon_radiance` by temperature, s⁻¹ m⁻² sr⁻¹ K⁻¹."""
+        if self.points:
+            return _summed(temperature_K, *self._places(), photons=True, slope=True)
         temperature = np.asarray(temperature_K, np.float64)
-        if not self.points:
-            band = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
-            slope = planck.band_photon_radiance_derivative(temperature_K=temperature, **band)
-            return np.asarray(self.value * slope)
-        wavelength, weight = self._places()
-        flat = temperature.reshape(-1, 1)
-        x = planck.SECOND_RADIATION_CONSTANT_M_K * 1e6 / (wavelength * flat)
-        x = np.minimum(x, _LARGEST_X)  # beyond, the radiance is zero anyway
-        photons = planck.spectral_radiance(wavelength, flat) * wavelength / PHOTON_ENERGY_J_UM
-        slope = photons * x / -np.expm1(-x) / flat
-        return np.asarray((slope @ weight).reshape(temperature.shape))
+        slope = planck.band_photon_radiance_derivative(
+            cut_on_um=self.cut_on_um, cut_off_um=self.cut_off_um, temperature_K=temperature
+        )
+        return np.asarray(self.value * slope)
 
     def integral(self, low_um: float, high_um: float) -> float:
         """∫ QE dλ over a part of the wavelengths, µm; exact for straight lines."""
@@ -127,6 +117,23 @@ class QuantumEfficiency:
         return wavelength, weight * efficiency
 
 
+def _summed(
+    temperature_K: ArrayLike,
+    wavelength_um: Floats,
+    weight: Floats,
+    *,
+    photons: bool = False,
+    slope: bool = False,
+) -> Floats:
+    """Weighted sums of black bodies' light, in photons if these are wanted, or its derivative."""
+    temperature = np.asarray(temperature_K, np.float64)
+    light_of = planck.spectral_radiance_slope if slope else planck.spectral_radiance
+    light = light_of(wavelength_um, temperature.reshape(-1, 1))
+    if photons:
+        light = light * wavelength_um / PHOTON_ENERGY_J_UM
+    return np.asarray((light @ weight).reshape(temperature.shape))
+
+
 # From the radiance of a band to electrons, where no spectrum is known.
 #
 # Photons per watt depend on the spectrum. A thermal scene's is that of a black body of each
@@ -141,7 +148,7 @@ SHORTEST_THERMAL_UM = 2.5
 """What reaches a camera of shorter waves is reflected light, of no brightness temperature."""
 
 _DEEPEST = 1e-9  # of the largest radiance; below it electrons are in proportion to the radiance
-_COLDEST_K, _HOTTEST_K, _LEAST_PHOTONS = 1.0, 1e6, 1e-290
+_COLDEST_K, _HOTTEST_K, _LEAST_LIGHT = 1.0, 1e6, 1e-290
 _FLAT = 1e-14  # of ln L: a picture of one value
 _FINEST = 2e-14
 _FIT_SIZES = (8, 16, 32, 64)
@@ -164,11 +171,15 @@ class FilteredBody:
 
     def photons(self, temperature_K: ArrayLike) -> Floats:
         """∫ QE·R·L_q dλ, s⁻¹ m⁻² sr⁻¹."""
-        return self._sum(temperature_K, self._counting, slope=False)
+        if self._counts_all:
+            return self.efficiency.photon_radiance(temperature_K)
+        return _summed(temperature_K, *self._counting)
 
     def photons_slope(self, temperature_K: ArrayLike) -> Floats:
         """Derivative of `photons` by the temperature."""
-        return self._sum(temperature_K, self._counting, slope=True)
+        if self._counts_all:
+            return self.efficiency.photon_radiance_slope(temperature_K)
+        return _summed(temperature_K, *self._counting, slope=True)
 
     @property
     def flat_photons(self) -> float:
@@ -177,15 +188,23 @@ class FilteredBody:
 
     def radiance(self, temperature_K: ArrayLike) -> Floats:
         """∫ R·L dλ, W/m²/sr."""
-        return self._sum(temperature_K, self._passing, slope=False)
+        if self.responses:
+            return _summed(temperature_K, *self._passing)
+        temperature = np.asarray(temperature_K, np.float64)
+        return planck.band_radiance(temperature_K=temperature, **self._band)
 
     def radiance_slope(self, temperature_K: ArrayLike) -> Floats:
         """Derivative of `radiance` by the temperature."""
-        return self._sum(temperature_K, self._passing, slope=True)
+        if self.responses:
+            return _summed(temperature_K, *self._passing, slope=True)
+        temperature = np.asarray(temperature_K, np.float64)
+        return planck.band_radiance_derivative(temperature_K=temperature, **self._band)
 
     def temperature(self, radiance: ArrayLike) -> Floats:
-        """Temperatures whose `radiance` is this; by Newton's steps in ln L over 1/T."""
+        """Temperatures whose `radiance` is this."""
         wanted = np.asarray(radiance, np.float64)
+        if not self.responses:
+            return planck.brightness_temperature(radiance=wanted, **self._band)
         target = np.log(wanted)
         inverse = np.full(wanted.shape, 1.0 / 300.0)
         for _ in range(_NEWTON_STEPS):
@@ -206,18 +225,16 @@ class FilteredBody:
             )
         return np.asarray(1.0 / inverse)
 
-    def _sum(
-        self, temperature_K: ArrayLike, weighted: tuple[Floats, Floats], *, slope: bool
-    ) -> Floats:
-        wavelength, weight = weighted
-        temperature = np.asarray(temperature_K, np.float64)
-        flat = temperature.reshape(-1, 1)
-        light = planck.spectral_radiance(wavelength, flat)
-        if slope:
-            x = planck.SECOND_RADIATION_CONSTANT_UM_K / (wavelength * flat)
-            x = np.minimum(x, _LARGEST_X)  # beyond, the radiance is zero anyway
-            light = light * x / -np.expm1(-x) / flat
-        return np.asarray((light @ weight).reshape(temperature.shape))
+    @property
+    def _band(self) -> dict[str, float]:
+        ((low, high),) = self.windows
+        return {"cut_on_um": low, "cut_off_um": high}
+
+    @property
+    def _counts_all(self) -> bool:
+        """Whether all that the detector counts by its efficiency is what it receives."""
+        detector = self.efficiency.cut_on_um, self.efficiency.cut_off_um
+        return not self.responses and self.windows == (detector,)
 
     @cached_property
     def _passing(self) -> tuple[Floats, Floats]:
@@ -280,10 +297,6 @@ class PhotonWeights:
         windows = self.windows or ((low, high),)
         return FilteredBody(windows, self.efficiency, self.responses).flat_photons
 
-    @property
-    def _band(self) -> dict[str, float]:
-        return {"cut_on_um": self.band_um[0], "cut_off_um": self.band_um[1]}
-
     def per_radiance(self, radiance: Floats, *, temperature_K: Floats | None = None) -> Floats:
         """∫ QE·L_q dλ over L, s⁻¹ W⁻¹, for radiances above 0.
 
@@ -291,8 +304,8 @@ class PhotonWeights:
         """
         if self.used == "scene":
             if temperature_K is None:
-                temperature_K = self._temperatures(radiance)
-            return np.asarray(self._photons(temperature_K) / radiance)
+                temperature_K = self._dimmed.temperature(radiance)
+            return np.asarray(self._counted.photons(temperature_K) / radiance)
         return np.full(np.shape(radiance), self._constant)
 
     def slope(self, radiance: float, *, temperature_K: float | None = None) -> float:
@@ -303,20 +316,19 @@ class PhotonWeights:
         if self.used == "scene":
             if temperature_K is None:
                 temperature_K = self.temperature(radiance)
-            photons = self.efficiency.photon_radiance_slope
-            if self.responses:
-                photons = self._counted.photons_slope
-            return float(photons(temperature_K)) / self.per_kelvin(temperature_K)
+            return float(self._counted.photons_slope(temperature_K)) / self.per_kelvin(
+                temperature_K
+            )
         return self._constant
 
     def temperature(self, mean: float) -> float:
         """Temperature of the black body whose light, or counted photons, give this mean, K."""
         if self.used != "spectrum":
-            return float(self._temperatures(np.float64(mean)))
+            return float(self._dimmed.temperature(mean))
 
         def above(logarithm: float) -> float:
-            photons = float(self._photons(math.exp(logarithm)))
-            return math.log(max(photons, _LEAST_PHOTONS) / mean)
+            photons = float(self._counted.photons(math.exp(logarithm)))
+            return math.log(max(photons, _LEAST_LIGHT) / mean)
 
         low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
         if not above(low) < 0.0 < above(high):
@@ -329,32 +341,8 @@ class PhotonWeights:
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of that light, or of those photons, by the temperature."""
         if self.used == "spectrum":
-            if self._by_windows:
-                return float(self._counted.photons_slope(temperature_K))
-            return float(self.efficiency.photon_radiance_slope(temperature_K))
-        if self.responses:
-            return float(self._dimmed.radiance_slope(temperature_K))
-        return float(planck.band_radiance_derivative(temperature_K=temperature_K, **self._band))
-
-    def _temperatures(self, radiance: Any) -> Any:
-        if self.responses:
-            return self._dimmed.temperature(radiance)
-        return planck.brightness_temperature(radiance=radiance, **self._band)
-
-    def _radiance(self, temperature_K: float) -> Any:
-        if self.responses:
-            return self._dimmed.radiance(temperature_K)
-        return planck.band_radiance(temperature_K=temperature_K, **self._band)
-
-    def _photons(self, temperature_K: Any) -> Floats:
-        if self._by_windows:
-            return self._counted.photons(temperature_K)
-        return self.efficiency.photon_radiance(temperature_K)
-
-    @property
-    def _by_windows(self) -> bool:
-        """Whether what is counted is more than the efficiency says."""
-        return bool(self.responses or (self.windows and self.used == "spectrum"))
+            return float(self._counted.photons_slope(temperature_K))
+        return float(self._dimmed.radiance_slope(temperature_K))
 
     @cached_property
     def _dimmed(self) -> FilteredBody:
@@ -378,14 +366,14 @@ class PhotonWeights:
         if self.used == "spectrum":
             return 1.0
         if self.used == "source":
-            radiance = float(self._radiance(self.source_K))
+            radiance = float(self._dimmed.radiance(self.source_K))
             if not radiance > 0.0:
                 low, high = self.band_um
                 raise DataError(
                     f"a source of {self.source_K:g} K emits nothing from {low:g} to {high:g} µm: "
                     "give a higher source_K"
                 )
-            return float(self._photons(self.source_K)) / radiance
+            return float(self._counted.photons(self.source_K)) / radiance
         low = max(self.band_um[0], efficiency.cut_on_um)
         high = min(self.band_um[1], efficiency.cut_off_um)
         if not low < high:

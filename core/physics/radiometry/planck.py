@@ -46,6 +46,7 @@ FloatOrArray = TypeVar("FloatOrArray", float, NDArray[np.float64])
 
 _SHORTEST_UM, _LONGEST_UM = 1e-30, 1e30  # keeps λ⁻⁵ a finite number
 _HOTTEST_K = 1e30  # keeps T⁴ a finite number
+_LARGEST_SLOPE_X = 700.0
 
 
 def spectral_radiance(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Floats:
@@ -71,6 +72,14 @@ def spectral_radiance(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Flo
     with np.errstate(under="ignore"):
         front = FIRST_RADIATION_CONSTANT_W_M2_SR * 1e24 / wavelength**5
         return np.asarray(front * (np.exp(-x) / -np.expm1(-x)))
+
+
+def spectral_radiance_slope(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Floats:
+    """Slope dL/dT of `spectral_radiance`, W m⁻² sr⁻¹ µm⁻¹ K⁻¹; above 0 K, otherwise as there."""
+    kelvin = np.asarray(temperature_K, float)
+    x = SECOND_RADIATION_CONSTANT_UM_K / (np.asarray(wavelength_um, float) * kelvin)
+    x = np.minimum(x, _LARGEST_SLOPE_X)  # beyond, the radiance is zero anyway
+    return np.asarray(spectral_radiance(wavelength_um, kelvin) * x / -np.expm1(-x) / kelvin)
 
 
 def band_radiance(
