@@ -1,7 +1,5 @@
 """app → nodes → core, never back."""
 
-from __future__ import annotations
-
 import ast
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A command loads nothing that it does not need; each in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

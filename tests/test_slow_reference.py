@@ -1,7 +1,5 @@
 """The slow reference shares no code with what it judges, and is right where it can be judged."""
 
-from __future__ import annotations
-
 import ast
 import sys
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Measurements in processes of their own: each is a program of this folder that prints JSON."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

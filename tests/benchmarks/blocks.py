@@ -3,8 +3,6 @@
 Run as a module it is the process that is measured: ``FOLDER SIZE MEMORY`` runs the chain there.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """The speed of the window: first picture, dragging a slider, large networks, memory."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

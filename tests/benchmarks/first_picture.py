@@ -4,8 +4,6 @@ The process goes the way of ``imagechain edit NETWORK``. Prints at which time of
 monotonic clock the picture was painted; the caller has the time of the process's start.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

@@ -5,8 +5,6 @@ times the chain; ``memory FILE SIZE`` reads the scene from there as a user's own
 ``draw FILE SIZE`` draws it and no more.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """A network of a hundred nodes: how long until it is drawn, and each step of a node's drag."""
 
-from __future__ import annotations
-
 import json
 import time
 from statistics import median

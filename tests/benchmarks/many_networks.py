@@ -4,8 +4,6 @@ It goes up and down with what the store has to drop, so rounds through the same 
 compared by the most they leave in use.
 """
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import json

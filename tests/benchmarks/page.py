@@ -1,7 +1,5 @@
 """The handbook's tables of speed: Markdown between two marks of its page."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -7,8 +7,6 @@ With ``--page`` the tables of that page and its pictures are made anew, on a qui
 `imagechain bench` that stand there, and the line scanner's.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from importlib import import_module

@@ -5,8 +5,6 @@ looks aslant. A whole frame is filtered at one scale, as in 1996; or each line i
 what separates exactly, what does not blended from a few scales, or summed directly for every one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -4,8 +4,6 @@ Given the side of the pictures, and if wanted the seconds of a drag, how many dr
 their parameters (node.parameter), one after the other.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """What builders measure: it judges and tells as it should; no timings."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A window to be measured: as a person's, but with settings of its own."""
 
-from __future__ import annotations
-
 import contextlib
 import tempfile
 import time

@@ -5,8 +5,6 @@ whatever is run before it: `--seed S --first N --count 1` repeats it alone. A ca
 memory or crashes ends the command; it has said its number, and says where every thread stood.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import faulthandler

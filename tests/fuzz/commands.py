@@ -1,7 +1,5 @@
 """Commands of the program run in this process, and what must hold of each."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import types

@@ -10,8 +10,6 @@ A trial fails if a file is neither the whole old one nor the whole new one, if w
 and stderr say is not true, if a traceback is printed, or if the last run leaves anything hidden.
 """
 
-from __future__ import annotations
-
 import argparse
 import collections
 import contextlib

@@ -1,7 +1,5 @@
 """Random networks of the library's modules: wired by port types, tiny, with values of any size."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from random import Random

@@ -7,8 +7,6 @@ is judged. Development goes by the scenes of `camera_scenes`; those of `held_out
 the last word alone. Each case is a line of JSON; then comes how much lies within three errors.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import json

@@ -1,7 +1,5 @@
 """Making a drawn network valid, as a person would: by what the error says."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

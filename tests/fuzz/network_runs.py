@@ -1,7 +1,5 @@
 """Drawn networks through `check`, `run`, `tradeoff`: whole and finite, or refused in one line."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math

@@ -10,8 +10,6 @@ networks 4 have pictures of a single line and 2 large ones of up to 509. The cas
 memory where there is such a file system.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

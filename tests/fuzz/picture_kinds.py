@@ -1,7 +1,5 @@
 """Small picture files of every kind, with what their formats guard by a checksum."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable

@@ -5,8 +5,6 @@ and ends with 1 where a picture was accepted that a checksum of its format could
 samples differ from read to read, or where a reader failed otherwise than by its own error.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import multiprocessing

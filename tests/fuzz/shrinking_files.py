@@ -5,8 +5,6 @@ and ends with 1 where one ended otherwise than with samples or the reader's own 
 as SIGBUS ends the command itself.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

@@ -1,7 +1,5 @@
 """The frame of the fuzzers: a finding is told with its number, and the rest goes on."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

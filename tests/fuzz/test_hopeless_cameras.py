@@ -1,7 +1,5 @@
 """Pictures that no MTF can be measured on: they end in words, never in a number."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

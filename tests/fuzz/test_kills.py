@@ -1,7 +1,5 @@
 """A short seed of the kills, by the command that carries out a long one."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A dozen cameras before scenes that nothing was developed on; more by `measured_cameras.py`."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

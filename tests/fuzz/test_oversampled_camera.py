@@ -1,7 +1,5 @@
 """The simulated cameras against formulas and plain sums, before anything is judged by them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A short seed of the random networks; a long one is a command."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

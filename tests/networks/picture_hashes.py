@@ -10,8 +10,6 @@
 Without --into, what is compared is made in a folder that is removed; NETWORK picks some of them.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

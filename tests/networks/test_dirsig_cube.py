@@ -1,7 +1,5 @@
 """The shipped cube: what it is made of, and what the network makes of it, by hand."""
 
-from __future__ import annotations
-
 import csv
 import sys
 from itertools import pairwise

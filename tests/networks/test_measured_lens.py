@@ -1,7 +1,5 @@
 """The shipped lens of three files: each is that of its wavefront, by a sum over its pupil."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What shows that results have not moved must see the least change, and no more than there is."""
 
-from __future__ import annotations
-
 import json
 import shutil
 

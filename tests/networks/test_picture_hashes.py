@@ -8,8 +8,6 @@ everywhere else. After a change that is meant to change results, make the table 
 The same command with ``--full`` compares all files of runs at full size, before and after.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from machine_tag import machine_tag

@@ -1,7 +1,5 @@
 """Folders with a picture in them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

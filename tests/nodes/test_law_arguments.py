@@ -1,7 +1,5 @@
 """Arguments of transfer functions are refused when a network is planned, not when it is run."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Every registered module is declared and documented."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

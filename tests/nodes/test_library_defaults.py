@@ -4,8 +4,6 @@ Who changes one changes what saved networks give, and has to change it here too.
 parameters need not be here.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from module_defaults import DEFAULTS

@@ -1,7 +1,5 @@
 """Every step that makes a picture says what becomes of one in it; nothing knows one by identity."""
 
-from __future__ import annotations
-
 import pytest
 
 from battery_settings import EXAMPLES

@@ -1,7 +1,5 @@
 """Every registered module takes a parameter or refuses it in one line."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

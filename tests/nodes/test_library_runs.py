@@ -1,7 +1,5 @@
 """Every registered module runs, and passes its input on where it says so."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

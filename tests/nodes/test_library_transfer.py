@@ -1,7 +1,5 @@
 """Transfer functions of every filter: H(0) = 1, |H| ≤ 1, Hermitian."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures that are functions of the angle, in networks of one module over the field."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from core.chain.engine import Engine

@@ -1,7 +1,5 @@
 """What Qt needs of the system is looked for in full before Qt is loaded."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.bench.timing import STEADY

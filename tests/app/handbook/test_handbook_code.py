@@ -4,8 +4,6 @@ Commands must succeed without a word on stderr. Where a page shows what is print
 printed: a line that ends in … stands for all that begin so, one that is … alone for any lines.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """The handbook's pages: whole, linked, with every module's formulas, from any folder."""
 
-from __future__ import annotations
-
 import json
 import re
 from html.parser import HTMLParser

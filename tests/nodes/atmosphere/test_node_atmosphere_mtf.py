@@ -1,7 +1,5 @@
 """Atmosphere MTF in a chain: what of the air blurs, and which way one looks through it."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """Atmospheric Path, and a warm window."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """Reflected Light: radiance of reflectances, in one band, in many, and of a cube."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Atmospheric Path on a cube: each band by its own transmission, through optics and to the sum."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -16,8 +16,6 @@
 | radiance in a scene | 1e-12 | 1e-7 | here |
 """
 
-from __future__ import annotations
-
 import ast
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Each parameter of each module at the ends of its range."""
 
-from __future__ import annotations
-
 import math
 from itertools import count
 from typing import Any

@@ -1,7 +1,5 @@
 """A cube of 1 GB, and one of 4, go from their file to electrons in the memory of a few pictures."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

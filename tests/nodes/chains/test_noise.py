@@ -1,7 +1,5 @@
 """Noise in chains: levels, photons, rounding and streams."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random chains and networks."""
 
-from __future__ import annotations
-
 from collections import Counter
 from random import Random
 

@@ -1,7 +1,5 @@
 """Looked-at transfer functions of even frames against what becomes of a point in a picture."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What a scene does not need is skipped."""
 
-from __future__ import annotations
-
 import pytest
 
 from core.chain.engine import Engine

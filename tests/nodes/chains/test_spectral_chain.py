@@ -1,7 +1,5 @@
 """A cube goes through optics band by band: the same as filtering every band by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

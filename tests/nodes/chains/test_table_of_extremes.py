@@ -6,8 +6,6 @@ brings, nothing is NaN: `test_extreme_parameters` takes every parameter to the e
 `tests/core/physics` compares with 30 to 60 digits.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A cube on the focal plane: the electrons are those of every band's photons, added up by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Focal Plane: responses and binning."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

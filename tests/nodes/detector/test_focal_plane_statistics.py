@@ -5,8 +5,6 @@ probabilities are differences of the normal distribution function, cut off at th
 over whole numbers; the patterns are integrated by Gauss and Hermite.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

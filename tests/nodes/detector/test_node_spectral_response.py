@@ -1,7 +1,5 @@
 """Spectral Response: the same weights by fine sums, of bands and of one band by a black body."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Periodic Noise and Noise File."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Sums over the bands of a cube whose file is damaged, changed meanwhile, or very long in bands."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

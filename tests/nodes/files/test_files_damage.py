@@ -1,7 +1,5 @@
 """Pictures that a bit, a claim or a lost end has made another: refused, never read as whole."""
 
-from __future__ import annotations
-
 import re
 import struct
 import subprocess

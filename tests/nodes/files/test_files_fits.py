@@ -1,7 +1,5 @@
 """FITS files: cards as the standard has them, sums, cubes, and what is refused."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

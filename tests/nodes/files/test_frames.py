@@ -1,7 +1,5 @@
 """Files of frames, and tiled TIFF."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import sys

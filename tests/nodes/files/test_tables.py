@@ -1,7 +1,5 @@
 """Tables of numbers in text."""
 
-from __future__ import annotations
-
 import json
 import random
 

@@ -1,7 +1,5 @@
 """Cubes that are read and written."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

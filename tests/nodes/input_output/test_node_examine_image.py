@@ -1,7 +1,5 @@
 """Examine Image against numpy and Planck's law by quadrature."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.integrate

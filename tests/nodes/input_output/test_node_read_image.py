@@ -1,7 +1,5 @@
 """Read Image against files made without it."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

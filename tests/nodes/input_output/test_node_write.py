@@ -1,7 +1,5 @@
 """Write Image and Write Matrix: files read back."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The unit that Read Image gives to its samples, and the factor it applies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Optics whose wavelengths are weighted by the light and by what the detector counts of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

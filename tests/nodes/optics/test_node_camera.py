@@ -1,7 +1,5 @@
 """Camera: entered once, taken by what follows; figures by hand from a data sheet."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

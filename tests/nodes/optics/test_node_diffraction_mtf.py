@@ -1,7 +1,5 @@
 """Diffraction MTF, over bands too."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.fft

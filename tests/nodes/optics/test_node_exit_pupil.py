@@ -1,7 +1,5 @@
 """Exit pupils: files, wavefronts and bands."""
 
-from __future__ import annotations
-
 import struct
 
 import numpy as np

@@ -4,8 +4,6 @@ Pictures differ by less than the largest error of the interpolated curve times t
 contrast (Parseval).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator

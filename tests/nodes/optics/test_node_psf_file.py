@@ -1,7 +1,5 @@
 """PSF File: which way round it lies, its scale and formats, and what it refuses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.ndimage import convolve

@@ -1,7 +1,5 @@
 """A package with modules of its own, installed for real: command, editor and Python see them."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

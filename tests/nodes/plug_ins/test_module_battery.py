@@ -1,7 +1,5 @@
 """What a module must hold to: ours do, and one that does not is named with what is wrong."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 from typing import Annotated

@@ -1,7 +1,5 @@
 """Read-outs of all modules."""
 
-from __future__ import annotations
-
 import cmath
 import math
 

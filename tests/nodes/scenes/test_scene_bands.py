@@ -1,7 +1,5 @@
 """Scenes in bands: sums of bands against bands, their integral, and surfaces by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

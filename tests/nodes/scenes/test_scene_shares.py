@@ -1,7 +1,5 @@
 """Scenes in two steps against those painted at once, sums by hand and Planck's law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

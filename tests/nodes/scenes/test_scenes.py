@@ -1,7 +1,5 @@
 """Test scenes, and what their shapes cover."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Pictures behind Back Transform."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

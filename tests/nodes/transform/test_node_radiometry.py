@@ -1,7 +1,5 @@
 """To Radiance and To Temperature: Planck's integral by mpmath, each other's inverse, refusals."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Interpolate and Anti-alias Filter; their pictures are compared in `test_random_networks`."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Sample Pixels: one sample a pixel, against sums of waves and Bracewell's formulas by hand."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The fit dock in a window: a number is freed, fitted, taken and undone; what fails is said."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The measuring dock: edges are clicked, removed, used again; results written, work stopped."""
 
-from __future__ import annotations
-
 import json
 import math
 import threading

@@ -3,8 +3,6 @@
 The clock is set by hand: what is tested is the share, not the machine.
 """
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -1,7 +1,5 @@
 """Unsaved work survives: crashes, kills, full disks; and nobody's living work is taken for lost."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

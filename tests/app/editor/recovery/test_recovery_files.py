@@ -1,7 +1,5 @@
 """Recovery files as they may be found: without locks, damaged, strange, among other files."""
 
-from __future__ import annotations
-
 import json
 import os
 

@@ -1,7 +1,5 @@
 """The editor's help opens the page of the handbook, and says what it cannot open."""
 
-from __future__ import annotations
-
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest

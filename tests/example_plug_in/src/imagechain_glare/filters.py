@@ -1,7 +1,5 @@
 """Neutral Filter: a glass that takes the same share of every sample."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Glare MTF: light that surfaces scatter into a wide halo."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Camera Geometry in a network: figures, what is refused, and what an edit computes anew."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Line by Line."""
 
-from __future__ import annotations
-
 import math
 import re
 

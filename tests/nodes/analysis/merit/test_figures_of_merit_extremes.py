@@ -1,7 +1,5 @@
 """Figures of Merit: extremes, and ranges through air."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

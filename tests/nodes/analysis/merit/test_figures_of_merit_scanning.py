@@ -1,7 +1,5 @@
 """Figures of Merit of staring, parallel and serial scans, and of noise that is not white."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures of Merit on chains whose noise and blur are known, and on noise that is drawn."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Image Quality of a visible camera behind a Gaussian blur: every figure by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Compare Images against plain numpy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

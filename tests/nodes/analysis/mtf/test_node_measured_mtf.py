@@ -1,7 +1,5 @@
 """Measured MTF, and what is expected."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """MTF Slices against formulas."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

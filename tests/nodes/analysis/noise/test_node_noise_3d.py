@@ -1,7 +1,5 @@
 """3-D Noise: predicted, simulated and in files."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

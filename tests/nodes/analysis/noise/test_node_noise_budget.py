@@ -1,7 +1,5 @@
 """Noise Budget on chains whose noise and blur are worked out by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Spatial Blur against direct sums, and against the Fourier way."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
