@@ -11,10 +11,6 @@ from oversampled_camera import (
     half_plane,
     pupil_transfer,
     sampled,
-    take,
-    transfer,
-    true_mtf,
-    true_sigma,
     true_spread,
 )
 from oversampled_scene import Fine, Scene, Shape, coverage, render, true_edges
@@ -36,15 +32,8 @@ def test_coverage_of_a_triangle():
     np.testing.assert_allclose(share, counted, atol=0.02)
 
 
-def test_coverage_beyond_the_grid():
-    share = coverage([[-3, 1.25], [9, 1.25], [9, 8], [-3, 8]], 3, 4)
-    np.testing.assert_allclose(share, np.repeat([[0.0], [0.75], [1.0]], 4, axis=1), atol=1e-12)
 
 
-def test_diffraction_of_a_circle():
-    v = np.linspace(0, 1, 21)
-    airy = 2 / math.pi * (np.arccos(v) - v * np.sqrt(1 - v**2))
-    np.testing.assert_allclose(pupil_transfer(v), airy, atol=1e-6)
 
 
 @pytest.mark.parametrize(("obscuration", "defocus"), [(0.4, 0.0), (0.35, 0.7)])
@@ -123,68 +112,14 @@ def _box(away, width, sigma):
     return integral(away + half) - integral(away - half)
 
 
-@pytest.mark.parametrize("angle_deg", [4.0, 62.0])
-def test_edge_of_a_diffraction_limited_camera(angle_deg):
-    camera = Camera(cutoff=0.9, obscuration=0.3, defocus=0.2, electronics=0.4)
-    cells = render(half_plane(angle_deg, (24.2, 23.6), 0, 1), 48, 48, margin=40)
-    angle = math.radians(angle_deg)
-    y, x = np.indices((48, 48))
-    away = (x - 24.2) * math.cos(angle) + (y - 23.6) * math.sin(angle)
-    spread = true_spread(camera, angle_deg, away)
-    # The scene comes again beyond the margin, and the tails of diffraction are long.
-    np.testing.assert_allclose(sampled(cells, camera), spread, atol=2e-3)
 
 
-def test_mtf_of_pixel_motion_and_blur():
-    f = np.linspace(0, 1, 11)
-    camera = Camera(pixel=(0.8, 0.6), jitter=0.2, motion=1.5, motion_deg=90)
-    gauss = np.exp(-2 * (math.pi * 0.2 * f) ** 2)
-    np.testing.assert_allclose(true_mtf(camera, 0, f), np.abs(np.sinc(0.8 * f)) * gauss)
-    np.testing.assert_allclose(
-        true_mtf(camera, 90, f), np.abs(np.sinc(0.6 * f) * np.sinc(1.5 * f)) * gauss, atol=1e-15
-    )
-    pole = transfer(Camera(pixel=(0, 0), electronics=0.5), f, 0)
-    np.testing.assert_allclose(1 / pole, 1 + 1j * math.pi * f)
 
 
-def test_noise():
-    camera = Camera(
-        gaussian=(1, 1), gain_e_per_dn=20, read_e=50, offset_dn=100, row_dn=3, column_dn=2, bits=12
-    )
-    frame = take(Scene(background=8000), camera, rows=200, columns=200, seed=4, fine=2, margin=4)
-    assert np.allclose(frame.clean, 500)
-    away = frame.picture - 500
-    rows, columns = away.mean(axis=1), away.mean(axis=0)
-    inner = away - rows[:, None] - columns + away.mean()
-    sigma = true_sigma(camera, 8000)
-    assert sigma == pytest.approx(math.sqrt((8000 + 2500) / 400 + 1 / 12))
-    assert inner.std() * 200 / 199 == pytest.approx(sigma, rel=0.02)
-    assert rows.std() == pytest.approx(math.hypot(3, sigma / math.sqrt(200)), rel=0.2)
-    assert columns.std() == pytest.approx(math.hypot(2, sigma / math.sqrt(200)), rel=0.2)
-    again = take(Scene(background=8000), camera, rows=200, columns=200, seed=4, fine=2, margin=4)
-    assert np.array_equal(frame.picture, again.picture)
 
 
-def test_periodic_lines_clipping_and_jpeg():
-    flat = Scene(background=100)
-    camera = Camera(photons=False, periodic=(20, 0.125, 0), bits=8, pixel=(1, 1))
-    picture = take(flat, camera, rows=16, columns=16, fine=2, margin=4).picture
-    assert np.ptp(picture, axis=0).max() == 0
-    assert abs(np.fft.rfft(picture[0])[2]) / 8 == pytest.approx(20, abs=0.5)  # quantized
-    bright = take(Scene(background=1000), camera, rows=8, columns=8, fine=2, margin=4).picture
-    assert np.all(bright == 255)
-    noisy = Camera(read_e=5, bits=8, jpeg_quality=60)
-    blocks = take(flat, noisy, rows=32, columns=32, fine=2, margin=4).picture
-    plain = take(flat, Camera(read_e=5, bits=8), rows=32, columns=32, fine=2, margin=4).picture
-    assert not np.array_equal(blocks, plain)
-    assert blocks.mean() == pytest.approx(plain.mean(), abs=1)
 
 
-def test_fields_of_interlaced_rows():
-    camera = Camera(photons=False, field_shift=3.0)
-    picture = take(half_plane(0, (20, 16), 0, 1), camera, rows=32, columns=40).picture
-    crossings = picture.sum(axis=1)
-    assert crossings[::2] - crossings[1::2] == pytest.approx(np.full(16, 3.0), abs=0.05)
 
 
 def test_true_edges_of_a_square():
