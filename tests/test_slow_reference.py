@@ -40,20 +40,6 @@ def extended(*numbers):
     return np.array(numbers, np.longdouble)
 
 
-
-
-
-
-
-
-
-
-
-
-
-
-
-
 @pytest.mark.parametrize("shape", [(1, 1), (2, 3), (5, 4)])
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 def test_filtering_term_by_term(shape, edges):
@@ -91,5 +77,3 @@ def test_filtering_term_by_term(shape, edges):
             samples.astype(np.longdouble), lambda xi: transfer(xi, 0 * xi), steps[0], edges
         )
         assert np.abs(lines - expected).max() <= 1e-14
-
-

@@ -32,10 +32,6 @@ def test_coverage_of_a_triangle():
     np.testing.assert_allclose(share, counted, atol=0.02)
 
 
-
-
-
-
 @pytest.mark.parametrize(("obscuration", "defocus"), [(0.4, 0.0), (0.35, 0.7)])
 def test_pupil_against_its_plain_autocorrelation(obscuration, defocus):
     y, x = np.indices((800, 1200)) / 400 - np.array([1, 1.5])[:, None, None] + 1 / 800
@@ -110,16 +106,6 @@ def _box(away, width, sigma):
         return sigma / width * (twice((x + width / 2) / sigma) - twice((x - width / 2) / sigma))
 
     return integral(away + half) - integral(away - half)
-
-
-
-
-
-
-
-
-
-
 
 
 def test_true_edges_of_a_square():

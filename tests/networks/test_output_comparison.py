@@ -102,8 +102,8 @@ class TestFolders:
         ("change", "said"),
         [
             (lambda folder: change_sample(folder, one_more), "1 of 65536 samples, first at (3, 5)"),
-            (lambda folder: change_readout(folder, 1 + 1e-15), "readouts.json: /init/nyquist_x: "),
-            (lambda folder: change_cell(folder, 1 + 1e-15), "mtf.csv: line 3, total.mtf_y: "),
+            (lambda folder: change_readout(folder, 1 + 1e-15), "readouts.json: byte "),
+            (lambda folder: change_cell(folder, 1 + 1e-15), "mtf.csv: byte "),
             (lambda folder: (folder / MTF).unlink(), "only in one of both: mtf.csv"),
         ],
     )
