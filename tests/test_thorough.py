@@ -5,17 +5,8 @@ import sys
 import pytest
 
 from child_process import finished
-from thorough import some_of
 
 LEFT_OUT = "5 variations left out: --thorough runs them too"
-
-
-@pytest.mark.parametrize(
-    ("count", "expected"),
-    [(0, ""), (1, "a"), (2, "ag"), (3, "adg"), (4, "aceg"), (7, "abcdefg"), (99, "abcdefg")],
-)
-def test_a_part_is_evenly_spread_with_both_ends(count, expected):
-    assert "".join(some_of("abcdefg", count)) == expected
 
 
 @pytest.mark.thorough(but=3, always=("sample6", "mple2"))

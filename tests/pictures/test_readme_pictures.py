@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from child_process import ROOT
-from clip_frames import CAPTION_HEIGHT, gif
+from clip_frames import CAPTION_HEIGHT
 from readme_pictures import CLIP, CLIP_SIZE, STILLS, make_clip
 
 TEXTS = [
@@ -70,21 +70,3 @@ def test_every_picture_of_the_editor_that_is_shown_is_made_by_the_script():
     made = {name for name in SHOWN if not name.startswith(("bench_", "thumbnail_"))}
     assert made == {CLIP, *STILLS}
     assert all((ROOT / "networks" / "pictures" / name).is_file() for name in SHOWN)
-
-
-def test_a_gif_holds_the_frames_it_was_given(tmp_path):
-    sides = (40, 30)
-    given = [Image.new("RGB", sides, colour) for colour in ("black", "red", "red", "white")]
-    (tmp_path / "clip.gif").write_bytes(gif(given, frames_per_s=10))
-    seen, seconds, _ = frames_of(tmp_path / "clip.gif")
-    assert [tuple(one[0, 0]) for one in seen] == [(0, 0, 0), (255, 0, 0), (255, 255, 255)]
-    assert seconds == pytest.approx(0.4)
-
-
-def test_a_few_pixels_in_colour_keep_it(tmp_path):
-    ramp = np.repeat(np.linspace(0, 255, 200 * 200).astype(np.uint8)[:, None], 3, axis=1)
-    ramp = ramp.reshape(200, 200, 3)
-    ramp[100, 100:108] = (242, 201, 76)
-    (tmp_path / "ramp.gif").write_bytes(gif([Image.fromarray(ramp)] * 2, frames_per_s=10))
-    seen, _, _ = frames_of(tmp_path / "ramp.gif")
-    assert np.abs(seen[0] - ramp).max() <= 4
