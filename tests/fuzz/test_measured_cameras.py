@@ -16,7 +16,7 @@ CASES = range(1000, 1012)
 
 @pytest.fixture(scope="module")
 def rows():
-    return [judged("held_out", number, fit=False, rows=128, columns=144) for number in CASES]
+    return [judged(number, fit=False, rows=128, columns=144) for number in CASES]
 
 
 def test_edges_are_used_where_there_are_any(rows):

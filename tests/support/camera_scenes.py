@@ -1,22 +1,16 @@
-"""Random cameras, and scenes for the development of what finds edges, measures and fits.
+"""Random cameras, and scenes for what finds edges, measures and fits.
 
-A scene is drawn for a frame's size and the electrons of full scale. The scenes that judge in the
-end are another family, of other shapes.
+A scene is drawn for a frame's size and the electrons of full scale. Numbers below 1000 are for
+development; those from there on judge in the end, and are left alone meanwhile.
 """
 
 import math
 
 import numpy as np
+from scipy.spatial import Delaunay
 
 from oversampled_camera import Camera
 from oversampled_scene import Scene, Shape
-
-GLYPHS = {  # x and y of the corners, a digit each
-    "E": "00 30 31 11 12 32 33 13 14 34 35 05",
-    "H": "00 10 12 22 20 30 35 25 23 13 15 05",
-    "T": "00 30 31 21 25 15 11 01",
-    "L": "00 10 14 34 35 05",
-}
 
 
 def drawn_camera(rng):
@@ -70,139 +64,181 @@ def levels(rng, full, count):
     return np.array(values) * full
 
 
-def rectangles(rng, rows, columns, full):
-    side = min(rows, columns)
+def houses(rng, rows, columns, full):
+    """Gables with windows and doors before a sky that darkens, on textured ground."""
+    sky, wall, roof, window = levels(rng, full, 4)
     shapes = []
-    for k in range(4):
-        low, high = levels(rng, full, 2)
-        middle = columns * (0.27 + 0.46 * (k % 2)), rows * (0.27 + 0.46 * (k // 2))
-        size = side * rng.uniform(0.22, 0.3, 2)
-        shapes.append(Shape(turned(box(*size), rng.uniform(0, 360), middle), high))
-    return Scene(background=low, shapes=tuple(shapes))
-
-
-def bars(rng, rows, columns, full):
-    low, high = levels(rng, full, 2)
-    angle = rng.uniform(0, 360)
-    width = rng.uniform(3, 14)
-    length = 0.5 * min(rows, columns)
-    turn = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-    middle = np.array([columns, rows]) / 2
-    shapes = [
-        Shape(turned(box(width, length), angle, middle + k * 2 * width * turn), high)
-        for k in range(-2, 3)
-    ]
-    return Scene(background=low, shapes=tuple(shapes))
-
-
-def checker(rng, rows, columns, full):
-    low, high = levels(rng, full, 2)
-    angle, size = rng.uniform(0, 360), rng.uniform(20, 40)
-    middle = np.array([columns, rows]) / 2 + rng.uniform(-9, 9, 2)
-    turn = math.radians(angle)
-    one = size * np.array([math.cos(turn), math.sin(turn)])
-    two = size * np.array([-math.sin(turn), math.cos(turn)])
-    reach = int(max(rows, columns) / size) + 1
-    shapes = [
-        Shape(turned(box(size, size), angle, middle + i * one + j * two), high)
-        for i in range(-reach, reach + 1)
-        for j in range(-reach, reach + 1)
-        if (i + j) % 2 == 0
-    ]
-    return Scene(background=low, shapes=tuple(shapes))
-
-
-def star(rng, rows, columns, full):
-    low, high = levels(rng, full, 2)
-    middle = np.array([columns, rows]) / 2
-    spokes, start = int(rng.integers(5, 13)), rng.uniform(0, 2 * math.pi)
-    shapes = []
-    for k in range(spokes):
-        one, two = (start + math.pi * (2 * k + e) / spokes for e in (0, 1))
-        rim = (
-            0.45
-            * min(rows, columns)
-            * np.array([[math.cos(one), math.sin(one)], [math.cos(two), math.sin(two)]])
-        )
-        shapes.append(Shape(np.vstack((middle, middle + rim)), high))
-    return Scene(background=low, shapes=tuple(shapes))
-
-
-def letters(rng, rows, columns, full):
-    low, high = levels(rng, full, 2)
-    size = min(rows, columns) / 12 * rng.uniform(0.7, 1.1)
-    shapes = []
-    for k, glyph in enumerate(GLYPHS.values()):
-        corners = size * np.array([[int(digit) for digit in pair] for pair in glyph.split()])
-        middle = columns * (0.27 + 0.46 * (k % 2)), rows * (0.27 + 0.46 * (k // 2))
-        shapes.append(Shape(turned(corners, rng.uniform(-25, 25), middle), high))
-    return Scene(background=low, shapes=tuple(shapes), shading=tuple(rng.uniform(-0.02, 0.02, 2)))
-
-
-def leaves(rng, rows, columns, full):
-    """Discs that hide one another, and two quadrilaterals, on a 1/f ground."""
-    shapes = []
-    for _ in range(40):
-        radius = min(rows, columns) * 0.02 / (1 - rng.uniform(0, 0.96)) ** 0.5
-        middle = rng.uniform(0, 1, 2) * (columns, rows)
-        shapes.append(
-            Shape(disc(middle, radius), levels(rng, full, 1)[0], straight=False, texture=0.03)
-        )
-    for k in (0.3, 0.7):
-        size = min(rows, columns) * rng.uniform(0.3, 0.45, 2)
-        middle = columns * k, rows * rng.uniform(0.3, 0.7)
-        one = turned(box(*size), rng.uniform(0, 360), middle)
-        shapes.append(Shape(one, levels(rng, full, 1)[0]))
+    horizon = rows * rng.uniform(0.7, 0.85)
+    for k in range(3):
+        width, height = columns * rng.uniform(0.2, 0.28), rows * rng.uniform(0.3, 0.45)
+        left = columns * (0.05 + 0.32 * k) + rng.uniform(-4, 4)
+        lean = rng.uniform(-3, 3)
+        shade = rng.uniform(0.9, 1.1)
+        base, top = horizon + 8, horizon - height
+        right = left + width
+        body = [[left, base], [left + lean, top], [right + lean, top], [right, base]]
+        eaves = [[left + lean - 4, top + 2], [right + lean + 4, top + 2]]
+        peak = [left + width / 2 + lean, top - height * rng.uniform(0.3, 0.6)]
+        shapes.append(Shape(np.array(body), wall * shade))
+        shapes.append(Shape(np.array([eaves[0], peak, eaves[1]]), roof * shade))
+        pane = box(width * 0.25, height * 0.3)
+        place = left + width * rng.uniform(0.3, 0.7), horizon - height * 0.55
+        shapes.append(Shape(turned(pane, lean, place), window))
+    ground = np.array(
+        [[-99, horizon], [columns + 99, horizon + 3], [columns + 99, 2 * rows], [-99, 2 * rows]]
+    )
+    shapes.append(Shape(ground, 0.5 * wall, straight=False, texture=0.1))
     return Scene(
-        background=0.4 * full,
-        shapes=tuple(shapes),
-        texture=0.08,
+        background=sky, shapes=tuple(shapes), shading=(0.0, rng.uniform(-0.03, 0.03)),
         texture_seed=int(rng.integers(1 << 30)),
+    )  # fmt: skip
+
+
+def roads(rng, rows, columns, full):
+    """Two roads with dashed middle lines over even or rough terrain."""
+    terrain, asphalt = levels(rng, full, 2)
+    shapes = []
+    first = rng.uniform(0, 180)
+    for angle in (first, first + rng.uniform(50, 130)):
+        width = rng.uniform(20, 34)
+        middle = np.array([columns, rows]) * rng.uniform(0.35, 0.65, 2)
+        shapes.append(Shape(turned(box(999, width), angle, middle), asphalt))
+        along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+        shapes += [
+            Shape(turned(box(9, 2.2), angle, middle + along * 20 * n), 1.4 * asphalt)
+            for n in range(-9, 10)
+            if abs(20 * n) > 30
+        ]
+    return Scene(
+        background=terrain, shapes=tuple(shapes), texture=float(rng.choice([0.0, 0.004, 0.05])),
+        texture_seed=int(rng.integers(1 << 30)),
+    )  # fmt: skip
+
+
+def mosaic(rng, rows, columns, full):
+    """Triangles of all levels that cover everything."""
+    count = int(rng.integers(6, 16))
+    places = rng.uniform(0, 1, (count, 2)) * (columns, rows)
+    frame = np.array([[-90, -90], [columns + 90, -90], [columns + 90, rows + 90], [-90, rows + 90]])
+    places = np.vstack((places, frame))
+    shapes = [
+        Shape(places[corners], levels(rng, full, 1)[0]) for corners in Delaunay(places).simplices
+    ]
+    return Scene(background=0.5 * full, shapes=tuple(shapes), disjoint=True)
+
+
+def stairs(rng, rows, columns, full):
+    """A staircase wall, seen at a slant."""
+    low, high = levels(rng, full, 2)
+    step = rng.uniform(26, 44)
+    count = int(max(rows, columns) / step) + 6
+    corners = [[0.0, 0.0]]
+    for _ in range(count):
+        x, y = corners[-1]
+        corners += [[x + step, y], [x + step, y + step]]
+    corners.append([0.0, corners[-1][1]])
+    turn = rng.uniform(-40, 40)
+    corners = np.array(corners) - np.array(corners[-2]) / 2
+    angle = math.radians(turn)
+    rotation = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    return Scene(
+        background=low,
+        shapes=(Shape(corners @ rotation + np.array([columns, rows]) / 2, high),),
+        shading=tuple(rng.uniform(-0.03, 0.03, 2)),
     )
 
 
-def discs(rng, rows, columns, full):
+def frames(rng, rows, columns, full):
+    """Frames within frames."""
+    values = levels(rng, full, 5)
+    side = 0.9 * min(rows, columns)
+    angle = rng.uniform(0, 90)
+    shapes = [
+        Shape(
+            turned(box(side * size, side * size * 0.9), angle + rng.uniform(-6, 6),
+                   (columns / 2, rows / 2)),
+            level,
+        )
+        for size, level in zip((1.0, 0.72, 0.45, 0.22), values[1:], strict=True)
+    ]  # fmt: skip
+    return Scene(background=values[0], shapes=tuple(shapes))
+
+
+def wedge(rng, rows, columns, full):
+    """Rings, a wedge that narrows, and a mast."""
+    low, high = levels(rng, full, 2)
+    place = columns * 0.25, rows * 0.35
+    shapes = [
+        Shape(disc(place, radius), high if k % 2 == 0 else low, straight=False)
+        for k, radius in enumerate((30, 22, 13, 5))
+    ]
+    tip = np.array([columns * 0.95, rows * rng.uniform(0.2, 0.5)])
+    foot = np.array([columns * 0.45, rows * rng.uniform(0.5, 0.7)])
+    across = rng.uniform(12, 20) * np.array([-(tip - foot)[1], (tip - foot)[0]])
+    across = across / np.hypot(*(tip - foot))
+    shapes.append(Shape(np.array([tip, foot + across, foot - across]), high))
+    mast = turned(
+        box(rng.uniform(8, 16), rows * 0.3), rng.uniform(-12, 12), (columns * 0.25, rows * 0.8)
+    )
+    shapes.append(Shape(mast, high))
+    return Scene(background=low, shapes=tuple(shapes))
+
+
+def field(rng, rows, columns, full):
+    """One boundary across the whole frame, the fainter the more often."""
+    low = full * rng.uniform(0.15, 0.6)
+    high = low * (1 + 10 ** rng.uniform(-1.3, -0.3))
+    angle = rng.uniform(0, 360)
+    middle = np.array([columns, rows]) * rng.uniform(0.35, 0.65, 2)
+    away = 500 * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    return Scene(
+        background=low, shapes=(Shape(turned(box(1000, 1000), angle, middle + away), high),)
+    )
+
+
+def aerial(rng, rows, columns, full):
+    """A runway, hangars and a round tank on grass."""
+    grass, concrete, hangar = levels(rng, full, 3)
+    angle = rng.uniform(0, 180)
+    along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    across = np.array([-along[1], along[0]])
+    middle = np.array([columns, rows]) / 2
+    shapes = [Shape(turned(box(999, 36), angle, middle - 25 * across), concrete)]
+    shapes += [
+        Shape(
+            turned(box(40, 30), angle + rng.uniform(-8, 8), middle + n * along + 40 * across),
+            hangar,
+        )
+        for n in (-62, 0, 62)
+    ]
+    shapes.append(Shape(disc(middle + 85 * across, 15), concrete, straight=False))
+    return Scene(
+        background=grass, shapes=tuple(shapes), texture=0.02, texture_power=1.8,
+        texture_seed=int(rng.integers(1 << 30)),
+    )  # fmt: skip
+
+
+def clouds(rng, rows, columns, full):
+    """No edge: steep 1/f."""
+    return Scene(
+        background=0.5 * full, texture=rng.uniform(0.1, 0.25), texture_power=rng.uniform(2.6, 3.4),
+        texture_seed=int(rng.integers(1 << 30)),
+    )  # fmt: skip
+
+
+def ellipses(rng, rows, columns, full):
     """No straight edge."""
     shapes = []
-    for _ in range(9):
-        middle = rng.uniform(0.1, 0.9, 2) * (columns, rows)
-        radius = rng.uniform(4, 24)
-        shapes.append(Shape(disc(middle, radius), levels(rng, full, 1)[0], straight=False))
-    return Scene(background=0.3 * full, shapes=tuple(shapes))
+    for _ in range(7):
+        one = disc((0, 0), 1) * rng.uniform(8, 22, 2)
+        place = rng.uniform(0.1, 0.9, 2) * (columns, rows)
+        shapes.append(
+            Shape(turned(one, rng.uniform(0, 180), place), levels(rng, full, 1)[0], False)
+        )
+    return Scene(background=0.35 * full, shapes=tuple(shapes))
 
 
-def texture(rng, rows, columns, full):
-    """No edge: a shaded 1/f field."""
-    return Scene(
-        background=0.4 * full,
-        texture=rng.uniform(0.05, 0.2),
-        texture_power=rng.uniform(1.6, 2.4),
-        texture_seed=int(rng.integers(1 << 30)),
-        shading=tuple(rng.uniform(-0.1, 0.1, 2)),
-    )
-
-
-def points(rng, rows, columns, full):
-    """No edge: points on an even ground."""
-    count = rows * columns // 400
-    place = rng.uniform(0, 1, (count, 2)) * (columns - 1, rows - 1)
-    return Scene(
-        background=0.1 * full, points=np.column_stack((place, full * rng.uniform(0.05, 1.5, count)))
-    )
-
-
-def flat(rng, rows, columns, full):
-    """No edge: two gentle slopes."""
-    return Scene(background=levels(rng, full, 1)[0], shading=tuple(rng.uniform(-0.05, 0.05, 2)))
-
-
-DEVELOPMENT = {
+SCENES = {
     one.__name__: one
-    for one in (rectangles, bars, checker, star, letters, leaves, discs, texture, points, flat)
+    for one in (houses, roads, mosaic, stairs, frames, wedge, field, aerial, clouds, ellipses)
 }
-
-
-def half(angle, middle, size=1000):
-    """Corners of the half-plane on one side of an edge."""
-    away = size / 2 * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-    return turned(box(size, size), angle, np.asarray(middle) + away)
