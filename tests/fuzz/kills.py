@@ -24,9 +24,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
 
 ROOT = Path(__file__).resolve().parents[2]
 # A script beside this one is named like the package of the shipped networks: the root comes first.
@@ -50,41 +48,14 @@ MOMENTS: dict[str, tuple[int, float | None]] = {
 }
 
 
-@dataclass(frozen=True)
-class Trial:
-    """How one run is ended: what it writes, by which signal, and when."""
-
-    number: int
-    variant: int
-    signal: signal.Signals
-    with_page: bool
-    moment: str
-    after: float
-
-    def __str__(self) -> str:
-        page = ", with a page" if self.with_page else ""
-        return f"trial {self.number}: {self.signal.name} {self.after:.4f} s {self.moment}{page}"
-
-
 class Kills:
-    """Trials in a folder of their own.
-
-    Parameters
-    ----------
-    folder : Path
-        Empty; the files of all trials go there.
-    seed : int
-        Of the random moments.
-    pages : int
-        Every so many trials the run writes an .html report too, which takes long; 0 for never.
-    """
+    """Trials in an empty folder; every so many (`pages`) of them write an .html report too."""
 
     def __init__(self, folder: Path, seed: int, pages: int) -> None:
         self.folder = folder
         self.random = random.Random(seed)
         self.pages = pages
         self.found: collections.Counter[str] = collections.Counter()
-        self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self.whole: list[dict[str, bytes]] = []
         for variant in range(len(VARIANTS)):
             self._finish(variant)
@@ -95,26 +66,28 @@ class Kills:
     def trial(self, number: int) -> list[str]:
         """Carry out one trial; what is wrong afterwards."""
         page = self.pages > 0 and number % self.pages == 0
-        shares = [share for share, _ in MOMENTS.values()]
-        (moment,) = self.random.choices(list(MOMENTS), shares)
-        trial = Trial(
-            number,
-            1 - self.last,
-            self.random.choice(SIGNALS),
-            page,
-            moment,
-            self.random.uniform(0, MOMENTS[moment][1] or self.seconds * (2 if page else 1)),
-        )
+        variant = 1 - self.last
+        (moment,) = self.random.choices(list(MOMENTS), [share for share, _ in MOMENTS.values()])
+        ending = self.random.choice(SIGNALS)
+        longest = MOMENTS[moment][1] or self.seconds * (2 if page else 1)
+        after = self.random.uniform(0, longest)
         before = self._reports()
-        code, line, started = self._disturbed(trial)
-        wrong = self._outcome(trial, code, line, started, self._reports() != before)
-        self._finish(trial.variant)
+        process = self._started(self._words(variant, page=page))
+        self._wait(process, moment, after)
+        started = _has_begun(process.pid)
+        process.send_signal(ending)
+        _, line = process.communicate(timeout=LONGEST_S)
+        reported = self._reports() != before
+        wrong = self._outcome(variant, ending, process.returncode, line, started, reported)
+        self._finish(variant)
         hidden = [path.name for path in self.folder.rglob(".*")]
         if hidden:
             wrong.append(f"the next run leaves {hidden}")
-        if self._files() != self.whole[trial.variant]:
+        if self._files() != self.whole[variant]:
             wrong.append("the next run does not write what it should")
-        return [f"{trial}: {each}" for each in wrong]
+        with_page = ", with a page" if page else ""
+        told = f"trial {number}: {ending.name} {after:.4f} s {moment}{with_page}"
+        return [f"{told}: {each}" for each in wrong]
 
     def _words(self, variant: int, *, page: bool = False) -> list[str]:
         sets = [word for text in (*SIZE, VARIANTS[variant]) for word in ("--set", text)]
@@ -123,57 +96,43 @@ class Kills:
         save = ["--save", "electronics.image=saved.npy", "--output-dir", "out"]
         return ["run", "kodak_kir310", *sets, *save, *more]
 
-    def _disturbed(self, trial: Trial) -> tuple[int, str, bool]:
-        """Exit code, stderr, and whether the command had begun when the signal was sent."""
-        process = subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "app.command.cli",
-                *self._words(trial.variant, page=trial.with_page),
-            ],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
+    def _started(self, words: list[str]) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "app.command.cli", *words]
+        quiet, told = subprocess.DEVNULL, subprocess.PIPE
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        return subprocess.Popen(
+            command, cwd=self.folder, env=environment, stdout=quiet, stderr=told, text=True
         )
-        last = time.monotonic() + LONGEST_S
-        before = self._inodes()
+
+    def _wait(self, process: subprocess.Popen[str], moment: str, after: float) -> None:
+        """Until the moment, and so much of the run's own processor time after it."""
+        last, before = time.monotonic() + LONGEST_S, self._inodes()
         reached = {
             "of the start": lambda: True,
             "of writing": self._writes,
             "of putting in place": lambda: self._inodes() != before,
-        }[trial.moment]
+        }[moment]
         while process.poll() is None and not reached() and time.monotonic() < last:
             time.sleep(0.0002)
-        begun = 0.0 if trial.moment == "of the start" else _processor_s(process.pid)
-        while process.poll() is None and _processor_s(process.pid) < begun + trial.after:
+        begun = 0.0 if moment == "of the start" else _processor_s(process.pid)
+        while process.poll() is None and _processor_s(process.pid) < begun + after:
             time.sleep(0.0002)
-        started = _has_begun(process.pid)
-        process.send_signal(trial.signal)
-        _, line = process.communicate(timeout=LONGEST_S)
-        return process.returncode, line, started
 
     def _measured(self) -> float:
         """How much processor time a run takes in a process of its own."""
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(
-            [sys.executable, "-m", "app.command.cli", *self._words(self.last)],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.DEVNULL,
-            timeout=LONGEST_S,
-            check=True,
-        )
+        process = self._started(self._words(self.last))
+        _, told = process.communicate(timeout=LONGEST_S)
+        assert process.returncode == 0, told
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
     def _outcome(
-        self, trial: Trial, code: int, line: str, started: bool, reported: bool
-    ) -> list[str]:
+        self, variant: int, ending: signal.Signals, code: int, line: str, started: bool,
+        reported: bool,
+    ) -> list[str]:  # fmt: skip
         """What is not as it should be of a run that was disturbed."""
-        files, old, new = self._files(), self.whole[1 - trial.variant], self.whole[trial.variant]
+        files, old, new = self._files(), self.whole[1 - variant], self.whole[variant]
         wrong = [f"{name} is torn" for name in FILES if files[name] not in (old[name], new[name])]
         wrong += self._torn_reports()
         if code == 0:
@@ -184,15 +143,15 @@ class Kills:
             self.found["cancelled"] += 1
             if files != old or reported:
                 wrong.append("it says that nothing was written")
-        elif code == -trial.signal and not line:
-            self.found[f"ended by {trial.signal.name}"] += 1
-        elif trial.signal == signal.SIGINT and not started:
+        elif code == -ending and not line:
+            self.found[f"ended by {ending.name}"] += 1
+        elif ending == signal.SIGINT and not started:
             self.found["ended by Python's own start"] += 1  # before any line of ours
         else:
             wrong.append(f"exit code {code}, {line!r}")
         if files not in (old, new):
             self.found["of these, with old and new files"] += 1
-            if trial.signal != signal.SIGKILL:
+            if ending != signal.SIGKILL:
                 wrong.append("some files are old, some new")
         return wrong
 
@@ -260,32 +219,22 @@ def _has_begun(pid: int) -> bool:
     return True
 
 
-def kills(count: int, seed: int, *, pages: int = 0, out: TextIO | None = None) -> list[str]:
-    """Carry out so many trials; what went wrong in them."""
-    wrong: list[str] = []
-    with tempfile.TemporaryDirectory() as name:
-        trials = Kills(Path(name), seed, pages)
-        for number in range(1, count + 1):
-            wrong += trials.trial(number)
-            if out is not None and (number % 20 == 0 or number == count):
-                told = ", ".join(f"{what} {n}" for what, n in sorted(trials.found.items()))
-                print(f"{number} trials: {told}; faults {len(wrong)}", file=out, flush=True)
-    return wrong
-
-
 def command() -> int:
     """The command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n", maxsplit=1)[0])
     parser.add_argument("--count", type=int, default=200, help="trials (default: 200)")
     parser.add_argument("--seed", type=int, default=1, help="of the random moments (default: 1)")
-    parser.add_argument(
-        "--pages",
-        type=int,
-        default=10,
-        help="every so many write a page too (default: 10; 0: none)",
-    )
+    parser.add_argument("--pages", type=int, default=10,
+                        help="every so many write a page too (default: 10; 0: none)")  # fmt: skip
     words = parser.parse_args()
-    wrong = kills(words.count, words.seed, pages=words.pages, out=sys.stdout)
+    wrong: list[str] = []
+    with tempfile.TemporaryDirectory() as name:
+        trials = Kills(Path(name), words.seed, words.pages)
+        for number in range(1, words.count + 1):
+            wrong += trials.trial(number)
+            if number % 20 == 0 or number == words.count:
+                told = ", ".join(f"{what} {n}" for what, n in sorted(trials.found.items()))
+                print(f"{number} trials: {told}; faults {len(wrong)}", flush=True)
     print("\n".join(wrong) or "no faults")
     return bool(wrong)
 
