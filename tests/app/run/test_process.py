@@ -2,13 +2,12 @@
 
 import os
 import signal
-import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
+from child_process import ROOT, finished
+
 CANCELLED = "imagechain: cancelled; nothing was written\n"
 START = """
 import os, signal, sys
@@ -36,15 +35,9 @@ def disturbed(tmp_path, write, small):
     write(small)
 
     def run(lines):
-        return subprocess.run(
-            [sys.executable, "-c", f"{START}{lines}\nsys.exit(app.command.cli.main())"],
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
+        program = f"{START}{lines}\nsys.exit(app.command.cli.main())"
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        return finished([sys.executable, "-c", program], folder=tmp_path, env=environment)
 
     return run
 

@@ -37,8 +37,8 @@ def _network(write, small):
     write(small)
 
 
-@pytest.mark.parametrize("port", ["back.image"])
-def test_is_the_crop_of_the_whole(port, works, tmp_path):
+def test_is_the_crop_of_the_whole(works, tmp_path):
+    port = "back.image"
     words = ["run", "net.json", "--save", f"{port}=whole.npy"]
     for number, bounds in enumerate(BOUNDS):
         words += ["--save", f"{port}[{bounds}]={number}.npy"]

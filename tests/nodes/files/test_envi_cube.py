@@ -1,7 +1,5 @@
 """Sums over the bands of a cube whose file is damaged, changed meanwhile, or very long in bands."""
 
-import os
-import subprocess
 import sys
 import tracemalloc
 from pathlib import Path
@@ -9,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from child_process import finished
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_weights_um
 from picture_samples import envi
@@ -34,29 +33,14 @@ def test_a_file_cut_short_while_it_is_read_is_an_error_and_no_end_of_the_process
     tmp_path, interleave
 ):
     data = envi(tmp_path / "x.img", np.ones((64, 64, 5), "f4"), interleave)
-    ended = subprocess.run(
-        [sys.executable, "-c", CUT_SHORT, str(data)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
+    ended = finished([sys.executable, "-c", CUT_SHORT, str(data)])
     assert ended.returncode == 1
     assert f"FileError: {data}: ends before its last sample" in ended.stderr
 
 
 def info(centres, widths):
-    return PictureInfo(
-        path=Path("x.img"),
-        rows=1,
-        columns=1,
-        bands=len(centres),
-        wavelengths_um=tuple(centres),
-        fwhm_um=tuple(widths),
-        dtype="float32",
-        kind="envi",
-    )
+    given = {"wavelengths_um": tuple(centres), "fwhm_um": tuple(widths), "dtype": "float32"}
+    return PictureInfo(Path("x.img"), 1, 1, len(centres), kind="envi", **given)
 
 
 def test_the_widths_of_65536_bands_take_no_table_of_bands_by_bands():

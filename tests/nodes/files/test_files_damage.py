@@ -2,7 +2,6 @@
 
 import re
 import struct
-import subprocess
 import sys
 import tracemalloc
 import zlib
@@ -11,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from child_process import run_program
 from core.errors import FileError
 from core.machine import usable_bytes
 from nodes.files.common.picture_info import PictureInfo, refuse_oversized
 from nodes.files.formats import read_info, read_pixels
 from picture_samples import png, tiff, tiff_tag
 
-ROOT = Path(__file__).parents[3]
 TRUTH = np.add.outer(np.arange(48.0), np.sin(np.arange(40.0))).astype(np.float32)
 
 
@@ -148,10 +147,7 @@ def test_a_one_bit_png_takes_the_memory_of_its_samples(tmp_path):
         "assert samples[0, :4].tolist() == [0, 1, 0, 1] and samples[-1, -1] == 1\n"
         "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
     )
-    command = [sys.executable, "-c", program, str(tmp_path / "a.png")]
-    done = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=True
-    )
+    done = run_program(program, str(tmp_path / "a.png"))
     unit = 1 if sys.platform == "darwin" else 1024
     assert int(done.stdout) * unit < 4 * rows * columns + 250e6
 
@@ -165,26 +161,6 @@ def test_a_header_that_claims_more_than_the_file_can_hold_is_damaged(tmp_path):
     (tmp_path / "a.tif").write_bytes(claim)
     with pytest.raises(FileError, match="do not fit in a file of"):
         read_info(tmp_path / "a.tif")
-
-
-def test_pictures_damaged_at_random(tmp_path):
-    """A short seed of the command that runs thousands."""
-    command = [sys.executable, "tests/fuzz/pictures.py", "--count", "120", "--seed", "7"]
-    done = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stderr == ""
-
-
-def test_files_cut_short_while_they_are_read_do_not_end_the_process():
-    """A short seed; of mapped files, one in ten ended it."""
-    command = [sys.executable, "tests/fuzz/shrinking_files.py", "--count", "80", "--seed", "3"]
-    done = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "refused" in done.stdout, "no file was cut short in time"
 
 
 def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):

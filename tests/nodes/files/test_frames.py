@@ -1,15 +1,13 @@
 """Files of frames, and tiled TIFF."""
 
 import struct
-import subprocess
-import sys
 
 import numpy as np
 import OpenImageIO
 import pytest
 from PIL import Image as Pillow
 
-from child_process import PEAK, ROOT
+from child_process import PEAK, run_program
 from core.errors import FileError
 from nodes.files.formats import read_info, read_pixels
 from nodes.files.frames import (
@@ -248,11 +246,7 @@ def test_many_frames_take_the_memory_of_a_few(tmp_path, name):
     for count in (20, 600):
         frames = np.full((count, 200, 200), 7, np.uint16)
         made = {"f.npy": npy, "f.tif": pages, "f.bsq": bands}[name](tmp_path / name, frames)
-        done = subprocess.run(
-            [sys.executable, "-c", code, str(made)],
-            cwd=ROOT, capture_output=True, text=True, check=True, timeout=300,
-        )  # fmt: skip
-        total, peak = done.stdout.split()
+        total, peak = run_program(code, str(made)).stdout.split()
         assert float(total) == frames.sum()
         peaks.append(int(peak) / 1024)
     assert peaks[1] < peaks[0] + 8.0
