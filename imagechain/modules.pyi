@@ -251,7 +251,8 @@ def examine_image(
     Parameters
     ----------
     display : Literal['linear', 'log', 'centred_spectrum']
-        how the samples are shown: one of linear, log, centred_spectrum; default 'linear'
+        how the samples are shown: linear, logarithmic, or as a spectrum with zero frequency in the
+        middle: one of linear, log, centred_spectrum; default 'linear'
     probe_x : int | Expression | None
         column of the sample to report, counted from 0: a whole number of at least 0 or empty;
         default empty
@@ -2013,7 +2014,7 @@ def tdi_mtf(
 ) -> Part:
     """Blur by time delay and integration: stepwise charge motion and a velocity mismatch.
 
-    Relative to the middle of the exposure, the MTF is sinc((1 +
+    With phase measured from the middle of the exposure, the transfer function is sinc((1 +
     m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). Here, m is the image velocity divided by the charge
     velocity, minus 1; s is the pitch divided by `phases`, and N = stages·phases. With
     `line_rate_Hz`, m follows from the scene's velocity and range (Init & Trans, or Camera's orbit).
@@ -2271,11 +2272,11 @@ def focal_plane(
         CSV file of wavelength (µm) and quantum efficiency; if given, it replaces
         quantum_efficiency: a file name or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
-        or empty; default empty
+        shortest wavelength of the cold filter; empty: start of the image's band [µm]: a number of
+        at least 0 or empty; default empty
     cut_off_um : float | Expression | None
-        longest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
-        or empty; default empty
+        longest wavelength of the cold filter; empty: end of the image's band [µm]: a number of at
+        least 0 or empty; default empty
     photon_weighting : Literal['scene', 'source', 'middle']
         spectrum used to convert radiance to photons: a black body at the scene's temperature or at
         source_K, or the band's middle wavelength: one of scene, source, middle; default 'scene'
@@ -2309,8 +2310,8 @@ def focal_plane(
         temperature of the detector, for Rule 07 and dark_doubling_K [K]: a number from 0 to 1000 or
         empty; default empty
     material_cutoff_um : float | Expression | None
-        cutoff of the detector material, for Rule 07 [µm]: a number from 0 to 100 or empty; default
-        empty
+        cutoff wavelength of the detector material, for Rule 07 [µm]: a number from 0 to 100 or
+        empty; default empty
     full_well_e : float | Expression | None
         electrons that a pixel can hold; empty: unlimited [e-]: a number of at least 0 or empty;
         default empty
@@ -2336,9 +2337,10 @@ def focal_plane(
     read_noise_e : float | Expression
         read noise [e-]: a number from 0 to 1e+12; default 0.0
     prnu_percent : float | Expression
-        PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
+        PRNU: rms spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     dsnu_e : float | Expression
-        DSNU: spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default 0.0
+        DSNU: rms spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default
+        0.0
     bad_pixel_percent : float | Expression
         share of dead and hot pixels, some of them clustered [%]: a number from 0 to 100; default
         0.0
@@ -2364,8 +2366,8 @@ def focal_plane(
         spectral radiance at which snr_at_reference is computed; empty: no snr_at_reference
         [W/m²/sr/µm]: a number of at least 0 or empty; default empty
     units : Literal['dn', 'electrons', 'radiance']
-        unit of the output; the picture is always digitized: one of dn, electrons, radiance; default
-        'dn'
+        unit of the output; with bits above 0, the output is digitized in every unit: one of dn,
+        electrons, radiance; default 'dn'
 
     Notes
     -----
@@ -2483,10 +2485,10 @@ def microbolometer(
         longest period of the 1/f noise: time since the last correction [s]: a number from 1e-09 to
         1e+09; default 60.0
     response_percent : float | Expression
-        PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
+        PRNU: rms spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     offset_mK : float | Expression
-        spread of the offset between pixels, at the data sheet's background [mK]: a number from 0 to
-        1e+09; default 0.0
+        rms spread of the offset between pixels, at the data sheet's background [mK]: a number from
+        0 to 1e+09; default 0.0
 
     Notes
     -----
@@ -2532,8 +2534,8 @@ def nuc(
         number of reference sources: none, one or two: one of none, one_point, two_point; default
         'two_point'
     low_K : float | Expression
-        temperature of the single reference, or of the cooler of two [K]: a number from 1 to 10000;
-        default 290.0
+        temperature of the reference, or of the cooler one if there are two [K]: a number from 1 to
+        10000; default 290.0
     high_K : float | Expression
         temperature of the warmer reference [K]: a number from 1 to 10000; default 310.0
     reference_frames : int | Expression
@@ -2687,11 +2689,11 @@ def frame_transfer_smear(
     line_transfer_time_s : float | Expression
         time to transfer one line [s]: a number from 0 to 1; default 0.0
     integration_time_s : float | Expression
-        exposure time, equal to integration_time_s on Focal Plane [s]: a number from 1e-09 to 1e+06;
+        exposure time; enter integration_time_s of Focal Plane [s]: a number from 1e-09 to 1e+06;
         default 0.01
     passed : Literal['both', 'above', 'below']
-        illuminated rows that a packet passes: on both sides of its pixel, only above or only below:
-        one of both, above, below; default 'both'
+        illuminated rows that a charge packet passes: on both sides of its pixel, only above or only
+        below: one of both, above, below; default 'both'
 
     Notes
     -----
@@ -2845,8 +2847,8 @@ def poisson_noise(
         photons per unit of radiance; needed if mode is photon: a number of at least 0 or empty;
         default empty
     mode : Literal['published', 'photon']
-        published: add a Poisson deviate to each sample; photon: replace the sample with a deviate:
-        one of published, photon; default 'published'
+        published: add a Poisson deviate to each sample; photon: replace each sample with a Poisson
+        deviate: one of published, photon; default 'published'
 
     Notes
     -----
@@ -2888,12 +2890,12 @@ def electronics_noise(
 ) -> Part:
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    The steps, in this order: gain and bias errors of each detector; detector noise with rms NER;
-    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
-    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
-    NETD and SNR use the rms noise over all detectors, which is √(1 + v²) times the mean noise for a
-    relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as
-    printed scales the picture by the gain error (`literal`).
+    The first steps are gain and bias errors of each detector, and detector noise with rms NER. Then
+    the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps are
+    amplifier noise with rms reference/SNR, a post filter and quantization. NEP and NER refer to a
+    detector with mean noise. NETD and SNR use the rms noise over all detectors, which is √(1 + v²)
+    times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
+    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
 
     Parameters
     ----------
@@ -2935,15 +2937,16 @@ def electronics_noise(
         signal to which amplifier_snr refers: the picture's mean, or its maximum minus its minimum:
         one of mean, contrast; default 'mean'
     gain_percent : float | Expression
-        spread of the gain between detectors [%]: a number of at least 0; default 0.0
+        rms spread of the gain between detectors [%]: a number of at least 0; default 0.0
     bias_percent : float | Expression
-        spread of the bias between detectors, relative to the mean [%]: a number of at least 0;
-        default 0.0
+        rms spread of the bias between detectors, relative to the picture's mean [%]: a number of at
+        least 0; default 0.0
     gain_model : Literal['per_pixel', 'published', 'literal']
-        per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. 4.59 as
-        printed: one of per_pixel, published, literal; default 'per_pixel'
+        gain errors: per_pixel scales each pixel; published adds a fraction of the picture's mean;
+        literal uses Tantalo's eq. 4.59 as printed: one of per_pixel, published, literal; default
+        'per_pixel'
     noise_variability_percent : float | Expression
-        spread of the noise level between detectors [%]: a number of at least 0; default 0.0
+        rms spread of the noise level between detectors [%]: a number of at least 0; default 0.0
     use_mtf : bool
         apply the pre-amplifier's MTF and PTF: true or false; default False
     post_filter : Literal['none', 'lowpass', 'highpass', 'boost']

@@ -7,8 +7,7 @@ from importlib import import_module
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
-from core.errors import in_line
-from core.evaluation.float_guard import plug_ins, with_place
+from core.errors import in_line, plug_ins, with_place
 from core.modules.declaration import (
     Library,
     Module,

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.engine import Engine, Plan, transfer_plane
+from core.chain.engine import Engine, Plan
 from core.chain.noise_power import NoisePower
-from core.chain.wires import CurveData, Image, TableData, Transfer
+from core.chain.wires import CurveData, Image, TableData, Transfer, transfer_plane
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.evaluation.recipes import Recipe, Region, Step
 from core.evaluation.work import Policy, Work

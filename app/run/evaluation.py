@@ -13,19 +13,25 @@ from numpy.typing import NDArray
 
 from app.run.output import find_output, source_images
 from app.run.transfer_chain import Chain, Responses, find_chain, response, responses
-from core.chain.block_plan import largest_picture, least_scratch, planned_blocks
-from core.chain.engine import Engine, Plan, asked_for, realize
+from core.chain.engine import (
+    Engine,
+    Plan,
+    asked_for,
+    largest_picture,
+    least_scratch,
+    planned_blocks,
+    realize,
+)
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import DataError, FileError, ImagechainError, UsageError, several
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import Store
 from core.evaluation.work import BlockRun, Policy, Shape, Work
-from core.machine import amount_text, usable_bytes
+from core.machine import ScratchDisk, amount_text, is_for_disk, usable_bytes
 from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
 from core.records import dataclass, field
-from core.scratch import ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR
 from nodes.files.formats import NPY, TIFF, check_finite
 

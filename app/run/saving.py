@@ -19,7 +19,7 @@ from core.chain.wires import Context, Curve, CurveData, Image, Table, TableData
 from core.errors import UsageError
 from core.evaluation.recipes import Region, number_bits
 from core.evaluation.work import Policy, Work
-from core.scratch import is_on_disk
+from core.machine import is_on_disk
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.stored_samples import integer_type

@@ -7,8 +7,17 @@ import numpy as np
 
 from core.arrays import Array
 from core.chain import step_lineage
-from core.chain.band_stack import BandStack, Row, Rows, SteppedBands, stacked, weighted_factors
-from core.chain.filtered_sum import FilteredSum, WavelengthRank, spectral_of
+from core.chain.band_stack import (
+    BandStack,
+    FilteredSum,
+    Row,
+    Rows,
+    SteppedBands,
+    WavelengthRank,
+    spectral_of,
+    stacked,
+    weighted_factors,
+)
 from core.chain.noise_power import NoisePower
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
@@ -17,9 +26,13 @@ from core.evaluation.work import Work
 from core.records import dataclass, field, replace
 from core.transfer.factors import Edges, Factor, Grid, Product, Skipped, spend
 from core.transfer.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
-from core.transfer.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
+from core.transfer.periodic import (
+    crossed_spectrum,
+    periodic_filter,
+    periodic_spectrum,
+    sampled_filter,
+)
 from core.transfer.planar_blocks import Axes, axes_of, known_planes
-from core.transfer.sampled_waves import sampled_filter
 
 BinMode = Literal["mean", "sum"]
 

@@ -1,22 +1,38 @@
 """Evaluating a network: plan every node in microseconds, then compute only what is requested."""
 
 import threading
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from core.arrays import Array
+from core.chain.back_transformed import Delivered
 from core.chain.band_stack import BandStack
-from core.chain.wires import Curve, Image, Phase, SampledTransfer, SpectrumWire, Table, Transfer
-from core.errors import ImagechainError, NetworkError, ParameterError, UnconnectedError
-from core.evaluation.float_guard import require_finite, watched
-from core.evaluation.recipes import Recipe, Region, Step, ends_lineage
+from core.chain.wires import (
+    Curve,
+    Image,
+    Phase,
+    SampledTransfer,
+    SpectrumWire,
+    Table,
+    Transfer,
+    spectrum,
+    transfer_plane,
+)
+from core.errors import (
+    DataError,
+    ImagechainError,
+    NetworkError,
+    ParameterError,
+    UnconnectedError,
+    watched,
+)
+from core.evaluation.recipes import Recipe, Region, Step, furthest_first
 from core.evaluation.store import Store
-from core.evaluation.work import Policy, Work
-from core.machine import Workers
+from core.evaluation.work import BlockRun, Policy, Shape, Work
+from core.machine import ScratchDisk, Workers, amount_text
 from core.modules.declaration import (
     GIVEN,
     Declaration,
@@ -29,9 +45,7 @@ from core.modules.declaration import (
 from core.modules.parameters import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
-from core.records import dataclass, field, replace
-from core.transfer.factors import Factor, Separable, nyquist_lines
-from core.transfer.periodic import fourier
+from core.records import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -458,66 +472,111 @@ def _spectrum_of(image: Image) -> Recipe:
     return Step.of(spectrum, image.recipe)
 
 
-def transfer_plane(
-    work: Work, value: Transfer | SpectrumWire, xi: Array | None = None, eta: Array | None = None
-) -> Array:
-    """Product of the MTFs, or sum of the PTFs, at xi × eta (default: the plain FFT's).
+# Whether a network's recipes can be made in blocks, and which of their pictures lie on disk.
+#
+# Found from the recipes alone, before anything is computed.
 
-    On the plain FFT's own frequencies it is what acts on a periodic frame: at the Nyquist row and
-    column of an even size, the Hermitian part.
+IN_MEMORY_AT_ONCE = 8
+"""Pictures of the largest size that a run in memory may hold, with what its steps make besides."""
+
+
+def largest_picture(plan: Plan, policy: Policy) -> tuple[Shape, int]:
+    """The largest picture that is planned, and the memory it takes; empty without any."""
+    shapes = {value.shape for value in _images(plan)}
+    rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1], default=(0, 0))
+    return (rows, columns), rows * columns * policy.dtype.itemsize * IN_MEMORY_AT_ONCE
+
+
+def planned_blocks(
+    plan: Plan, recipes: Iterable[Recipe], disk: ScratchDisk, policy: Policy
+) -> BlockRun:
+    """What a run in blocks keeps on disk, where it reads the values of all these recipes.
+
+    Raises `DataError` on the first node that would take or make a picture as a whole that has to
+    lie on disk.
     """
-    phase = value.part == "ptf" if isinstance(value, Transfer) else isinstance(value, Phase)
-    if xi is not None and eta is not None:
-        return _plane(work, value.factors, phase, xi, eta)
-    xi, eta = value.grid.xi(), value.grid.eta()
-    plane = np.array(_plane(work, value.factors, phase, xi, eta))
-
-    def shown(x: Array, y: Array) -> Array:
-        return _plane(work, value.factors, phase, x, y)
-
-    def acting(x: Array, y: Array) -> Array:
-        return _acting(work, value.factors, x, y)
-
-    lines = zip(nyquist_lines(shown, xi, eta), nyquist_lines(acting, xi, eta), strict=True)
-    for (place, mean), (_, acts) in lines:
-        if phase:
-            # Near the mean of the phases, which may be many turns.
-            plane[place] = mean + np.angle(acts * np.exp(-1j * mean))
-        elif np.iscomplexobj(acts):
-            plane[place] = np.copysign(np.abs(acts), mean)
-        else:
-            plane[place] = acts
-    return plane
+    pictures = {value.key: value.shape for value in _images(plan)}
+    on_disk: dict[str, Shape] = {}
+    for recipe in _furthest_first(recipes):
+        shape = _shape(recipe, pictures)
+        if shape is not None:
+            pictures[recipe.key] = shape
+            if disk.wants(shape, policy.dtype):
+                on_disk[recipe.key] = shape
+        large = [on_disk[one.key] for one in recipe.inputs if one.key in on_disk]
+        if recipe.key in on_disk:
+            large.append(on_disk[recipe.key])
+        held = recipe.held_size
+        if held is not None and not disk.wants(held, policy.dtype):
+            continue
+        if large and not recipe.in_blocks:
+            raise _refusal(recipe, max(large), disk)
+    return BlockRun(disk, on_disk)
 
 
-def _plane(work: Work, factors: tuple[Factor, ...], phase: bool, xi: Array, eta: Array) -> Array:
-    """The factors as wires show them: MTFs signed or as moduli, PTFs in radians."""
-    plane = np.zeros((len(eta), len(xi))) if phase else np.ones((len(eta), len(xi)))
-    for factor in factors:
-        part = factor.plane(work, xi, eta)
-        plane = plane + part if phase else plane * part
-    return plane
+def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -> int:
+    """Bytes that lie on disk at a time at least: a picture that is filtered, and its spectrum."""
+    most = 0
+    for recipe in _furthest_first(recipes):
+        if isinstance(recipe, Delivered) and recipe.magnitude.image is not None:
+            size = recipe.magnitude.grid.rows * recipe.magnitude.grid.columns
+            if recipe.magnitude.image.key in blocks.shapes:
+                most = max(most, 2 * size * policy.dtype.itemsize)
+    return most
 
 
-def _acting(work: Work, factors: tuple[Factor, ...], xi: Array, eta: Array) -> Array:
-    """The factors as they multiply a spectrum; of a modulus or a phase, the law it belongs to."""
-    plane: Array = np.ones((len(eta), len(xi)))
-    for factor in factors:
-        if isinstance(factor, Separable):
-            part = factor.plane(work, xi, eta)
-            plane = plane * (part if factor.part == "mtf" else np.exp(1j * part))
-        else:
-            whole = factor if factor.take == "real" else replace(factor, take="complex")
-            plane = plane * whole.transfer(work, xi[np.newaxis, :], eta[:, np.newaxis])
-    return plane
+def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
+    error = DataError(
+        f"{_what(recipe)} cannot run in blocks, and the whole picture of {shape[0]} × {shape[1]} "
+        f"samples does not fit in {amount_text(disk.memory_bytes)} of memory. Raise the memory "
+        "limit, or leave the node out",
+        hint="raise the memory limit with --memory",
+    )
+    return error if recipe.node is None else error.at(recipe.node)
 
 
-@ends_lineage
-def spectrum(work: Work, image: Array) -> Array:
-    """Unnormalised plain FFT of the frame, its mean exact to double precision."""
-    mean = float(np.mean(image, dtype=np.float64))
-    centred = np.subtract(image, mean, dtype=work.policy.dtype)
-    values = fourier().fft2(centred, workers=work.policy.workers)
-    require_finite(values)
-    values[0, 0] = mean * image.size
-    return np.asarray(values)
+def _what(recipe: Recipe) -> str:
+    if isinstance(recipe, Delivered):
+        if not recipe.one_source:
+            return "combining the magnitude of one picture with the phase of another"
+        if recipe.sampled is not None and not recipe.sampled.folds:
+            return "sampling with a pixel pitch that is not a whole number of samples"
+        return "filtering every band at its own wavelength"
+    name = recipe.in_words or type(recipe).__name__
+    if isinstance(recipe, Step):
+        name = getattr(recipe.function, "__name__", name)
+    return name.strip("_").replace("_", " ")
+
+
+def _shape(recipe: Recipe, known: Mapping[str, Shape]) -> Shape | None:
+    """Size of a picture; None for all that is none. What it is made of is known."""
+    if recipe.key in known:
+        return known[recipe.key]
+    if isinstance(recipe, Delivered):
+        if recipe.sampled is not None:
+            return recipe.sampled.new
+        grid = recipe.magnitude.grid
+        return grid.rows // recipe.factor_y, grid.columns // recipe.factor_x
+    if not isinstance(recipe, Step) or not recipe.in_parts:
+        return None
+    how = dict(recipe.parameters)
+    given = how.get("shape")
+    if {"old", "factor_y", "factor_x"} <= how.keys():  # pixels combined inside a node
+        given = how["old"][0] // how["factor_y"], how["old"][1] // how["factor_x"]
+    if given is not None:
+        return int(given[0]), int(given[1])
+    sizes = [known[one.key] for one in recipe.inputs if one.key in known]
+    return max(sizes, default=None)  # patterns of one line are spread over the picture
+
+
+def _images(plan: Plan) -> list[Image]:
+    outputs = (value for node in plan.nodes.values() for value in node.outputs.values())
+    return [value for value in outputs if isinstance(value, Image)]
+
+
+def _furthest_first(recipes: Iterable[Recipe]) -> Iterator[Recipe]:
+    """All that recipes are made of, and they themselves, each after what it is made of."""
+    done: set[str] = set()
+    for recipe in furthest_first(recipes, lambda one: one.inputs, lambda one: one.key in done):
+        done.add(recipe.key)
+        yield recipe

@@ -18,14 +18,12 @@ from numpy.random import Generator, Philox
 from numpy.typing import DTypeLike, NDArray
 
 from core.arrays import Array
-from core.errors import DataError, ParameterError
-from core.evaluation.float_guard import require_finite
+from core.errors import DataError, ParameterError, require_finite
 from core.evaluation.recipes import Region, runs
 from core.evaluation.work import Work
-from core.machine import ForEach, in_turn
+from core.machine import Empty, ForEach, in_turn
 from core.physics.optics.veiling_glare import gaussian_mtf
 from core.records import dataclass
-from core.scratch import Empty
 from core.transfer import mirrored
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])

@@ -46,8 +46,8 @@ from core.physics.sampling.detector_sampling import (
 )
 from core.records import dataclass, replace
 from core.transfer.factors import Edges, Factor, Grid, Law, Separable, factor_at
+from core.transfer.periodic import sampled_columns
 from core.transfer.planar_blocks import Axes
-from core.transfer.sampled_waves import sampled_columns
 
 # Linear changes of a picture: what they do to sampling, contrast, noise and an edge's row.
 #

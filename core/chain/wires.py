@@ -7,16 +7,19 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.band_stack import BandStack
-from core.errors import DataError, NetworkError
-from core.evaluation.recipes import Recipe, content_key
+from core.errors import DataError, NetworkError, require_finite
+from core.evaluation.recipes import Recipe, content_key, ends_lineage
+from core.evaluation.work import Work
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.focal_plane_array import Irradiance
 from core.physics.optics.pupil_shapes import PupilShape
 from core.physics.sampling.ground_geometry import OrbitView
 from core.records import dataclass, field, replace
-from core.transfer.factors import Edges, Factor, Grid
+from core.transfer.factors import Edges, Factor, Grid, Separable, nyquist_lines
+from core.transfer.periodic import fourier
 
 # Computed values that are not plain arrays: curves, tables, sampled transfer functions.
 
@@ -471,3 +474,71 @@ class Pupil:
     @property
     def aberrated(self) -> bool:
         return bool(self.defocus_waves or any(self.zernike_waves) or self.wavefront is not None)
+
+
+# A transfer function on the wire as a plane of numbers, and the spectrum of a picture.
+
+
+def transfer_plane(
+    work: Work, value: Transfer | SpectrumWire, xi: Array | None = None, eta: Array | None = None
+) -> Array:
+    """Product of the MTFs, or sum of the PTFs, at xi × eta (default: the plain FFT's).
+
+    On the plain FFT's own frequencies it is what acts on a periodic frame: at the Nyquist row and
+    column of an even size, the Hermitian part.
+    """
+    phase = value.part == "ptf" if isinstance(value, Transfer) else isinstance(value, Phase)
+    if xi is not None and eta is not None:
+        return _plane(work, value.factors, phase, xi, eta)
+    xi, eta = value.grid.xi(), value.grid.eta()
+    plane = np.array(_plane(work, value.factors, phase, xi, eta))
+
+    def shown(x: Array, y: Array) -> Array:
+        return _plane(work, value.factors, phase, x, y)
+
+    def acting(x: Array, y: Array) -> Array:
+        return _acting(work, value.factors, x, y)
+
+    lines = zip(nyquist_lines(shown, xi, eta), nyquist_lines(acting, xi, eta), strict=True)
+    for (place, mean), (_, acts) in lines:
+        if phase:
+            # Near the mean of the phases, which may be many turns.
+            plane[place] = mean + np.angle(acts * np.exp(-1j * mean))
+        elif np.iscomplexobj(acts):
+            plane[place] = np.copysign(np.abs(acts), mean)
+        else:
+            plane[place] = acts
+    return plane
+
+
+def _plane(work: Work, factors: tuple[Factor, ...], phase: bool, xi: Array, eta: Array) -> Array:
+    """The factors as wires show them: MTFs signed or as moduli, PTFs in radians."""
+    plane = np.zeros((len(eta), len(xi))) if phase else np.ones((len(eta), len(xi)))
+    for factor in factors:
+        part = factor.plane(work, xi, eta)
+        plane = plane + part if phase else plane * part
+    return plane
+
+
+def _acting(work: Work, factors: tuple[Factor, ...], xi: Array, eta: Array) -> Array:
+    """The factors as they multiply a spectrum; of a modulus or a phase, the law it belongs to."""
+    plane: Array = np.ones((len(eta), len(xi)))
+    for factor in factors:
+        if isinstance(factor, Separable):
+            part = factor.plane(work, xi, eta)
+            plane = plane * (part if factor.part == "mtf" else np.exp(1j * part))
+        else:
+            whole = factor if factor.take == "real" else replace(factor, take="complex")
+            plane = plane * whole.transfer(work, xi[np.newaxis, :], eta[:, np.newaxis])
+    return plane
+
+
+@ends_lineage
+def spectrum(work: Work, image: Array) -> Array:
+    """Unnormalised plain FFT of the frame, its mean exact to double precision."""
+    mean = float(np.mean(image, dtype=np.float64))
+    centred = np.subtract(image, mean, dtype=work.policy.dtype)
+    values = fourier().fft2(centred, workers=work.policy.workers)
+    require_finite(values)
+    values[0, 0] = mean * image.size
+    return np.asarray(values)

@@ -1,13 +1,25 @@
-"""Backdrops: titled grounds behind nodes that belong together; laying out keeps them there."""
+"""Backdrops, titled grounds behind nodes that belong together, and the dots of bent wires.
+
+Both are drawing alone. Laying out keeps nodes on their backdrop.
+"""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from core.editing import layout
-from core.editing.operations import ABSENT, Operation, move_nodes, set_network_field, together
+from core.editing.layout import Box, Point, Sizes
+from core.editing.operations import (
+    ABSENT,
+    WIRE_DOTS,
+    Operation,
+    dots_entry_link,
+    move_nodes,
+    set_network_field,
+    together,
+)
 from core.errors import NetworkError, thaw
-from core.network.network import Network, cycles
+from core.network.network import Link, Network, cycles
 from core.records import dataclass, replace
 
 FIELD = "backdrops"
@@ -59,7 +71,7 @@ def remove(network: Network, index: int) -> Operation:
 
 
 def around(
-    network: Network, names: Iterable[str], sizes: layout.Sizes, title: str = "Backdrop"
+    network: Network, names: Iterable[str], sizes: Sizes, title: str = "Backdrop"
 ) -> Operation:
     """Put a backdrop behind nodes; a `NetworkError` if none of them has a point."""
     boxes = _boxes(network, names, sizes).values()
@@ -69,7 +81,7 @@ def around(
     return add(network, Backdrop(title, left, top, right - left, bottom - top))
 
 
-def nodes_on(network: Network, index: int, sizes: layout.Sizes) -> tuple[str, ...]:
+def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
     """The nodes that lie wholly on a backdrop, and move with it."""
     ground = backdrops_of(network)[index]
     if ground.note:
@@ -82,9 +94,7 @@ def nodes_on(network: Network, index: int, sizes: layout.Sizes) -> tuple[str, ..
     )
 
 
-def following(
-    network: Network, places: Mapping[str, layout.Point], sizes: layout.Sizes
-) -> Operation | None:
+def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Operation | None:
     """Let backdrops keep the nodes that lie on them where some are pushed to the right."""
     entries, changed = _entries(network), False
     for index, (place, ground) in enumerate(_indexed(network)):
@@ -100,13 +110,13 @@ def following(
     return set_network_field(FIELD, entries, "Move backdrops") if changed else None
 
 
-def _boxes(network: Network, names: Iterable[str], sizes: layout.Sizes) -> dict[str, layout.Box]:
+def _boxes(network: Network, names: Iterable[str], sizes: Sizes) -> dict[str, Box]:
     points = {name: network.layout[name] for name in names if name in network.layout}
     return layout.boxes_of(points, sizes)
 
 
-def _entries(network: Network) -> list[Any]:
-    entries = thaw(network.extra.get(FIELD, []))
+def _entries(network: Network, field: str = FIELD) -> list[Any]:
+    entries = thaw(network.extra.get(field, []))
     return entries if isinstance(entries, list) else []
 
 
@@ -156,9 +166,9 @@ _Members = Mapping[int, tuple[str, ...]]
 
 def laid_out(
     network: Network,
-    sizes: layout.Sizes,
+    sizes: Sizes,
     room: layout.Size | None = None,
-    drawn: layout.Sizes | None = None,
+    drawn: Sizes | None = None,
 ) -> Operation:
     """Lay all nodes out, those on a backdrop together on it; see `arranged`.
 
@@ -191,12 +201,12 @@ def laid_out(
 
 def _places(
     network: Network,
-    sizes: layout.Sizes,
+    sizes: Sizes,
     names: Sequence[str],
     order: Sequence[int],
     members: _Members,
     room: layout.Size | None,
-) -> tuple[dict[str, layout.Point], dict[int, layout.Box]]:
+) -> tuple[dict[str, Point], dict[int, Box]]:
     """Points of these nodes, and boxes of the backdrops that some stand on, largest ones first."""
     outer: list[int] = []
     for index in order:
@@ -211,7 +221,7 @@ def _places(
         outer = [index for index in outer if _key(index) not in in_ring]
     # A stage is broken up only where it is far too long for a row of its own.
     wide = None if room is None else (_ROWS_IN_STAGE * room[0], room[1])
-    inside: dict[int, tuple[dict[str, layout.Point], dict[int, layout.Box]]] = {}
+    inside: dict[int, tuple[dict[str, Point], dict[int, Box]]] = {}
     unit_sizes = {name: layout.size_of(name, sizes) for name in names}
     for index in outer:
         # Of two that hold the same nodes the larger one holds the other.
@@ -224,7 +234,7 @@ def _places(
         unit_sizes[_key(index)] = right - left, bottom - top
     outside = layout.placed(followers, unit_sizes, room)
     places = {unit: at for unit, at in outside.items() if unit in network.nodes}
-    boxes: dict[int, layout.Box] = {}
+    boxes: dict[int, Box] = {}
     for index, (points, frames) in inside.items():
         x, y = outside[_key(index)]
         way = x - frames[index][0], y - frames[index][1]
@@ -242,14 +252,128 @@ def _followers(network: Network, unit_of: Mapping[str, str]) -> dict[str, tuple[
     return {unit: tuple(onward) for unit, onward in targets.items()}
 
 
-def _round(boxes: Iterable[layout.Box]) -> layout.Box:
+def _round(boxes: Iterable[Box]) -> Box:
     left, top, right, bottom = layout.hull(boxes)
     return left - MARGIN, top - MARGIN - HEAD, right + MARGIN, bottom + MARGIN
 
 
-def _shifted_box(box: layout.Box, by: layout.Point) -> layout.Box:
+def _shifted_box(box: Box, by: Point) -> Box:
     return (*layout.shifted(box[:2], by), *layout.shifted(box[2:], by))
 
 
 def _key(index: int) -> str:
     return f"\0{index}"  # no node's name: they have no control characters
+
+
+# Dots that wires are bent through, kept in the network's file: drawing alone, as backdrops are.
+#
+# The file's field `wire_dots` lists ``{"link": ["init.magnitude", "back.magnitude"], "points":
+# [[300, 40]]}``, from the output to the input. Nothing that computes reads it. A dot goes with its
+# wire.
+
+Dots = Mapping[Link, tuple[Point, ...]]
+_ROUNDED = 1.5
+
+
+def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
+    """The dots of the wires there are, within the canvas's reach; what else a file has is none."""
+    there = set(network.links)
+    read = {}
+    for entry in _entries(network, WIRE_DOTS):
+        link = dots_entry_link(entry)
+        points = entry.get("points") if link in there else None
+        if link is not None and isinstance(points, list) and points and all(map(_is_point, points)):
+            read[link] = tuple((float(x), float(y)) for x, y in points)
+    return read
+
+
+def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
+    """Bend a wire through a point, which comes before those from `index` on."""
+    points = list(dots_of(network).get(link, ()))
+    points.insert(index, at)
+    return with_dots(network, {link: tuple(points)}, f"Bend {link}")
+
+
+def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
+    """Put a dot elsewhere."""
+    points = list(dots_of(network).get(link, ()))
+    points[index] = at
+    return with_dots(network, {link: tuple(points)}, f"Move the dot of {link}")
+
+
+def remove_dot(network: Network, link: Link, index: int) -> Operation:
+    """Take a dot away; without any its wire finds its own way."""
+    points = list(dots_of(network).get(link, ()))
+    del points[index]
+    return with_dots(network, {link: tuple(points)}, f"Delete the dot of {link}")
+
+
+def straighten(network: Network, links: Iterable[Link], label: str = "") -> Operation:
+    """Take all dots of these wires away."""
+    return with_dots(network, dict.fromkeys(links, ()), label or "Straighten the wire")
+
+
+def with_dots(network: Network, dots: Dots, label: str) -> Operation:
+    """Give wires these dots in the place of theirs."""
+    there = _entries(network, WIRE_DOTS)
+    entries = [entry for entry in there if dots_entry_link(entry) not in dots]
+    entries += _as_field(dots)
+    return set_network_field(WIRE_DOTS, entries or ABSENT, label)
+
+
+def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tuple[Point, ...]]:
+    """Dots of the wires whose two nodes are moved alike to `places`: they go along."""
+    shifts = {
+        name: (at[0] - network.layout[name][0], at[1] - network.layout[name][1])
+        for name, at in places.items()
+        if name in network.layout
+    }
+    return {
+        link: tuple(layout.shifted(at, shifts[link.source]) for at in points)
+        for link, points in dots_of(network).items()
+        if link.source in shifts
+        and link.target in shifts
+        # Points are rounded to whole units when nodes are dropped: they may differ by that.
+        and math.dist(shifts[link.source], shifts[link.target]) <= _ROUNDED
+    }
+
+
+def moved_with_dots(network: Network, places: Mapping[str, Point], label: str = "") -> Operation:
+    """The move of nodes, with the dots of the wires among them."""
+    moving, dots = move_nodes(places, label), dots_along(network, places)
+    if not dots:
+        return moving
+    return together((moving, with_dots(network, dots, moving.text)), moving.text)
+
+
+def dots_among(network: Network, names: Collection[str]) -> dict[Link, tuple[Point, ...]]:
+    """The dots of the wires among these nodes."""
+    return {
+        link: points
+        for link, points in dots_of(network).items()
+        if link.source in names and link.target in names
+    }
+
+
+def joined_fields(extra: Mapping[str, Any], dots: Dots) -> dict[str, Any]:
+    """The field with these dots beside those of a network's other fields; nothing without any."""
+    if not dots:
+        return {}
+    there = thaw(extra.get(WIRE_DOTS, []))
+    return {WIRE_DOTS: [*(there if isinstance(there, list) else []), *_as_field(dots)]}
+
+
+def _as_field(dots: Dots) -> list[dict[str, Any]]:
+    return [
+        {
+            "link": link.text(),
+            "points": [[int(n) if n == int(n) else n for n in at] for at in points],
+        }
+        for link, points in dots.items()
+        if points
+    ]
+
+
+def _is_point(value: Any) -> bool:
+    numbers = value if isinstance(value, list) and len(value) == 2 else [None]
+    return all(map(_is_number, numbers)) and layout.is_in_reach(*numbers)

@@ -5,9 +5,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from core.editing.backdrops import dots_along, dots_among, joined_fields
 from core.editing.layout import Point, Sizes, arranged, free_places
 from core.editing.operations import (
     ABSENT,
+    WIRE_DOTS,
     Operation,
     add_nodes,
     fresh_name,
@@ -15,8 +17,6 @@ from core.editing.operations import (
     set_parameter,
     together,
 )
-from core.editing.references import WIRE_DOTS
-from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.editing.wiring import check_new_wires
 from core.errors import ImagechainError, NetworkError, shown, thaw
 from core.modules.declaration import Declaration, Library

@@ -5,8 +5,8 @@ from functools import partial
 from typing import Any
 
 from core.editing.backdrops import FIELD as BACKDROPS
-from core.editing.backdrops import backdrops_of
-from core.editing.layout import Point
+from core.editing.backdrops import backdrops_of, dots_among, dots_of, joined_fields
+from core.editing.layout import Point, shifted
 from core.editing.operations import (
     ABSENT,
     Operation,
@@ -16,14 +16,15 @@ from core.editing.operations import (
     inside,
     mark_output,
     named,
+    of_nodes,
+    renamed,
     restored,
     set_network_field,
     set_parameter,
     together,
     with_field,
+    without_dots,
 )
-from core.editing.references import of_nodes, renamed, without_dots
-from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError, shown, thaw
 from core.modules.declaration import Library
 from core.network.expressions import readable
@@ -356,7 +357,10 @@ def _without_macro(
                 if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
             ),
         ]
-    dots = {link.renamed(fresh): shifted(at, (x, y)) for link, at in dots_of(body).items()}
+    dots = {
+        link.renamed(fresh): tuple(shifted(at, (x, y)) for at in points)
+        for link, points in dots_of(body).items()
+    }
     extra |= joined_fields(extra, dots)
     outputs, parameters = (
         {port: (end,) for port, end in ends.items()} for ends in (face.outputs, face.parameters)

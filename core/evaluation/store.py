@@ -13,8 +13,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from core.machine import store_bytes
-from core.scratch import is_on_disk
+from core.machine import is_on_disk, store_bytes
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe, Region

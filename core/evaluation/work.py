@@ -10,13 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from core.errors import Cancelled, ImagechainError, ParameterError
-from core.evaluation.float_guard import watched
+from core.errors import Cancelled, ImagechainError, ParameterError, watched
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import EvaluationLog, Store
-from core.machine import Workers
+from core.machine import ScratchDisk, Workers
 from core.records import dataclass
-from core.scratch import ScratchDisk
 
 # How accurately and with how many threads to compute: one immutable value, passed along.
 

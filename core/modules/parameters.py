@@ -10,8 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from core.errors import Cancelled, ImagechainError, ParameterError, shown
-from core.evaluation.float_guard import plug_in_error, with_place
+from core.errors import Cancelled, ImagechainError, ParameterError, plug_in_error, shown, with_place
 from core.records import dataclass, field, replace
 
 if TYPE_CHECKING:

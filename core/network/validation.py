@@ -5,8 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from core.errors import ImagechainError, NetworkError, ParameterError, close, shown, thaw
-from core.evaluation.float_guard import watched
+from core.errors import ImagechainError, NetworkError, ParameterError, close, shown, thaw, watched
 from core.modules.declaration import Declaration, Library, Module, Port, declaration, where_absent
 from core.network.linked_values import with_values
 from core.network.macro import (

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import ImagechainError
-from core.evaluation.float_guard import watched
+from core.errors import ImagechainError, watched
 from core.evaluation.recipes import Recipe, content_key
 from core.evaluation.work import Work
 from core.physics.sampling.detector_sampling import (

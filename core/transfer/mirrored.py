@@ -19,11 +19,11 @@ import numpy as np
 
 from core import kernels
 from core.arrays import Array
-from core.evaluation.float_guard import require_finite
+from core.errors import require_finite
 from core.evaluation.recipes import Region, ends_lineage
 from core.evaluation.work import Work
+from core.machine import StripArray
 from core.records import dataclass
-from core.scratch import StripArray
 from core.transfer.factors import Grid, Product
 from core.transfer.planar_blocks import Planes
 

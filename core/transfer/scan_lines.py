@@ -14,7 +14,7 @@ from numpy.typing import DTypeLike
 
 from core import kernels
 from core.arrays import Array, Vector
-from core.evaluation.float_guard import require_finite
+from core.errors import require_finite
 from core.evaluation.work import Work
 from core.physics.sampling.platform_motion import scale_nodes_mrad, scale_weights
 from core.records import dataclass, replace

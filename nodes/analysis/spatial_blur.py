@@ -12,13 +12,12 @@ from core import kernels
 from core.chain.back_transformed import back_transform
 from core.chain.step_lineage import Array, Filtering, picture_step
 from core.chain.wires import Curve, CurveData, Image, Magnitude, Phase, Series, Table, TableData
-from core.errors import DataError
-from core.evaluation.float_guard import require_finite
+from core.errors import DataError, require_finite
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
+from core.machine import is_on_disk
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.records import dataclass
-from core.scratch import is_on_disk
 from core.transfer.factors import Edges, Factor, Grid, Product
 from nodes.shared.context_defaults import one_source
 from nodes.shared.module_ports import TableFigures

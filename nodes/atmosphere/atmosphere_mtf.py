@@ -5,8 +5,7 @@ from typing import Any, Literal
 import numpy as np
 
 from core.chain.band_stack import BandStack
-from core.chain.engine import transfer_plane
-from core.chain.wires import Context, Magnitude, Transfer
+from core.chain.wires import Context, Magnitude, Transfer, transfer_plane
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError, several
+from core.machine import Empty
 from core.records import dataclass
-from core.scratch import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.file_format import CSV
 from nodes.files.common.stored_bytes import checked_band, first_bytes, readable_file, stored_bytes

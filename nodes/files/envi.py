@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError, several
-from core.machine import ForEach, in_turn
+from core.machine import Empty, ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.records import dataclass, replace
-from core.scratch import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import checked_band, stored_bytes
 from nodes.files.envi_header import EnviLayout, number_list, read_layout

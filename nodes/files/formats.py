@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, FileError, ParameterError
+from core.machine import Empty
 from core.records import dataclass
-from core.scratch import Empty
 from nodes.files import arrays, envi, envi_header, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from core.atomic import atomic_file
 from core.errors import FileError
-from core.scratch import Empty
+from core.machine import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
 from nodes.files.common.stored_samples import SAMPLE_TYPES

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.machine import Empty
 from core.records import dataclass
-from core.scratch import Empty
 from nodes.files.common.picture_info import Samples, delivered_dtype
 from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 

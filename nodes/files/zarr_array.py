@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError, how_to_install
+from core.machine import Empty
 from core.records import dataclass
-from core.scratch import Empty
 from nodes.files.common import picture_info
 from nodes.files.common.stored_bytes import checked_band, first_bytes
 from nodes.files.store_folder import atomic_store, count_chunks, store_state

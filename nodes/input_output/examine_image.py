@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.engine import asked_for, realize, spectrum
+from core.chain.engine import asked_for, realize
 from core.chain.wires import (
     Curve,
     CurveData,
@@ -20,6 +20,7 @@ from core.chain.wires import (
     TableData,
     TableRow,
     Transfer,
+    spectrum,
 )
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks

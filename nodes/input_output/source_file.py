@@ -17,11 +17,11 @@ from core.chain.step_lineage import source_step
 from core.errors import DataError, FileError, ParameterError, several
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
+from core.machine import Empty
 from core.modules.declaration import NodeContext
 from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.records import dataclass, field
-from core.scratch import Empty
 from nodes.files import envi
 from nodes.files.common.picture_info import PictureInfo, oversized
 from nodes.files.envi import CubeInMemory, Layout, integrate_bands

@@ -11,9 +11,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from core.machine import ForEach, in_turn
+from core.machine import Empty, ForEach, in_turn
 from core.records import dataclass, replace
-from core.scratch import Empty
 from nodes.scenes import coverage
 
 BLOCK_SAMPLES = 1 << 18

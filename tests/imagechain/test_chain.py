@@ -10,8 +10,8 @@ import pytest
 
 import imagechain as ic
 from command_line import run_here
+from core.machine import is_on_disk
 from core.network.file import load_network
-from core.scratch import is_on_disk
 from nodes.files.formats import read_info, read_pixels
 from nodes.library import standard_library
 

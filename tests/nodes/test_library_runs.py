@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from battery_settings import EXAMPLES, NEUTRAL
-from core.chain.engine import Engine, transfer_plane
+from core.chain.engine import Engine
+from core.chain.wires import transfer_plane
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext

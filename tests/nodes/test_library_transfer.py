@@ -8,7 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from battery_settings import EXAMPLES, NOT_PASSIVE, PUPILS, SETTINGS
-from core.chain.engine import Engine, Plan, transfer_plane
+from core.chain.engine import Engine, Plan
+from core.chain.wires import transfer_plane
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from core.transfer.factors import Product

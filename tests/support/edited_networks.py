@@ -5,7 +5,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from core.editing import backdrops, wire_dots
+from core.editing import backdrops
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import rebased
 from core.editing.layout import arranged, made_way
@@ -312,16 +312,16 @@ def _dots(e: Editor) -> Operation | None:
     if not e.network.links:
         return None
     link = e.random.choice(e.network.links)
-    here = len(wire_dots.dots_of(e.network).get(link, ()))
+    here = len(backdrops.dots_of(e.network).get(link, ()))
     kind = e.random.choice(["add", "add", "move", "remove", "straighten"])
     if kind == "straighten":
-        return wire_dots.straighten(e.network, e.random.sample(e.network.links, 1))
+        return backdrops.straighten(e.network, e.random.sample(e.network.links, 1))
     if kind == "add" or not here:
-        return wire_dots.add_dot(e.network, link, e.random.randint(0, here), e.point())
+        return backdrops.add_dot(e.network, link, e.random.randint(0, here), e.point())
     index = e.random.randrange(here)
     if kind == "move":
-        return wire_dots.move_dot(e.network, link, index, e.point())
-    return wire_dots.remove_dot(e.network, link, index)
+        return backdrops.move_dot(e.network, link, index, e.point())
+    return backdrops.remove_dot(e.network, link, index)
 
 
 def _paste(e: Editor) -> Operation | None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from core.chain.engine import Engine
 from core.evaluation.work import BlockRun, Work
-from core.scratch import ScratchDisk, is_on_disk
+from core.machine import ScratchDisk, is_on_disk
 from node_bench import NodeBench
 from nodes.library import standard_library
 

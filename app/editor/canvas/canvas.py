@@ -22,9 +22,8 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Level, Session
 from app.editor.theme import FAINT, raised_palette, theme_of
 from app.editor.widgets import Menu, filled, labelled
-from core.editing.backdrops import backdrops_of, change, nodes_on, remove
+from core.editing.backdrops import backdrops_of, change, moved_with_dots, nodes_on, remove
 from core.editing.operations import ABSENT, named, rewire, set_node_field, together
-from core.editing.wire_dots import moved_with_dots
 from core.records import replace
 
 _TYPE = QEvent.Type

@@ -29,9 +29,8 @@ from app.editor.canvas.wires import (
     wire_path,
 )
 from app.editor.evaluation.queries import Badge
-from core.editing.backdrops import Backdrop, backdrops_of
+from core.editing.backdrops import Backdrop, backdrops_of, dots_of
 from core.editing.layout import Point, hull, is_in_reach
-from core.editing.wire_dots import dots_of
 from core.modules.declaration import Library
 from core.network.macro import SEPARATOR, declared_node, face_of_macro
 from core.network.network import Link, Network, Node, topological

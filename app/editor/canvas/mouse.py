@@ -20,9 +20,16 @@ from app.editor.canvas.content import (
 from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.wires import WireItem
-from core.editing.backdrops import Backdrop, change, nodes_on
+from core.editing.backdrops import (
+    Backdrop,
+    add_dot,
+    change,
+    move_dot,
+    moved_with_dots,
+    nodes_on,
+    remove_dot,
+)
 from core.editing.operations import Operation, rewire, together
-from core.editing.wire_dots import add_dot, move_dot, moved_with_dots, remove_dot
 from core.editing.wiring import refusal
 from core.network.network import Link, Network
 from core.records import replace

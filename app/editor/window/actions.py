@@ -15,7 +15,15 @@ from app.editor.panels.fields.panel_node import copy_values, paste_values
 from app.editor.session import Level
 from app.editor.viewers.viewer import VIEWER_NUMBERS
 from app.editor.widgets import Menu
-from core.editing.backdrops import Backdrop, add, around, laid_out
+from core.editing.backdrops import (
+    Backdrop,
+    add,
+    around,
+    dots_of,
+    laid_out,
+    moved_with_dots,
+    straighten,
+)
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
@@ -29,7 +37,6 @@ from core.editing.operations import (
     set_node_field,
     together,
 )
-from core.editing.wire_dots import dots_of, moved_with_dots, straighten
 from core.editing.wiring import detached, dissolved
 from core.errors import ImagechainError
 from core.records import dataclass

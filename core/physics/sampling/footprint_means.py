@@ -19,10 +19,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.machine import ForEach, in_turn
+from core.machine import Empty, ForEach, in_turn
 from core.physics.sampling.detector_sampling import cubic_weights
 from core.records import dataclass, replace
-from core.scratch import Empty
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]

@@ -5,10 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from core.editing.clipboard import copied, pasted
-from core.editing.macros import group, ungroup
-from core.editing.operations import move_nodes, remove_nodes, rename_node, rewire
-from core.editing.wire_dots import (
+from core.editing.backdrops import (
     add_dot,
     dots_of,
     move_dot,
@@ -16,6 +13,9 @@ from core.editing.wire_dots import (
     remove_dot,
     straighten,
 )
+from core.editing.clipboard import copied, pasted
+from core.editing.macros import group, ungroup
+from core.editing.operations import move_nodes, remove_nodes, rename_node, rewire
 from core.network.file import format_network
 from core.network.network import Link, Network, Node
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from core.chain.band_stack import chosen_wavelengths
 from core.chain.engine import Engine
-from core.chain.filtered_sum import chosen_wavelengths
 from core.chain.skipped import skips
 from core.evaluation.work import Policy
 from core.network.file import load_network

@@ -129,7 +129,7 @@ def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypat
     nodes = network(optics=optics)
     whole, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes)
     samples = SIZE[0] * SIZE[1]
-    monkeypatch.setattr("core.chain.filtered_sum.SAMPLES_AT_ONCE", 7 * samples)
+    monkeypatch.setattr("core.chain.band_stack.SAMPLES_AT_ONCE", 7 * samples)
     bench = NodeBench(LIBRARY, tmp_path, nodes)
     work, sizes = bench.engine.work(Policy("double", 0.0)), []
     compute = type(work)._compute

@@ -36,10 +36,9 @@ from app.editor.viewers.pixels.picture_facts import (
     spectrum_facts,
 )
 from core.chain.band_stack import BandStack
-from core.chain.engine import Plan, realize, spectrum
-from core.chain.wires import Image, Pupil, SpectrumWire, Transfer
-from core.errors import DataError, ImagechainError
-from core.evaluation.float_guard import watched
+from core.chain.engine import Plan, realize
+from core.chain.wires import Image, Pupil, SpectrumWire, Transfer, spectrum
+from core.errors import DataError, ImagechainError, watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
 from core.records import dataclass, replace

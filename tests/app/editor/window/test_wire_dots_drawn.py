@@ -5,8 +5,8 @@ from PySide6.QtCore import QPoint, QPointF
 from PySide6.QtWidgets import QMenu
 
 from canvas_networks import chain_and_free_blur
+from core.editing.backdrops import add_dot, dots_of
 from core.editing.document import Document
-from core.editing.wire_dots import add_dot, dots_of
 from core.network.network import Link
 from window_hands import CTRL, KEY
 

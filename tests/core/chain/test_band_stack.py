@@ -5,8 +5,7 @@ import pytest
 from scipy.linalg import qr
 
 from core.chain.back_transformed import combine_pixels
-from core.chain.band_stack import AttenuatedBands
-from core.chain.filtered_sum import few_wavelengths
+from core.chain.band_stack import AttenuatedBands, few_wavelengths
 from core.evaluation.work import Policy
 from cube_files import centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench

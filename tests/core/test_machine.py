@@ -13,7 +13,7 @@ from core.errors import FileError
 from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.store import Store, size_in_bytes
 from core.evaluation.work import BlockRun, Policy, Work
-from core.scratch import ScratchDisk, is_on_disk
+from core.machine import ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
 from core.transfer.mirrored import MeanFree
 
