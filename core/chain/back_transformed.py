@@ -24,14 +24,9 @@ from core.errors import DataError
 from core.evaluation.recipes import Recipe, Region, Step, in_parts
 from core.evaluation.work import Work
 from core.records import dataclass, field, replace
+from core.transfer import periodic
 from core.transfer.factors import Edges, Factor, Grid, Product, Skipped, spend
 from core.transfer.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
-from core.transfer.periodic import (
-    crossed_spectrum,
-    periodic_filter,
-    periodic_spectrum,
-    sampled_filter,
-)
 from core.transfer.planar_blocks import Axes, axes_of, known_planes
 
 BinMode = Literal["mean", "sum"]
@@ -160,7 +155,7 @@ class Delivered(Recipe):
         if self.weights is not None:
             return self.filtered_sum.recipes
         assert self.magnitude.image is not None
-        transform = mirrored_spectrum if self.mirrored else periodic_spectrum
+        transform = mirrored_spectrum if self.mirrored else periodic.periodic_spectrum
         return (Step.of(transform, self.magnitude.image.recipe, node=self.node),)
 
     @property
@@ -249,13 +244,13 @@ class Delivered(Recipe):
         region: Region | None = None,
     ) -> Array:
         grid, product = self.magnitude.grid, Product(factors)
-        apply = mirrored_filter if self.mirrored else periodic_filter
+        apply = mirrored_filter if self.mirrored else periodic.periodic_filter
         work.check()
         sampled = self.sampled
         if sampled is not None and not sampled.folds:
             x, y = sampled.places
             if not sampled.on_samples:
-                return sampled_filter(work, spectrum, product, grid, sampled.edges, x, y)
+                return periodic.sampled_filter(work, spectrum, product, grid, sampled.edges, x, y)
             whole = apply(work, spectrum, product, grid)
             return whole[np.ix_(np.rint(y).astype(np.intp), np.rint(x).astype(np.intp))]
         factors_xy = self.factor_x, self.factor_y
@@ -288,7 +283,7 @@ class Delivered(Recipe):
 
     def _crossed(self, work: Work) -> MeanFree:
         a, b = self.magnitude.image, self.phase.image
-        return crossed_spectrum(
+        return periodic.crossed_spectrum(
             work,
             None if a is None else work.value(a.recipe),
             None if b is None else work.value(b.recipe),

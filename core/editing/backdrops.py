@@ -7,17 +7,9 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from core.editing import layout
+from core.editing import layout, operations
 from core.editing.layout import Box, Point, Sizes
-from core.editing.operations import (
-    ABSENT,
-    WIRE_DOTS,
-    Operation,
-    dots_entry_link,
-    move_nodes,
-    set_network_field,
-    together,
-)
+from core.editing.operations import Operation
 from core.errors import NetworkError, thaw
 from core.network.network import Link, Network, cycles
 from core.records import dataclass, replace
@@ -52,7 +44,7 @@ def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
 def add(network: Network, backdrop: Backdrop) -> Operation:
     """Put a backdrop before the others."""
     entries = [*_entries(network), _entry({}, backdrop)]
-    return set_network_field(FIELD, entries, "Add backdrop")
+    return operations.set_network_field(FIELD, entries, "Add backdrop")
 
 
 def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
@@ -60,14 +52,14 @@ def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
     entries = _entries(network)
     place = _place(network, index)
     entries[place] = _entry(entries[place], backdrop)
-    return set_network_field(FIELD, entries, "Change backdrop")
+    return operations.set_network_field(FIELD, entries, "Change backdrop")
 
 
 def remove(network: Network, index: int) -> Operation:
     """Take a backdrop away; the nodes on it stay."""
     entries = _entries(network)
     del entries[_place(network, index)]
-    return set_network_field(FIELD, entries or ABSENT, "Delete backdrop")
+    return operations.set_network_field(FIELD, entries or operations.ABSENT, "Delete backdrop")
 
 
 def around(
@@ -107,7 +99,7 @@ def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Op
             x, width = ground.x + min(ways), ground.width + max(ways) - min(ways)
             entries[place] = _entry(entries[place], replace(ground, x=x, width=width))
             changed = True
-    return set_network_field(FIELD, entries, "Move backdrops") if changed else None
+    return operations.set_network_field(FIELD, entries, "Move backdrops") if changed else None
 
 
 def _boxes(network: Network, names: Iterable[str], sizes: Sizes) -> dict[str, Box]:
@@ -186,7 +178,7 @@ def laid_out(
     back = layout.way_back(network, places)
     places = {name: layout.shifted(at, back) for name, at in places.items()}
     frames = {index: _shifted_box(box, back) for index, box in frames.items()}
-    steps: list[Operation] = [move_nodes(places)]
+    steps: list[Operation] = [operations.move_nodes(places)]
     for index in reversed(order):
         points = {name: places[name] for name in members[index]}
         left, top, right, bottom = frames.get(index) or _round(
@@ -196,7 +188,7 @@ def laid_out(
         if ground != grounds[index]:
             steps.append(change(network, index, ground))
             network = steps[-1].apply(network)
-    return together(steps, "Lay out")
+    return operations.together(steps, "Lay out")
 
 
 def _places(
@@ -279,8 +271,8 @@ def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
     """The dots of the wires there are, within the canvas's reach; what else a file has is none."""
     there = set(network.links)
     read = {}
-    for entry in _entries(network, WIRE_DOTS):
-        link = dots_entry_link(entry)
+    for entry in _entries(network, operations.WIRE_DOTS):
+        link = operations.dots_entry_link(entry)
         points = entry.get("points") if link in there else None
         if link is not None and isinstance(points, list) and points and all(map(_is_point, points)):
             read[link] = tuple((float(x), float(y)) for x, y in points)
@@ -315,10 +307,10 @@ def straighten(network: Network, links: Iterable[Link], label: str = "") -> Oper
 
 def with_dots(network: Network, dots: Dots, label: str) -> Operation:
     """Give wires these dots in the place of theirs."""
-    there = _entries(network, WIRE_DOTS)
-    entries = [entry for entry in there if dots_entry_link(entry) not in dots]
+    there = _entries(network, operations.WIRE_DOTS)
+    entries = [entry for entry in there if operations.dots_entry_link(entry) not in dots]
     entries += _as_field(dots)
-    return set_network_field(WIRE_DOTS, entries or ABSENT, label)
+    return operations.set_network_field(operations.WIRE_DOTS, entries or operations.ABSENT, label)
 
 
 def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tuple[Point, ...]]:
@@ -340,10 +332,10 @@ def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tupl
 
 def moved_with_dots(network: Network, places: Mapping[str, Point], label: str = "") -> Operation:
     """The move of nodes, with the dots of the wires among them."""
-    moving, dots = move_nodes(places, label), dots_along(network, places)
+    moving, dots = operations.move_nodes(places, label), dots_along(network, places)
     if not dots:
         return moving
-    return together((moving, with_dots(network, dots, moving.text)), moving.text)
+    return operations.together((moving, with_dots(network, dots, moving.text)), moving.text)
 
 
 def dots_among(network: Network, names: Collection[str]) -> dict[Link, tuple[Point, ...]]:
@@ -359,8 +351,8 @@ def joined_fields(extra: Mapping[str, Any], dots: Dots) -> dict[str, Any]:
     """The field with these dots beside those of a network's other fields; nothing without any."""
     if not dots:
         return {}
-    there = thaw(extra.get(WIRE_DOTS, []))
-    return {WIRE_DOTS: [*(there if isinstance(there, list) else []), *_as_field(dots)]}
+    there = thaw(extra.get(operations.WIRE_DOTS, []))
+    return {operations.WIRE_DOTS: [*(there if isinstance(there, list) else []), *_as_field(dots)]}
 
 
 def _as_field(dots: Dots) -> list[dict[str, Any]]:

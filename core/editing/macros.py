@@ -4,38 +4,16 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from typing import Any
 
+from core.editing import operations
 from core.editing.backdrops import FIELD as BACKDROPS
 from core.editing.backdrops import backdrops_of, dots_among, dots_of, joined_fields
 from core.editing.layout import Point, shifted
-from core.editing.operations import (
-    ABSENT,
-    Operation,
-    body_of,
-    exposed_as,
-    fresh_name,
-    inside,
-    mark_output,
-    named,
-    of_nodes,
-    renamed,
-    restored,
-    set_network_field,
-    set_parameter,
-    together,
-    with_field,
-    without_dots,
-)
+from core.editing.operations import ABSENT, Operation, fresh_name, inside, named, together
 from core.errors import NetworkError, shown, thaw
 from core.modules.declaration import Library
+from core.network import linked_values
 from core.network.expressions import readable
-from core.network.linked_values import (
-    new_name,
-    references,
-    references_in,
-    resolved,
-    with_names,
-    with_references,
-)
+from core.network.linked_values import with_names, with_references
 from core.network.macro import (
     PARAMETERS,
     SEPARATOR,
@@ -62,7 +40,7 @@ def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
         return operation
     if operation.marks is not None:  # there is one output in all the network
         head = "".join(f"{macro}{SEPARATOR}" for macro in path)
-        return mark_output(tuple(head + name for name in operation.marks))
+        return operations.mark_output(tuple(head + name for name in operation.marks))
     for macro in reversed(path):
         operation = inside(macro, operation)
     return operation
@@ -80,18 +58,18 @@ def expose(network: Network, node: str, parameter: str) -> Operation:
         raise NetworkError(
             f"{shown(node)} is not inside a macro, so no macro can show its parameters"
         )
-    shown_already = exposed_as(network, node, parameter)
+    shown_already = operations.exposed_as(network, node, parameter)
     if shown_already:
         raise NetworkError(
             f"{shown(macros[-1])} already shows {shown(node)}.{parameter} as {shown_already}"
         )
-    body = body_of(network, macros)
+    body = operations.body_of(network, macros)
     entries = parameters_of(body)
     wanted = fresh_name(parameter, entries)
     entries[wanted] = text((inner, parameter))
     interface_of({PARAMETERS: entries})  # whether the name is allowed
     label = f"Expose {node}.{parameter}"
-    return at_level(tuple(macros), set_network_field(PARAMETERS, entries, label))
+    return at_level(tuple(macros), operations.set_network_field(PARAMETERS, entries, label))
 
 
 def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str], Any]) -> Operation:
@@ -101,13 +79,13 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
     could name nothing from inside.
     """
     path = path_of(network, macro)
-    body = body_of(network, path)
+    body = operations.body_of(network, path)
     entries = parameters_of(body)
     inner, parameter = face_of_macro(body).parameters[name]
     del entries[name]
-    taking = set_network_field(PARAMETERS, entries or ABSENT)
-    container = body_of(network, path[:-1])
-    for node, parameter_of, reference in references(container):
+    taking = operations.set_network_field(PARAMETERS, entries or ABSENT)
+    container = operations.body_of(network, path[:-1])
+    for node, parameter_of, reference in linked_values.references(container):
         itself = (node, parameter_of) == (path[-1], name)
         if (reference.node, reference.parameter) == (path[-1], name) and not itself:
             raise NetworkError(
@@ -120,7 +98,7 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
         given = value_of(macro, name)
         given = ABSENT if isinstance(given, Mapping) else given  # it had none
     if given is not ABSENT:
-        setting = set_parameter(SEPARATOR.join((*path, inner)), parameter, thaw(given))
+        setting = operations.set_parameter(SEPARATOR.join((*path, inner)), parameter, thaw(given))
         steps = (setting, *steps)
     return together(steps, f"Hide {macro}.{name}")
 
@@ -150,7 +128,9 @@ def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -
     body = replace(node.macro, extra={**node.macro.extra, PARAMETERS: entries})
     params = {name_of(name): value for name, value in node.params.items()}
     changed = network.with_node(replace(node, params=params, macro=body))
-    if any((one.node, one.parameter) == (macro, old) for _, _, one in references(network)):
+    if any(
+        (one.node, one.parameter) == (macro, old) for _, _, one in linked_values.references(network)
+    ):
         if not readable(new):
             raise NetworkError(
                 f"an expression uses {shown(macro)}.{old}, so the new name must be one word of "
@@ -199,7 +179,7 @@ def group(
                 parameters[fresh_name(parameter, parameters)] = end
     inputs = _inputs_of(network, library, members, around)
     face = Interface(inputs, _outputs_of(network, library, members, around), parameters)
-    value_of = value_of or resolved(network, library=library).value
+    value_of = value_of or linked_values.resolved(network, library=library).value
     given = {name: thaw(value_of(*end)) for name, end in parameters.items()}
     values = {
         name: value
@@ -207,7 +187,9 @@ def group(
         if value is not None and not (isinstance(value, dict) and EXPRESSION in value)
     }
     noisy = _noisy(network, library, members, where)
-    moved = {name: f"{fresh}{SEPARATOR}{name}" for name in of_nodes(members, network.nodes)}
+    moved = {
+        name: f"{fresh}{SEPARATOR}{name}" for name in operations.of_nodes(members, network.nodes)
+    }
 
     body, lifted = _body(network, members, face, moved, values)
     noises = {inner: _with_noise(node, where + inner, noisy) for inner, node in body.nodes.items()}
@@ -220,7 +202,7 @@ def group(
             "these nodes cannot be grouped: a path of wires leaves them and returns "
             f"({error.message})"
         ) from None
-    return fresh, restored(after, f"Group {named(members)}", moved)
+    return fresh, operations.restored(after, f"Group {named(members)}", moved)
 
 
 def ungroup(
@@ -241,10 +223,10 @@ def ungroup(
     moved = {
         f"{name}{SEPARATOR}{old}": fresh[inner] + old.removeprefix(inner)
         for inner in body.nodes
-        for old in of_nodes([inner], body.nodes)
+        for old in operations.of_nodes([inner], body.nodes)
     }
     after = _without_macro(network, node, fresh, moved, noisy, where)
-    return tuple(fresh.values()), restored(after, f"Ungroup {name}", moved)
+    return tuple(fresh.values()), operations.restored(after, f"Ungroup {name}", moved)
 
 
 def _body(
@@ -260,7 +242,7 @@ def _body(
         if not _follows_others(network.nodes[own], parameter, members):
             continue
         lifted[name] = with_names(network.nodes[own], moved).params[parameter]
-        params = with_field(nodes[own].params, parameter, values.get(name, ABSENT))
+        params = operations.with_field(nodes[own].params, parameter, values.get(name, ABSENT))
         nodes[own] = replace(nodes[own], params=params)
     links = (link for link in network.links if {link.source, link.target} <= nodes.keys())
     return Network(
@@ -298,7 +280,9 @@ def _with_macro(
         if not (link.source in inner and link.target in inner):
             start, end = (link.source, link.output), (link.target, link.input)
             links[Link(*exits.get(start, start), *entry.get(end, end))] = None
-    extra = renamed(without_dots(network.extra, _links_at(network, inner)), moved)
+    extra = operations.renamed(
+        operations.without_dots(network.extra, _links_at(network, inner)), moved
+    )
     changed = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
     around = face_of_macro(network)
     if around != Interface():
@@ -331,7 +315,7 @@ def _without_macro(
 
     def instead(leader: str, parameter: str) -> End:
         end = face.parameters.get(parameter) if leader == name else None
-        return (new_name(leader, moved), parameter) if end is None else inner(end)
+        return (linked_values.new_name(leader, moved), parameter) if end is None else inner(end)
 
     nodes: dict[str, Node] = {}
     for other, node in network.nodes.items():
@@ -347,7 +331,9 @@ def _without_macro(
     for old, at in body.layout.items():
         if old in body.nodes:
             layout[fresh[old]] = at[0] + x, at[1] + y
-    extra = renamed(without_dots(network.extra, _links_at(network, {name})), moved)
+    extra = operations.renamed(
+        operations.without_dots(network.extra, _links_at(network, {name})), moved
+    )
     if backdrops_of(body):
         extra[BACKDROPS] = [
             *thaw(network.extra.get(BACKDROPS, [])),
@@ -397,9 +383,9 @@ def _plain_nodes(
 
 def _follows_others(node: Node, parameter: str, members: Collection[str]) -> bool:
     inside = dict.fromkeys(members, "")
-    found = references_in(node.params[parameter]) if parameter in node.linked else ()
+    found = linked_values.references_in(node.params[parameter]) if parameter in node.linked else ()
     leaders = {one.node for one in found} - set(members)
-    return any(new_name(leader, inside) == leader for leader in leaders)
+    return any(linked_values.new_name(leader, inside) == leader for leader in leaders)
 
 
 def _noisy(network: Network, library: Library, names: Iterable[str], where: str) -> frozenset[str]:

@@ -20,15 +20,8 @@ from app.editor.canvas.content import (
 from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.wires import WireItem
-from core.editing.backdrops import (
-    Backdrop,
-    add_dot,
-    change,
-    move_dot,
-    moved_with_dots,
-    nodes_on,
-    remove_dot,
-)
+from core.editing import backdrops
+from core.editing.backdrops import Backdrop
 from core.editing.operations import Operation, rewire, together
 from core.editing.wiring import refusal
 from core.network.network import Link, Network
@@ -120,7 +113,9 @@ class Mouse:
             surface.session.select(())
             if hit.handle:
                 return ResizeBackdrop(surface, pos, hit.backdrop)
-            names = nodes_on(surface.session.network, hit.backdrop.index, surface.content.sizes())
+            names = backdrops.nodes_on(
+                surface.session.network, hit.backdrop.index, surface.content.sizes()
+            )
             return DragNodes(surface, pos, names, hit.backdrop)
         return RubberBand(surface, pos, surface.session.selection if adding else ())
 
@@ -323,7 +318,7 @@ class ResizeBackdrop(Gesture):
     def drop(self, _pos: QPoint, point: QPointF) -> None:
         session = self.surface.session
         changed = backdrop_at(self._backdrop.shown, self._resized(point))
-        session.do(change(session.network, self._backdrop.index, changed))
+        session.do(backdrops.change(session.network, self._backdrop.index, changed))
 
     def leave(self) -> None:
         self.surface.content.restore()
@@ -337,12 +332,12 @@ class ResizeBackdrop(Gesture):
 def moved_together(
     network: Network, backdrop: BackdropItem, frame: QRectF, places: Mapping[str, QPointF]
 ) -> Operation:
-    ground = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
+    ground = backdrops.change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
     return together((ground, moved(network, places)), f"Move {backdrop.title or 'backdrop'}")
 
 
 def moved(network: Network, places: Mapping[str, QPointF]) -> Operation:
-    return moved_with_dots(network, {name: whole(at) for name, at in places.items()})
+    return backdrops.moved_with_dots(network, {name: whole(at) for name, at in places.items()})
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
@@ -369,7 +364,7 @@ class DragDot(Gesture):
 
     def drop(self, _pos: QPoint, point: QPointF) -> None:
         session, at = self.surface.session, self._from + point - self.start
-        session.do(move_dot(session.network, self._link, self._index, whole(at)))
+        session.do(backdrops.move_dot(session.network, self._link, self._index, whole(at)))
 
     def leave(self) -> None:
         self.surface.content.restore()
@@ -385,7 +380,7 @@ class Dots:
     def add_at(self, wire: WireItem, point: QPointF) -> None:
         index = place_on_wire(wire, point)
         session, link = self._surface.session, wire.link
-        if session.do(add_dot(session.network, link, index, whole(point))):
+        if session.do(backdrops.add_dot(session.network, link, index, whole(point))):
             session.select(())
             self._marks.choose(link, None, index)
 
@@ -410,14 +405,14 @@ class Dots:
         session, link, dot = self._surface.session, self._marks.link, self._marks.dot
         if link is not None and dot is not None:
             self._marks.choose(link, None)
-            session.do(remove_dot(session.network, link, dot))
+            session.do(backdrops.remove_dot(session.network, link, dot))
         return dot is not None
 
     def nudge(self, by: QPointF) -> bool:
         """Move the selected dot, with others of the same key as one step; whether there is one."""
         session, wire, dot = self._surface.session, self._marks.wire, self._marks.dot
         if wire is not None and dot is not None:
-            moving = move_dot(session.network, wire.link, dot, whole(wire.dots[dot] + by))
+            moving = backdrops.move_dot(session.network, wire.link, dot, whole(wire.dots[dot] + by))
             session.do(moving, gesture=("dot", wire.link, dot))
         return dot is not None
 
