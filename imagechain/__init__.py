@@ -128,7 +128,7 @@ if not TYPE_CHECKING:  # so that a name that is not there is an error of the typ
         if name == "expression":
             value = import_module("imagechain.parts.module_part").Expression
         elif name == "__version__":
-            value = import_module("app.run.process").version()
+            value = import_module("app.run.terminal").version()
         elif name in _PLACES:
             value = getattr(import_module(_PLACES[name]), name)
         else:

@@ -20,7 +20,7 @@ from app.bench.chains import Chain, sensor_network
 from app.bench.tables import T0_HEADS, Chart, Table
 from app.bench.timing import Settings, paired, round_trip, seconds
 from app.bench.truth import Sensor
-from app.run.process import version
+from app.run.terminal import version
 from core.evaluation.work import Policy, Precision
 from core.records import dataclass
 from core.transfer.factors import Planar

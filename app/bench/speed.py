@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.bench.chains import FINAL, KODAK, PIXELS, SHIPPED_SIZE, Chain, Kodak
 from app.bench.tables import Chart, Table, judged
 from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
-from app.run.shipped import command
+from app.run.terminal import command
 from core.errors import several
 
 Array = NDArray[Any]

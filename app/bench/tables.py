@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.report.drawing.picture_drawing import figure, load_matplotlib
-from app.run.readout_tables import columns
+from app.run.terminal import columns
 from core.records import dataclass
 
 Row = Mapping[str, Any]

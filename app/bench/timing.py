@@ -13,8 +13,8 @@ import scipy
 import scipy.fft
 from numpy.typing import NDArray
 
-from app.run import shipped
-from app.run.process import versions
+from app.run import terminal
+from app.run.terminal import versions
 from core.errors import UsageError
 from core.machine import physical_bytes
 from core.records import dataclass
@@ -113,7 +113,7 @@ def isolate() -> None:
 
 def environment() -> dict[str, str]:
     usual = {name: value for name, value in os.environ.items() if name not in STEADY}
-    return shipped.environment(usual)
+    return terminal.environment(usual)
 
 
 def machine_facts() -> dict[str, Any]:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.results import Progress, check_stop, show, written
+from app.command.options import Progress, check_stop, show, written
 from app.run import option_values as values
-from app.run.process import Stop
+from app.run.terminal import Stop
 from core.errors import in_line
 from nodes.files.common.file_format import CSV, HTML, JSON
 
@@ -81,7 +81,7 @@ def measure(
     from app.measure.measurement_page import measurement_json, measurement_text
     from app.measure.measurement_text import figure_rows, frame_rows, refused_lines, remarks
     from app.measure.measuring import measure_files
-    from app.run.readout_tables import columns
+    from app.run.terminal import columns
 
     inputs = [*pictures, *([dark] if dark is not None else [])]
 
@@ -149,7 +149,7 @@ def fit(
     from app.fit.fit_page import fit_facts, fit_page, fit_text
     from app.fit.free_parameter import free_parameters
     from app.fit.picture_fit import fit_pictures, read_pictures
-    from app.run.readout_tables import json_text
+    from app.run.terminal import json_text
     from app.tradeoff.tradeoff_results import with_value
     from core.chain.engine import Engine
     from core.editing.document import rebased

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from app.command.options import DEBUG, DEBUGGING, PlainErrors
-from app.run.process import Stop, discard, print_error, stoppable, usable_streams, version
+from app.run.terminal import Stop, discard, print_error, stoppable, usable_streams, version
 from core.errors import Cancelled, ImagechainError, InputError, Suspended, UsageError, close, shown
 
 # The commands, each a function, by the file that it is in.

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from app.command import options
 from app.run import option_values as values
-from app.run.process import Stop
 from app.run.shipped import find_network
+from app.run.terminal import Stop
 from core.errors import UsageError
 from nodes.files.common.file_format import PNG
 

@@ -10,20 +10,18 @@ from typing import Any
 import numpy as np
 
 from app.command.network_run import KEPT_BYTES, Stage, input_files
-from app.command.results import write_content
+from app.command.options import write_content
 from app.run.evaluation import Evaluation, TimedWork, planned, way_of_running
 from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps
 from app.run.option_values import Assignment, Save
-from app.run.output import find_output
-from app.run.overrides import GivenNetwork, named_parameter
-from app.run.process import too_late
-from app.run.readout_tables import warning_lines
+from app.run.overrides import GivenNetwork, Variation, named_parameter
 from app.run.saving import encode_png, grey_levels, robust_limits
 from app.run.shipped import Place
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
+from app.run.terminal import too_late, warning_lines
+from app.run.transfer_chain import find_output
 from app.tradeoff.tradeoff_drawing import trade_off_content
 from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
-from app.tradeoff.values import Variation
 from core.atomic import write_text
 from core.chain.engine import Engine, realize
 from core.errors import InputError, UsageError, printable

@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.results import Progress, say, show, written
+from app.command.options import Progress, say, show, written
 from app.run import option_values as values
-from app.run.process import Stop, Stopped, print_error
-from app.run.readout_tables import columns
+from app.run.terminal import Stop, Stopped, columns, print_error
 from core.errors import UsageError, alike, close, shown
 from core.modules.declaration import Declaration, package_of, ports_text, where_absent
 from core.modules.parameters import Parameter, plain
@@ -289,7 +288,7 @@ def bench(
     """Measure run time against error. The unit is a bare Fourier round trip."""
     from app.bench import PARTS, bench_page, measured
     from app.bench.timing import SIZE, Settings, isolate
-    from app.run.readout_tables import json_text
+    from app.run.terminal import json_text
 
     isolate()
     settings = Settings(SIZE if size is None else size, quick)

@@ -10,11 +10,10 @@ from app.run import evaluation as run
 from app.run import saving
 from app.run.figures import Figure, figure_rows
 from app.run.option_values import Save
-from app.run.output import find_output, how_to_choose
 from app.run.overrides import near
-from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
 from app.run.staging import Staging, WriteRules, existing_folder
-from app.run.transfer_chain import mtf_csv
+from app.run.terminal import columns, json_text, readout_rows, warning_lines
+from app.run.transfer_chain import find_output, how_to_choose, mtf_csv
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan, realize
 from core.chain.skipped import Skip, skips

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.results import Progress, say, show
+from app.command.options import Progress, say, show
 from app.run import option_values as values
 from app.run.option_values import Save
-from app.run.process import Stop, too_late
+from app.run.terminal import Stop, too_late
 from core.errors import ImagechainError, InputError, in_line
 from core.records import asdict
 from nodes.files.common.file_format import suffixes
@@ -110,7 +110,7 @@ def run(
             made, forgotten = once()
             break
         except ImagechainError as error:
-            from app.run.output import without_judges
+            from app.run.transfer_chain import without_judges
 
             spare = [save.node for save in saves]
             smaller = without_judges(network, error, library, spare, figures_only=not asked.scenes)
@@ -136,9 +136,9 @@ def check(
     """Print a network's errors and warnings, and the files that a run would write."""
     from app.command.network_run import FINAL, input_files, own_files, sink_targets
     from app.run.evaluation import planned
-    from app.run.output import find_output, how_to_choose
-    from app.run.readout_tables import warning_lines
     from app.run.staging import Staging
+    from app.run.terminal import warning_lines
+    from app.run.transfer_chain import find_output, how_to_choose
     from core.chain.engine import Engine
     from core.network.validation import NetworkProblems
 

@@ -13,7 +13,7 @@ import threading
 import warnings
 
 from app.command.cli import exit_code
-from app.run.process import Stop, stoppable, usable_streams
+from app.run.terminal import Stop, stoppable, usable_streams
 
 _NICE = 5  # the window comes first
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.results import Progress, say, show, written
+from app.command.options import Progress, say, show, written
 from app.run import option_values as values
 from app.run.option_values import Save
-from app.run.process import Stop
+from app.run.terminal import Stop
 from core.errors import DataError, UsageError, in_line, several
 from nodes.files.common.file_format import suffixes
 
@@ -58,10 +58,10 @@ def tradeoff(
     If the network fails at a value, the table has a gap, and the reason is printed.
     """
     from app.command.network_run import input_files
-    from app.run.readout_tables import warned_points
+    from app.run.overrides import OPTION, variations
+    from app.run.terminal import warned_points
     from app.tradeoff.tradeoff_drawing import failures, table, trade_off_content, trade_off_facts
     from app.tradeoff.tradeoff_results import Results, chosen_figures, shown_value, trade_off
-    from app.tradeoff.values import OPTION, variations
     from core.chain.engine import Engine
 
     library, place, network = options.opened(asked, json)
@@ -176,9 +176,9 @@ def study(
     the computing time, and the reason if it failed. To resume a study that was stopped or killed,
     give the same command again; finished rows are saved in OUTPUT.journal.
     """
+    from app.run.overrides import FORM, OPTION
     from app.study.carrying_out import Workers, carry_out
     from app.study.study_request import make_study
-    from app.tradeoff.values import FORM, OPTION
 
     begun = time.perf_counter()
     library, place, network = options.opened(asked, json)
@@ -226,7 +226,7 @@ def _jobs(jobs: int | None, scheduler: str) -> int:
 
 def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: float) -> None:
     """Print where the rows are; a `DataError` when all is done, but points have failed."""
-    from app.run.readout_tables import warned_points
+    from app.run.terminal import warned_points
 
     failed, count, files = result.failed, len(result.rows), [*map(str, written)]
 

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.edge_fit import HIGHEST, SpreadTable, frequencies, spread_table
-from app.run.output import HOW_TO_MARK, HOW_TO_NAME, find_output
-from app.run.transfer_chain import find_chain
+from app.run.transfer_chain import HOW_TO_MARK, HOW_TO_NAME, find_chain, find_output
 from core import kernels
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.step_lineage import PlaceDependent, lineage_of, source_step

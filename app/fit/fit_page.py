@@ -11,7 +11,7 @@ from app.fit.fit_result import FitResult, NoiseComparison
 from app.measure.measurement_text import with_error
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
 from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
-from app.run.readout_tables import columns, number_text
+from app.run.terminal import columns, number_text
 from core.errors import in_line, several
 
 _CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")

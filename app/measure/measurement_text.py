@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.run.readout_tables import number_text
+from app.run.terminal import number_text
 from core.errors import several
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.readout_tables import columns, json_text, number_text
+from app.run.terminal import columns, json_text, number_text
 from core.errors import DataError, in_line
 from core.physics.measurement import thermal_response as thermal
 from core.physics.measurement.photon_transfer import (

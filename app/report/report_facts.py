@@ -12,10 +12,8 @@ from app.report.edge_measurement import judged_facts
 from app.report.spectra import spectrum_facts
 from app.run.evaluation import Evaluation
 from app.run.figures import main_figures
-from app.run.output import ending_images
-from app.run.process import versions
-from app.run.readout_tables import json_text
-from app.run.transfer_chain import StageResponse, at_nyquist
+from app.run.terminal import json_text, versions
+from app.run.transfer_chain import StageResponse, at_nyquist, ending_images
 from core.atomic import write_text
 from core.chain.engine import PlannedNode, realize
 from core.chain.skipped import Skip, is_neutral

@@ -11,8 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.output import find_output, source_images
-from app.run.transfer_chain import Chain, Responses, find_chain, response, responses
+from app.run.transfer_chain import (
+    Chain,
+    Responses,
+    find_chain,
+    find_output,
+    response,
+    responses,
+    source_images,
+)
 from core.chain.engine import (
     Engine,
     Plan,

@@ -4,9 +4,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from app.run.evaluation import Evaluation
-from app.run.output import Output, ancestors, find_output, sound_part
-from app.run.readout_tables import four_digits, number_text, sized
-from app.run.transfer_chain import Axis, mtf_at
+from app.run.terminal import four_digits, number_text, sized
+from app.run.transfer_chain import Axis, Output, ancestors, find_output, mtf_at, sound_part
 from core.chain.engine import Plan, realize
 from core.chain.wires import Image
 from core.errors import ImagechainError

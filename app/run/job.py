@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path, PurePath
 from typing import Any, Literal
 
-from app.run.readout_tables import number_text
+from app.run.terminal import number_text
 from core.records import dataclass
 
 Kind = Literal["report", "run", "frames", "sweep", "files"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.output import delivering
+from app.run.transfer_chain import delivering
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.editing.operations import fresh_name

@@ -1,9 +1,6 @@
 """Finding a network: a file, or one that comes with the program."""
 
-import os
 import shlex
-import sys
-from collections.abc import Mapping
 from pathlib import Path
 
 import networks
@@ -96,19 +93,3 @@ def _is_there(path: Path) -> bool:
     except ValueError:
         return False
     return True
-
-
-# Starting our own modules in processes of their own.
-
-
-def command(module: str, *words: str) -> list[str]:
-    """Words that run one of our modules in a new process, wherever that starts."""
-    return [sys.executable, "-P", "-m", module, *words]
-
-
-def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Environment of a child: the variables given, or this process's, and our packages."""
-    root = str(Path(__file__).resolve().parents[2])
-    known = dict(os.environ if variables is None else variables)
-    path = [root, *filter(None, [known.get("PYTHONPATH")])]
-    return {**known, "PYTHONPATH": os.pathsep.join(path)}

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from app.run.option_values import study_path, summary_path
-from app.run.process import Stopped, too_late
 from app.run.shipped import find_network
-from app.study.point_rows import Row, RowMaker, Setting, Task
-from app.study.study_journal import Journal, write_columns
+from app.run.terminal import Stopped, too_late
 from app.study.study_request import Study, StudyRows, make_study
+from app.study.study_rows import Journal, Row, RowMaker, Setting, Task, write_columns
 from app.study.worker_processes import check_address, cluster_rows, process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install, shown
 from core.evaluation.work import Policy

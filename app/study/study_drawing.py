@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
-from app.run.readout_tables import warned_points, with_unit
+from app.run.overrides import Variation
+from app.run.terminal import warned_points, with_unit
 from app.study.study_request import StudyRows
 from app.tradeoff import tradeoff_drawing as drawing
 from app.tradeoff.tradeoff_results import ROUNDING
-from app.tradeoff.values import Variation
 from core.atomic import write_bytes, write_text
 from core.errors import printable, several
 from nodes.files.formats import PNG

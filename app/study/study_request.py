@@ -16,15 +16,31 @@ from typing import Any
 import numpy as np
 
 from app.run.option_values import Save, assignment
-from app.run.overrides import behind, first_taken, from_here, near
-from app.run.process import version
-from app.run.readout_tables import exact
+from app.run.overrides import (
+    OPTION,
+    Variation,
+    behind,
+    first_taken,
+    from_here,
+    near,
+    one_value,
+    taken_value,
+    variation,
+)
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
-from app.study.point_rows import Row, Setting, file_stamp, input_paths, network_key
-from app.study.study_journal import SUFFIX, Column, check_installed
+from app.run.terminal import exact, version
+from app.study.study_rows import (
+    SUFFIX,
+    Column,
+    Row,
+    Setting,
+    check_installed,
+    file_stamp,
+    input_paths,
+    network_key,
+)
 from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, with_value
-from app.tradeoff.values import OPTION, Variation, one_value, taken_value, variation
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import (

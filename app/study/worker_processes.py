@@ -16,8 +16,8 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, BinaryIO
 
-from app.run.shipped import command, environment
-from app.study.point_rows import Row, RowMaker, Setting, Task
+from app.run.terminal import command, environment
+from app.study.study_rows import Row, RowMaker, Setting, Task
 from core.errors import Cancelled, FileError, ImagechainError, UsageError, shown
 from nodes.library import standard_library
 
@@ -469,7 +469,7 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
     """Make rows on a worker of a Dask cluster, by its own engine and store for this study."""
     from distributed import get_worker
 
-    from app.run.process import version
+    from app.run.terminal import version
 
     makers = _makers(get_worker(), key)
     # A maker goes from point to point; threads of one worker have one each.

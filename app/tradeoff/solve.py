@@ -12,7 +12,7 @@ import numpy as np
 
 from app.run.option_values import Assignment, assignment, low_high
 from app.run.overrides import named_parameter
-from app.run.readout_tables import warning_lines
+from app.run.terminal import warning_lines
 from app.tradeoff.tradeoff_results import Figure, computed, named_figure, shown_value, with_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError, in_line

@@ -14,10 +14,10 @@ from app.report.drawing.picture_drawing import (
     number,
 )
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
-from app.run import readout_tables as tables
-from app.run.readout_tables import columns
+from app.run import terminal as tables
+from app.run.overrides import Variation, is_number
+from app.run.terminal import columns
 from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
-from app.tradeoff.values import Variation, is_number
 from core.errors import printable, several
 from nodes.files.common.file_format import CSV, JSON, PNG
 from nodes.files.common.table_cells import csv_lines

@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from app.run.output import sound_part
-from app.run.overrides import near
-from app.run.readout_tables import number_text
-from app.run.transfer_chain import SYSTEM, TOTAL, Axis, find_chain, mtf_at
-from app.tradeoff.values import Variation, taken_value
+from app.run.overrides import Variation, near, taken_value
+from app.run.terminal import number_text
+from app.run.transfer_chain import SYSTEM, TOTAL, Axis, find_chain, mtf_at, sound_part
 from core import errors
 from core.chain.engine import Engine, Plan
 from core.evaluation.recipes import Recipe

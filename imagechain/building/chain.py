@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.run.output import find_output, without_judges
 from app.run.own_scene import OwnScene
-from app.run.readout_tables import columns
 from app.run.shipped import find_network, shipped_networks
+from app.run.terminal import columns
+from app.run.transfer_chain import find_output, without_judges
 from core.chain.engine import Engine, Plan
 from core.editing import operations
 from core.editing.wiring import refusal

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.run.own_scene import OwnScene, with_own_scene
-from app.run.readout_tables import columns
+from app.run.terminal import columns
 from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased

@@ -18,7 +18,7 @@ from app.measure.measurement_page import measurement_json, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
 from app.measure.picture_loading import NO_DATA, limits_of
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
-from app.run.readout_tables import columns, json_text
+from app.run.terminal import columns, json_text
 from core.atomic import write_text
 from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.work import Policy, Precision

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from app.command.network_run import input_files, sink_files, sink_targets
 from app.run.evaluation import Evaluation, TimedWork, blocks_of, evaluate, way_of_running
 from app.run.option_values import size_in_bytes
-from app.run.output import find_output, ports_of_images
 from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_array, save_value
 from app.run.staging import Staging, WriteRules, read_record
+from app.run.transfer_chain import find_output, ports_of_images
 from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
 from core.chain.skipped import skips

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation
-from app.run.readout_tables import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
+from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.transfer_chain import Response, responses_along
 from core.chain.wires import Image
 from core.errors import ParameterError, close, several, shown

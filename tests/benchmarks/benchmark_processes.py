@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.bench.timing import environment
-from app.run.shipped import command
+from app.run.terminal import command
 
 
 def figures_of(module: str, *words: object, **variables: str) -> list[dict[str, Any]]:

@@ -16,7 +16,7 @@ from app.bench import PARTS as USERS
 from app.bench import measured
 from app.bench.tables import chart_png
 from app.bench.timing import SIZE, Settings, isolate
-from app.run.readout_tables import jsonable
+from app.run.terminal import jsonable
 from page import inserted, section
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from app.run.shipped import environment
+from app.run.terminal import environment
 from child_process import ROOT, finished
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -71,7 +71,7 @@ def test_importing_loads_nothing_heavy(tmp_path):
     heavy = {"matplotlib", "PySide6", "dask", "pandas", "xarray", "OpenImageIO", "rich", "scipy"}
     assert not heavy & names
     own = {name for name in names if name.startswith(("core.", "nodes.", "app."))}
-    assert own <= {"app.run", "app.run.process"}  # which knows the version
+    assert own <= {"app.run", "app.run.terminal", "core.errors"}  # which knows the version
 
 
 IN_PYTHON = (

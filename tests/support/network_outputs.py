@@ -8,7 +8,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from app.run.output import find_output
+from app.run.transfer_chain import find_output
 from child_process import ROOT
 from command_line import run_here
 from core.chain.engine import Engine, Plan

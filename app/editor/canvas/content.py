@@ -9,14 +9,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
-from app.editor.canvas.canvas_style import (
-    INPUT,
-    OUTPUT,
-    PORT_RADIUS,
-    CanvasStyle,
-    Side,
-    face_of,
-)
+from app.editor.canvas.canvas_style import INPUT, OUTPUT, PORT_RADIUS, CanvasStyle, Side, face_of
 from app.editor.canvas.node_item import GAP_BESIDE, BackdropItem, NodeItem, NodePort, rect_of
 from app.editor.canvas.wires import (
     DOT_RADIUS,

@@ -9,14 +9,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QToolTip
 
 from app.editor.canvas.adding import insertion_at, with_way_made
-from app.editor.canvas.content import (
-    Hit,
-    Marks,
-    node_at,
-    place_on_wire,
-    port_near,
-    wires_near,
-)
+from app.editor.canvas.content import Hit, Marks, node_at, place_on_wire, port_near, wires_near
 from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.wires import WireItem

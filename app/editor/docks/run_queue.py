@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, QTimer, Signa
 
 from app.editor.session import Session
 from app.run.job import Job, Kind, Result, Step, job_text, read_message
-from app.run.shipped import command, environment
+from app.run.terminal import command, environment
 from core.atomic import sweep
 from core.errors import NetworkError, in_line
 

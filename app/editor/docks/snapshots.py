@@ -17,7 +17,7 @@ from app.editor.viewers.picture.image_viewer import ImageViewer, KeptSide, Way
 from app.editor.viewers.pixels.picture_query import KeptPicture, PictureQuery
 from app.editor.viewers.plot.figures_strip import NONE, figure_text
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.run.readout_tables import number_text, without_rounding
+from app.run.terminal import number_text, without_rounding
 from core.chain.engine import Plan
 from core.editing.operations import restored
 from core.errors import Cancelled, ImagechainError

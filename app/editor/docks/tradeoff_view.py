@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import (
-    QFrame,
-    QLineEdit,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-    QWidgetAction,
-)
+from PySide6.QtWidgets import QFrame, QLineEdit, QScrollArea, QVBoxLayout, QWidget, QWidgetAction
 
 from app.editor.declared_text import label_of, shown_figure, shown_number
 from app.editor.docks.tradeoff_plots import (
@@ -39,6 +32,7 @@ from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button
+from app.run.overrides import Variation
 from app.run.transfer_chain import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_results import (
     SENSORS,
@@ -50,7 +44,6 @@ from app.tradeoff.tradeoff_results import (
     parameter_of,
     points_at,
 )
-from app.tradeoff.values import Variation
 from core.chain.engine import Plan
 from core.errors import ImagechainError, UsageError
 from core.evaluation.store import Store
@@ -67,10 +60,7 @@ _HOW = "To change the value, drag the line or press ← and →"
 
 class TradeOffView(Viewer):
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator | None,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "tradeoff", parent)
         self.setAccessibleName("Trade-off")

@@ -23,17 +23,7 @@ from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import LEFT, RIGHT
 from core.chain.engine import Plan
 from core.modules.declaration import Module, NodeContext, declaration
-from core.modules.preview import (
-    Bars,
-    Colour,
-    Part,
-    Picture,
-    Plot,
-    Preview,
-    Stack,
-    brief,
-    signed,
-)
+from core.modules.preview import Bars, Colour, Part, Picture, Plot, Preview, Stack, brief, signed
 from core.records import dataclass, replace
 
 NOTHING = "nothing to show"

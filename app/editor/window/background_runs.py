@@ -38,9 +38,9 @@ from app.editor.widgets import Check, filled, labelled, plain_label, show_or_hid
 from app.editor.window.viewer_docks import add_dock, bring_forward
 from app.run.job import Kind
 from app.run.option_values import REPORTS
+from app.run.overrides import taken_value
 from app.run.saving import MOST_FRAMES
 from app.run.staging import check_folder
-from app.tradeoff.values import taken_value
 from core.errors import ImagechainError, UsageError, shown
 from core.network.network import MACRO
 from core.records import replace

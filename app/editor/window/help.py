@@ -27,8 +27,7 @@ from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.widgets import filled, labelled
 from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
-from app.run.process import version
-from app.run.shipped import command
+from app.run.terminal import command, version
 from core.errors import ImagechainError, in_line
 from nodes.files.common.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN

@@ -26,7 +26,7 @@ from app.editor.theme import THEMES, Look
 from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
-from app.run.process import print_error
+from app.run.terminal import print_error
 from app.tradeoff.tradeoff_results import SENSORS
 from app.user_folders import FOLDERS
 from core.atomic import write_bytes

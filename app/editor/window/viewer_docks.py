@@ -22,7 +22,7 @@ from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.viewers.viewer import PICTURE_TYPES, PLOT_TYPES
 from app.editor.widgets import labelled
-from app.run.output import ANALYSIS, find_output, source_images
+from app.run.transfer_chain import ANALYSIS, find_output, source_images
 from core.chain.engine import Plan
 from core.chain.wires import Curve, Image, Table
 from core.errors import ImagechainError

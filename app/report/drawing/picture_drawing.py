@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation
-from app.run.readout_tables import number_text, without_rounding
 from app.run.saving import robust_limits
+from app.run.terminal import number_text, without_rounding
 from core.chain.engine import realize
 from core.chain.wires import Image, Pupil, SampledTransfer, Transfer
 from core.errors import ImagechainError, NetworkError, close, printable

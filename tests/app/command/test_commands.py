@@ -161,9 +161,9 @@ def test_reader_that_has_seen_enough():
 
 PATIENT = """
 import sys
-import app.command.results
+import app.command.options
 from app.command.cli import main
-app.command.results.PATIENCE_S = float(sys.argv[1])
+app.command.options.PATIENCE_S = float(sys.argv[1])
 sys.exit(main(["run", "net.json"]))
 """
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.run.job import Job, Result, Step, job_text, read_message
-from app.run.shipped import command, environment
+from app.run.terminal import command, environment
 from child_process import PATIENCE_S
 
 

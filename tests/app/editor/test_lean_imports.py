@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from app.run.shipped import environment
+from app.run.terminal import environment
 
 
 def answers_of(code: str) -> list[str]:

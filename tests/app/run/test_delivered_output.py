@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.run.output import find_output, how_to_choose
-from app.run.transfer_chain import find_chain
+from app.run.transfer_chain import find_chain, find_output, how_to_choose
 from core.chain.engine import Engine
 from core.errors import NetworkError
 from core.network.file import parse_network

@@ -7,8 +7,7 @@ import sys
 
 import pytest
 
-from app.study.point_rows import Row
-from app.study.study_journal import Journal
+from app.study.study_rows import Journal, Row
 from child_process import PATIENCE_S, ROOT, wait_for
 from core.errors import FileError, UsageError
 

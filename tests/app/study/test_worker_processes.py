@@ -18,12 +18,12 @@ WORDS += ["--figure=total.mtf_nyquist_x", "--figure=electronics.snr"]
 # A worker whose points do something before they are computed.
 WORKER = """
 import os, sys, time
-from app.study import point_rows, worker_processes
-row = point_rows.RowMaker.row
+from app.study import study_rows, worker_processes
+row = study_rows.RowMaker.row
 def slow(self, task, cancel=None):
     {before}
     return row(self, task, cancel)
-point_rows.RowMaker.row = slow
+study_rows.RowMaker.row = slow
 worker_processes.main()
 """
 PROGRAM = """

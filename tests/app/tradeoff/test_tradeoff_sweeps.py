@@ -6,8 +6,8 @@ from collections import Counter
 
 import pytest
 
+from app.run.overrides import variation
 from app.tradeoff.tradeoff_results import figures_of, points_at
-from app.tradeoff.values import variation
 from core.chain.engine import Engine
 from core.errors import ImagechainError
 from core.evaluation.work import Policy

@@ -10,13 +10,7 @@ from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer,
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QCompleter, QMenu, QSlider, QWidget
 
-from app.editor.declared_text import (
-    about,
-    placeholder_of,
-    shown_number,
-    tip,
-    typed_number,
-)
+from app.editor.declared_text import about, placeholder_of, shown_number, tip, typed_number
 from app.editor.gestures import is_escape
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer

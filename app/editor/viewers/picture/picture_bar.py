@@ -21,14 +21,7 @@ from app.editor.viewers.pixels.grey_levels import NAMES, Range, Spread, colour_m
 from app.editor.viewers.pixels.picture_facts import ALL, CHANNELS, BandChoice
 from app.editor.viewers.plot.plot_looks import paint_axis, see_through
 from app.editor.viewers.viewer import PICTURE_TYPES, NodePorts, PortChoice
-from app.editor.widgets import (
-    ElidedLabel,
-    Menu,
-    filled,
-    labelled,
-    menu_button,
-    tool_button,
-)
+from app.editor.widgets import ElidedLabel, Menu, filled, labelled, menu_button, tool_button
 from core.chain.band_stack import BandStack
 from core.records import replace
 

@@ -63,7 +63,7 @@ from app.editor.widgets import (
     toggle_button,
     tool_button,
 )
-from app.run.readout_tables import number_text
+from app.run.terminal import number_text
 from core.chain.wires import CurveData, TableData, TableRow
 from core.errors import UsageError, several
 from core.network.network import Network

@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
-from app.run.output import HOW_TO_MARK, sound_part
-from app.run.transfer_chain import Chain, StageResponse, find_chain, responses_along
+from app.run.transfer_chain import (
+    HOW_TO_MARK,
+    Chain,
+    StageResponse,
+    find_chain,
+    responses_along,
+    sound_part,
+)
 from core.chain.engine import Plan
 from core.chain.wires import Curve, CurveData, CurveMark, Table, TableData
 from core.errors import NetworkError

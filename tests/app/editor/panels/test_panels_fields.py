@@ -11,16 +11,7 @@ from PySide6.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QSlider
 from app.editor.theme import DARK
 from core.errors import ParameterError, thaw
 from core.modules.declaration import declaration
-from panel_hands import (
-    LIBRARY,
-    change,
-    drag,
-    drop,
-    field_of,
-    panel_area,
-    type_in,
-    undo_to,
-)
+from panel_hands import LIBRARY, change, drag, drop, field_of, panel_area, type_in, undo_to
 
 # Together they have every kind of parameter and of section.
 EVERY_KIND = (

@@ -16,12 +16,7 @@ from core.network.file import load_network
 from core.network.network import Network, Node
 from lens_files import write_lens_files
 from panel_hands import let_go
-from preview_hands import (
-    LIBRARY,
-    Paints,
-    sensor,
-    told,
-)
+from preview_hands import LIBRARY, Paints, sensor, told
 
 ILLUSTRATED = [key for key in LIBRARY if preview_query(LIBRARY[key], "node") is not None]
 INIT = {"detector_x_um": 60.0, "detector_y_um": 60.0, "focal_length_mm": 50.0, "f_number": 2.0}
@@ -52,11 +47,7 @@ EDITS = {
     ),
     "periodic_noise": ({"amplitude": 1.0}, "amplitude", 2.0),
     "camera_geometry": ({"fov_x_deg": 3.0}, "fov_x_deg", 2.0),
-    "psf_file": (
-        {"path": "psf.txt", "sample_pitch": 0.1, "pitch_unit": "mrad"},
-        "background",
-        0.9,
-    ),
+    "psf_file": ({"path": "psf.txt", "sample_pitch": 0.1, "pitch_unit": "mrad"}, "background", 0.9),
     "spectral_response": ({}, "peak", 0.5),
     "atmospheric_path": ({"transmission": 0.8}, "air_K", 280.0),
     "tdi_mtf": ({}, "velocity_mismatch_percent", 5.0),

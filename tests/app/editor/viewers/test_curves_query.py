@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.plot.plotted_lines import (
-    CurvesQuery,
-)
+from app.editor.viewers.plot.plotted_lines import CurvesQuery
 
 NETWORK = "inframetrics"
 

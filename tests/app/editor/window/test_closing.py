@@ -2,13 +2,7 @@
 
 import pytest
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import (
-    QApplication,
-    QDialog,
-    QFileDialog,
-    QMessageBox,
-    QPushButton,
-)
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QPushButton
 
 from core.editing.document import Document
 from core.editing.operations import set_parameter
@@ -77,10 +71,7 @@ def test_work_is_asked_for_until_it_is_saved(window, hand, qtbot, idle, tmp_path
 
 # --- with a dialog open ------------------------------------------------------------------------
 
-DIALOGS = [
-    ("open", "file_dialog", False),
-    ("add_run", "add_run", True),
-]
+DIALOGS = [("open", "file_dialog", False), ("add_run", "add_run", True)]
 
 
 @pytest.mark.parametrize(("action", "name", "modified"), DIALOGS)

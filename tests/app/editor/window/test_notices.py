@@ -110,7 +110,7 @@ def test_a_list_has_the_gravest_first_and_is_gone_once_all_are_closed(qtbot):
     assert shown.isVisible()
 
 
-SHARED = ("app/fit/", "app/measure/picture", "app/run/output", "core/", "nodes/")
+SHARED = ("app/fit/", "app/measure/picture", "app/run/transfer_chain", "core/", "nodes/")
 
 
 def test_no_text_of_the_window_names_an_option_of_the_command_line():
