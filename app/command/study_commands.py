@@ -177,8 +177,8 @@ def study(
     give the same command again; finished rows are saved in OUTPUT.journal.
     """
     from app.run.overrides import FORM, OPTION
-    from app.study.carrying_out import Workers, carry_out
-    from app.study.study_request import make_study
+    from app.study.study_request import carry_out, make_study
+    from app.study.worker_processes import Workers
 
     begun = time.perf_counter()
     library, place, network = options.opened(asked, json)

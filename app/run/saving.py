@@ -20,19 +20,11 @@ from core.errors import UsageError
 from core.evaluation.recipes import Region, number_bits
 from core.evaluation.work import Policy, Work
 from core.machine import is_on_disk
+from nodes.files import formats
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.stored_samples import integer_type
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.formats import (
-    PNG,
-    SAVED,
-    TIFF,
-    WRITTEN,
-    check_finite,
-    write_picture,
-    written_format,
-)
 from nodes.files.frames import (
     FrameFormat,
     FrameSeries,
@@ -48,11 +40,13 @@ from nodes.input_output.write_matrix import curve_columns
 
 Array = NDArray[Any]
 _TABLES = (CSV,)
-_CURVES = (CSV, *(file_format for file_format in WRITTEN if file_format.stores_floats))
+_CURVES = (CSV, *(file_format for file_format in formats.WRITTEN if file_format.stores_floats))
 
 
 def check_suffix(port: str, value: Any, path: Path) -> None:
-    allowed: tuple[Format, ...] = (*SAVED, ENVI_FRAMES, ZARR) if isinstance(value, Image) else SAVED
+    allowed: tuple[Format, ...] = (
+        (*formats.SAVED, ENVI_FRAMES, ZARR) if isinstance(value, Image) else formats.SAVED
+    )
     if isinstance(value, Table | Context):
         allowed = _TABLES
     elif isinstance(value, Curve):
@@ -85,7 +79,7 @@ def save_value(
         _save_curve(path, made, work)
     else:
         array = real_array(made, work)
-        check_finite(array, port)
+        formats.check_finite(array, port)
         metadata = metadata_of(value, array.shape) if isinstance(value, Image) else {}
         save_array(path, array, metadata)
 
@@ -108,7 +102,7 @@ def real_array(made: Array, work: Work) -> Array:
 
 def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     """Write a real array; integers run from its least to its greatest sample."""
-    kind = written_format(path)
+    kind = formats.written_format(path)
     if ZARR.matches(path):
         write_store(path, array, metadata)
     elif ENVI_FRAMES.matches(path):
@@ -116,21 +110,21 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     elif CSV.matches(path):
         write_matrix(path, array)
     elif kind is None:
-        words = ", ".join(suffixes(*SAVED, ENVI_FRAMES, ZARR))
+        words = ", ".join(suffixes(*formats.SAVED, ENVI_FRAMES, ZARR))
         raise UsageError(f"{path}: a picture must be written as {words}")
     elif kind.stores_floats:
         whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)
         if whole is not None:
-            write_picture(path, array, dtype=whole, metadata=metadata)
+            formats.write_picture(path, array, dtype=whole, metadata=metadata)
             return
         double = array.dtype == np.float64 and "double" in kind.dtypes
-        write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
+        formats.write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
     else:
         levels = grey_levels(float(array.min()), float(array.max()), array)
-        if kind is PNG:
+        if kind is formats.PNG:
             write_bytes(path, encode_png(levels))
         else:
-            write_picture(path, levels, dtype=kind.dtypes[0], metadata=metadata)
+            formats.write_picture(path, levels, dtype=kind.dtypes[0], metadata=metadata)
 
 
 def _save_envi(path: Path, array: Array, metadata: dict[str, Any]) -> None:
@@ -298,10 +292,10 @@ def save_frames(
                 gc.collect()  # the recipes of a frame refer to one another
             work.check()
             frame = real_array(value, work)
-            check_finite(frame, port)
+            formats.check_finite(frame, port)
             yield frame
 
-    if frames == 1 and TIFF.matches(path):
+    if frames == 1 and formats.TIFF.matches(path):
         (frame,) = made()
         if is_on_disk(frame):
             write_tiled_tiff(path, series, frame)

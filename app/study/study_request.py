@@ -1,54 +1,54 @@
-"""A study as it is to be carried out: all that its rows depend on, checked before it starts."""
+"""A study: what it varies, checked before it starts, and how it is carried out."""
 
+import contextlib
 import csv
 import glob
 import io
 import itertools
 import math
-import os
 import re
-import string
-from collections.abc import Mapping, Sequence
+import threading
+import time
+import warnings
+from collections.abc import Callable, Generator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.run.option_values import Save, assignment
-from app.run.overrides import (
-    OPTION,
-    Variation,
-    behind,
-    first_taken,
-    from_here,
-    near,
-    one_value,
-    taken_value,
-    variation,
-)
+from app.run import overrides
+from app.run.option_values import Save, assignment, study_path, summary_path
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
-from app.run.terminal import exact, version
+from app.run.terminal import Stopped, too_late, version
 from app.study.study_rows import (
     SUFFIX,
     Column,
+    Journal,
+    Point,
     Row,
+    RowMaker,
     Setting,
+    Task,
     check_installed,
+    file_names,
     file_stamp,
     input_paths,
     network_key,
+    write_columns,
 )
+from app.study.worker_processes import Workers, cluster_rows, process_rows
 from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import (
+    Cancelled,
     FileError,
     ImagechainError,
     ParameterError,
+    Suspended,
     UsageError,
-    close,
     several,
     shown,
     shown_path,
@@ -58,18 +58,16 @@ from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
 from core.network.network import Network
+from core.network.validation import check_network, plain_network
 from core.records import dataclass, replace
 from nodes.files.common.file_format import CSV
 from nodes.files.common.table_cells import plain_cell
+from nodes.library import standard_library
 
 # The points: a value for each axis.
 
 MOST_POINTS = 1_000_000
 _MOST_BYTES = 1 << 27  # of a list: a hundred for each point; its cells take ten times as much
-Point = tuple[Any, ...]
-"""A value for each axis."""
-
-
 GRID, LATIN = "grid", "latin"
 Values = str | Sequence[Any]
 
@@ -81,7 +79,7 @@ def sampled(
     points: int | None,
     *,
     library: Library,
-) -> tuple[tuple[Variation, ...], Sequence[Point]]:
+) -> tuple[tuple[overrides.Variation, ...], Sequence[Point]]:
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
@@ -105,15 +103,15 @@ def sampled(
     return listed_points(Path(sample), network, library=library)
 
 
-def grid_points(axes: Sequence[Variation]) -> tuple[Point, ...]:
+def grid_points(axes: Sequence[overrides.Variation]) -> tuple[Point, ...]:
     """Every value of an axis with every value of the others; the last axis moves first."""
     _check_number(math.prod(len(axis.values) for axis in axes))
     return tuple(itertools.product(*(axis.values for axis in axes)))
 
 
 def latin_points(
-    axes: Sequence[Variation], count: int, seed: int
-) -> tuple[tuple[Variation, ...], list[Point]]:
+    axes: Sequence[overrides.Variation], count: int, seed: int
+) -> tuple[tuple[overrides.Variation, ...], list[Point]]:
     """A Latin hypercube: of `count` equal parts of each range, every part is taken once.
 
     Within its part a value is drawn uniformly (McKay, Beckman and Conover 1979). The axes come back
@@ -132,7 +130,7 @@ def latin_points(
 
 def listed_points(
     path: Path, network: Network, *, library: Library
-) -> tuple[tuple[Variation, ...], list[Point]]:
+) -> tuple[tuple[overrides.Variation, ...], list[Point]]:
     """The points of a CSV file, a row each; a unit behind a name must be that of the parameter."""
     name = shown_path(str(path))
     if path.exists() and not path.is_file():  # a pipe would be waited for
@@ -165,18 +163,20 @@ def listed_points(
     axes, columns = [], []
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):
         node, parameter = _target(name, label, network, library)
-        axis = Variation(node, parameter, given=label)
+        axis = overrides.Variation(node, parameter, given=label)
         if head not in (label, axis.title):
             unit = axis.unit or "none"
             raise FileError(f"{name}: column {head}: the unit must be {unit}, the parameter's unit")
         cells = enumerate((plain_cell(line[place].strip()) for line in lines[1:]), 2)
         values = [_read(axis, cell, f"{name}: line {number}") for number, cell in cells]
-        columns.append([from_here(value, parameter, path.parent) for value in values])
+        columns.append([overrides.from_here(value, parameter, path.parent) for value in values])
         axes.append(_of_files(replace(axis, values=tuple(dict.fromkeys(columns[-1])))))
     return tuple(axes), list(zip(*columns, strict=True))
 
 
-def order_of(axes: Sequence[Variation], points: Sequence[Point], network: Network) -> list[int]:
+def order_of(
+    axes: Sequence[overrides.Variation], points: Sequence[Point], network: Network
+) -> list[int]:
     """The places in the order that repeats least: what few nodes hang on moves first."""
     touched = [len(nodes_after(network, axis.node)) for axis in axes]
     outwards = sorted(range(len(axes)), key=lambda place: -touched[place])
@@ -194,9 +194,9 @@ def _check_number(count: int) -> None:
         raise UsageError(f"the study would have {count} points; allowed: 1 to {MOST_POINTS}")
 
 
-def _read(axis: Variation, cell: str, where: str) -> Any:
+def _read(axis: overrides.Variation, cell: str, where: str) -> Any:
     try:
-        return first_taken(cell, partial(taken_value, axis.parameter))
+        return overrides.first_taken(cell, partial(overrides.taken_value, axis.parameter))
     except ParameterError as error:
         refused = error.at(axis.node)
         refused.message = f"{where}: {refused.message}"
@@ -212,32 +212,32 @@ _OVER_FORM = "NODE.PARAM=PATTERN, such as scene.path='scenes/*.img'"
 
 def _axis(
     label: str, values: Values, network: Network, library: Library, *, drawn: bool
-) -> Variation:
+) -> overrides.Variation:
     if isinstance(values, str):
         text = f"{label}={values}"
-        axis = variation(text, network, library=library, most=MOST_VALUES, drawn=drawn)
+        axis = overrides.variation(text, network, library=library, most=MOST_VALUES, drawn=drawn)
         for value in axis.span or axis.values:
             _allowed(axis.parameter, value, axis.node)
     else:
-        node, parameter = _target(OPTION, label, network, library)
+        node, parameter = _target(overrides.OPTION, label, network, library)
         items = (value.item() if isinstance(value, np.generic) else value for value in values)
-        taken = (from_here(_allowed(parameter, item, node), parameter) for item in items)
-        axis = Variation(node, parameter, tuple(dict.fromkeys(taken)))
+        taken = (overrides.from_here(_allowed(parameter, item, node), parameter) for item in items)
+        axis = overrides.Variation(node, parameter, tuple(dict.fromkeys(taken)))
         if not axis.values:
-            raise UsageError(f"{OPTION} {label}: there are no values")
+            raise UsageError(f"{overrides.OPTION} {label}: there are no values")
     return _of_files(replace(axis, given=label))
 
 
 def _target(option: str, label: str, network: Network, library: Library) -> tuple[str, Parameter]:
-    inner = behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
-    return inner.node, one_value(option, inner, network, library)
+    inner = overrides.behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
+    return inner.node, overrides.one_value(option, inner, network, library)
 
 
-def files_axis(text: str, network: Network, *, library: Library) -> Variation:
+def files_axis(text: str, network: Network, *, library: Library) -> overrides.Variation:
     """The files that match ``--over NODE.PARAM=PATTERN``, 2 before 10."""
     setting = assignment(OVER, text, _OVER_FORM)
-    inner = behind(setting, network)
-    parameter = one_value(OVER, inner, network, library)
+    inner = overrides.behind(setting, network)
+    parameter = overrides.one_value(OVER, inner, network, library)
     if parameter.kind != "path":
         allowed = f"the parameter is {parameter.allowed()}, not a file name"
         raise UsageError(f"{OVER} {setting.port}: {allowed}")
@@ -247,7 +247,9 @@ def files_axis(text: str, network: Network, *, library: Library) -> Variation:
         raise FileError(f"{OVER} {setting.port}={shown(setting.text)}: no file matches")
     names.sort(key=natural)
     by_value = {Path(name).absolute().as_posix(): Path(name).as_posix() for name in names}
-    return Variation(inner.node, parameter, tuple(by_value), given=setting.port, names=by_value)
+    return overrides.Variation(
+        inner.node, parameter, tuple(by_value), given=setting.port, names=by_value
+    )
 
 
 def natural(name: str) -> tuple[tuple[int, int, str], ...]:
@@ -258,12 +260,12 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 def _allowed(parameter: Parameter, value: Any, node: str) -> Any:
     try:
-        return taken_value(parameter, value)
+        return overrides.taken_value(parameter, value)
     except ParameterError as error:
         raise error.at(node) from error
 
 
-def _of_files(axis: Variation) -> Variation:
+def _of_files(axis: overrides.Variation) -> overrides.Variation:
     if axis.parameter.kind != "path":
         return axis
     here = Path().absolute()
@@ -275,81 +277,12 @@ def _of_files(axis: Variation) -> Variation:
     return replace(axis, names=names)
 
 
-# The files of ``--save NODE.PORT=PATTERN``: a name for each point of a study.
-
-POINT, SCENE = "point", "scene"
-
-
-def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
-    """A pattern with its fields filled, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
-    text = ""
-    for literal, name, spec, conversion in string.Formatter().parse(pattern):
-        text += literal
-        if name is None:
-            continue
-        if name not in values:
-            hint = close(name, values) or f"; its fields: {', '.join(values)}"
-            raise ValueError(f"the study has no field {shown(name)}{hint}")
-        if conversion:
-            raise ValueError("only a number format may follow a field's name")
-        if re.search("[0-9]{4}", spec or ""):
-            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits are allowed")
-        # Zeros lead a point's number where it has no format.
-        form = spec or (f"0{len(str(points))}d" if name == POINT else "")
-        value = values[name]
-        try:
-            word = format(value, form) if form else "empty" if value is None else exact(value)
-        except (ValueError, TypeError) as error:
-            raise ValueError(f"{{{name}:{form}}}: {error}") from error
-        if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
-            raise ValueError(f"{name} = {shown(word)} cannot be part of a file name")
-        text += word
-    return text
-
-
-def file_names(
-    saves: Sequence[Save], axes: Sequence[Variation], points: Sequence[Point]
-) -> list[tuple[str, ...]]:
-    """The files of each point, one for each pattern, from the current folder on."""
-    taken: dict[str, int] = {}
-    names = []
-    for number, point in enumerate(points, 1):
-        values = _fields(axes, point, number)
-        row = []
-        for save in saves:
-            try:
-                name = os.path.abspath(_filled(save.text, values, len(points)))  # noqa: PTH100
-            except ValueError as error:
-                raise UsageError(f"{save.shown}: {error}") from error
-            if other := taken.get(name):
-                whose = f"points {other} and {number}" if other != number else f"point {number}"
-                fields = ", ".join(f"{{{field}}}" for field in values)
-                raise UsageError(
-                    f"{save.shown}: two files of {whose} would both be named {shown(name)}. "
-                    f"Use more of the fields {fields} in the file name"
-                )
-            taken[name] = number
-            row.append(name)
-        names.append(tuple(row))
-    return names
-
-
-def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, Any]:
-    fields: dict[str, Any] = {POINT: number}
-    stems = {}
-    for axis, value in zip(axes, point, strict=True):
-        fields[axis.text] = Path(value).stem if axis.is_files else value
-        if axis.is_files:
-            stems[axis.text.rpartition(".")[0]] = fields[axis.text]
-    return {**fields, **stems, **({SCENE: next(iter(stems.values()))} if len(stems) == 1 else {})}
-
-
 @dataclass(frozen=True)
 class Study:
     name: str  # of the network
     setting: Setting  # what all points have in common
     library: Library  # the modules
-    axes: tuple[Variation, ...]  # what varies
+    axes: tuple[overrides.Variation, ...]  # what varies
     points: tuple[Point, ...]  # A value for each axis
     files: list[tuple[str, ...]]  # the saved pictures, by point
 
@@ -450,7 +383,7 @@ def make_study(
     axes = (*overs, *drawn)
     if not axes:
         raise UsageError(
-            f"nothing is varied: give {OPTION} NODE.PARAM=VALUES, {OVER} or --sample FILE"
+            f"nothing is varied: give {overrides.OPTION} NODE.PARAM=VALUES, {OVER} or --sample FILE"
         )
     places = [(axis.node, axis.parameter.name) for axis in axes]
     for number, axis in enumerate(axes):
@@ -491,12 +424,14 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
     for save in saves:
         node, _, port = network.port_names.get(save.port, save.port).rpartition(".")
         if node not in network.nodes:
-            hint = near(save.node, network.nodes)
+            hint = overrides.near(save.node, network.nodes)
             raise UsageError(f"{save.shown}: the network has no node {shown(save.node)}{hint}")
         module = library.get(network.nodes[node].module)
         ports = [] if module is None else [output.name for output in declaration(module).outputs]
         if port not in ports:
-            raise UsageError(f"{save.shown}: {node} has no output {shown(port)}{near(port, ports)}")
+            raise UsageError(
+                f"{save.shown}: {node} has no output {shown(port)}{overrides.near(port, ports)}"
+            )
         try:
             value = plan.output(save.port)
         except ImagechainError:
@@ -509,3 +444,153 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
         check_suffix(save.port, value, path)
         if save.bounds and not isinstance(value, Image):
             raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
+
+
+ALONE_S = 0.5
+"""How long one process computes before it is known what the rest of the study takes."""
+_WORTH_S = 4.0  # of one process: less is done sooner than others have begun
+Reached = Callable[[int], None]
+
+
+def carry_out(
+    study: Study,
+    workers: Workers,
+    *,
+    output: Path | None = None,
+    fresh: bool = False,
+    reached: Reached | None = None,
+    cancel: threading.Event | None = None,
+    summaries: Sequence[Path] = (),
+) -> StudyRows:
+    """Compute the points that the journal beside `output` lacks, then write the files."""
+    workers.check()
+
+    def summarised(result: StudyRows) -> StudyRows:
+        for page in summaries:
+            from app.study.study_drawing import write_summary  # which takes matplotlib to load
+
+            write_summary(result, page)
+        return result
+
+    if output is None:
+        return summarised(_collected(study, workers, {}, cancel, reached))
+    with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
+        for row in [row for row in journal.rows.values() if _lost(study, row)]:
+            del journal.rows[row.place]  # made anew: a later line of the same point holds
+        try:
+            result = _collected(study, workers, journal.rows, cancel, reached, journal.add)
+        except (Stopped, Cancelled) as error:
+            raise Suspended(_kept("stopped", journal, study)) from error
+        except ImagechainError as error:
+            error.message = _kept(error.message, journal, study)
+            raise
+        too_late(cancel)
+        write_columns(result.columns(), output, study.name)
+        summarised(result)
+        journal.remove()
+    return result
+
+
+def _collected(
+    study: Study,
+    workers: Workers,
+    rows: dict[int, Row],
+    cancel: threading.Event | None,
+    reached: Reached | None,
+    keep: Callable[[list[Row]], object] = lambda _: None,
+) -> StudyRows:
+    """All rows, of which some may be there; the others are added, and kept as they come."""
+    reached = reached or (lambda _: None)
+    reached(len(rows))
+    start, start_s = time.monotonic(), 0.0
+    with contextlib.closing(_made(study, workers, rows, cancel)) as batches:
+        for made in batches:
+            if not (made or start_s):
+                start_s = time.monotonic() - start
+            keep(made)
+            rows.update((row.place, row) for row in made)
+            reached(len(rows))
+    return StudyRows(study, tuple(rows[place] for place in range(len(study.points))), start_s)
+
+
+def run_study(
+    network: Network,
+    workers: Workers,
+    *,
+    output: str | None = None,
+    summaries: Sequence[str] = (),
+    fresh: bool = False,
+    name: str = "",
+    folder: Path = Path(),
+    **asked: Any,
+) -> StudyRows:
+    """A study as the command carries it out; what is `asked` is as for `make_study`."""
+    library = standard_library()
+    plain = plain_network(network, library=library)
+    check_network(plain, library=library)
+    path = None if output is None else study_path("--output", output)
+    pages = [summary_path("--summary", page) for page in summaries]
+    places: dict[str, Any] = {"folder": folder, "output": path, "summaries": pages}
+    study = make_study(plain, name=plain.name or name, library=library, **places, **asked)
+    if workers.warning:
+        warnings.warn(workers.warning, UserWarning, stacklevel=2)
+    return carry_out(study, workers, output=path, summaries=pages, fresh=fresh)
+
+
+def _made(
+    study: Study, workers: Workers, done: Mapping[int, Row], cancel: threading.Event | None
+) -> Generator[list[Row]]:
+    """The rows that are not done: by this process, or by others as soon as that is worth it."""
+    order = [place for place in study.order if place not in done]
+    files = study.files or [()] * len(study.points)
+    tasks = [(place, study.points[place], files[place]) for place in order]
+    if tasks and (workers.scheduler or workers.jobs > 1):
+        yield from _by_others(study, workers, tasks, workers.jobs, cancel)
+        return
+    several = workers.jobs == 0 and Policy().workers > 1
+    took: list[float] = []
+    start = time.monotonic()
+    maker = None
+    for number, task in enumerate(tasks, 1):
+        maker = maker or RowMaker(_setting(study, workers, study.setting.policy), study.library)
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("stopped on request")
+        row = maker.row(task, cancel)
+        took.append(row.seconds)
+        yield [row]
+        if several and time.monotonic() > start + ALONE_S:
+            several = False
+            usual = took[1:] or took  # the first one makes what the others share
+            if sum(usual) / len(usual) * (len(tasks) - number) > _WORTH_S:
+                del maker  # and what it has kept
+                yield from _by_others(study, workers, tasks[number:], Policy().workers, cancel)
+                return
+
+
+def _by_others(
+    study: Study, workers: Workers, tasks: list[Task], jobs: int, cancel: threading.Event | None
+) -> Generator[list[Row]]:
+    policy, scheduler = study.setting.policy, workers.scheduler
+    if not scheduler:
+        # The engine's threads beside those of the other processes would be in their way.
+        threads = policy.threads or max(1, Policy().workers // jobs)
+        setting = _setting(study, workers, replace(policy, threads=threads))
+        return process_rows(setting, tasks, jobs, cancel)
+    setting = _setting(study, workers, replace(policy, threads=policy.threads or 1))
+    return cluster_rows(setting, study.key, tasks, scheduler, cancel)
+
+
+def _setting(study: Study, workers: Workers, policy: Policy) -> Setting:
+    return replace(study.setting, policy=policy, memory_bytes=workers.memory_bytes)
+
+
+def _lost(study: Study, row: Row) -> bool:
+    files = study.files[row.place] if study.files and not row.error else ()
+    return not all(Path(file).exists() for file in files)
+
+
+def _kept(why: str, journal: Journal, study: Study) -> str:
+    return (
+        f"{why}; {len(journal.rows)} of {len(study.points)} points done and saved in "
+        f"{journal.path}: give the same command again to resume"
+    )

@@ -7,32 +7,26 @@ import io
 import json
 import math
 import os
+import re
+import string
 import threading
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from app.run.option_values import Save
+from app.run.overrides import Variation
 from app.run.saving import save_value
 from app.run.terminal import exact
 from app.run.transfer_chain import source_images
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator
+from core import errors
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import (
-    Cancelled,
-    FileError,
-    ImagechainError,
-    UsageError,
-    how_to_install,
-    in_line,
-    printable,
-    several,
-)
 from core.evaluation.recipes import content_key
 from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
@@ -46,7 +40,9 @@ from nodes.files.formats import check_finite
 
 KEPT_BYTES = 256_000_000
 """How much computed values may take in a process: neighbouring points share little more."""
-Task = tuple[int, tuple[Any, ...], tuple[str, ...]]
+Point = tuple[Any, ...]
+"""A value for each axis."""
+Task = tuple[int, Point, tuple[str, ...]]
 """A point's place, its values, and the files that it saves."""
 
 
@@ -83,7 +79,7 @@ class RowMaker:
         self._engine = Engine(library, Store(kept // share))
         plan = self._engine.plan(setting.network, folder=setting.folder)
         self._evaluator = PointEvaluator(self._engine, plan, setting.targets, setting.figures)
-        self._checked: dict[str, ImagechainError | None] = {}
+        self._checked: dict[str, errors.ImagechainError | None] = {}
 
     def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
         place, values, files = task
@@ -111,9 +107,9 @@ class RowMaker:
             saved = [plan.output(save.port) for save in self.setting.saves]
             images = [value.recipe for value in saved if isinstance(value, Image)]
             warnings = self._evaluator.warnings_of(plan, work, images)
-        except Cancelled:
+        except errors.Cancelled:
             raise
-        except ImagechainError as error:
+        except errors.ImagechainError as error:
             reasons.append(str(error))
         except MemoryError:
             reasons.append("not enough memory")
@@ -121,10 +117,10 @@ class RowMaker:
             reasons.append(f"internal error: {type(error).__name__}: {error}")
         if reasons and cancel is not None and cancel.is_set():
             # A stop may have become any error, as numpy makes an ImportError of one.
-            raise Cancelled("stopped on request")
+            raise errors.Cancelled("stopped on request")
         took = float(f"{time.perf_counter() - start:.4g}")
-        why = in_line("; ".join(dict.fromkeys(reasons)))
-        return Row(place, figures, key, took, why, tuple(map(in_line, warnings)))
+        why = errors.in_line("; ".join(dict.fromkeys(reasons)))
+        return Row(place, figures, key, took, why, tuple(map(errors.in_line, warnings)))
 
     def _save(self, plan: Plan, work: Work, save: Save, file: Path) -> None:
         value = plan.output(save.port)
@@ -133,8 +129,8 @@ class RowMaker:
             file.parent.mkdir(parents=True, exist_ok=True)
             save_value(value, file, work, port=save.port, region=region)
         except OSError as error:
-            raise FileError(f"cannot write {file}: {error.strerror or error}") from error
-        except ImagechainError as error:
+            raise errors.FileError(f"cannot write {file}: {error.strerror or error}") from error
+        except errors.ImagechainError as error:
             raise error.at(save.node) from error
 
     def _check_sources(self, plan: Plan, work: Work) -> None:
@@ -183,10 +179,10 @@ def file_stamp(file: Path) -> tuple[int, int] | None:
     return status.st_size, status.st_mtime_ns
 
 
-def _fault(samples: Any, port: str) -> ImagechainError | None:
+def _fault(samples: Any, port: str) -> errors.ImagechainError | None:
     try:
         check_finite(samples, port)
-    except ImagechainError as error:
+    except errors.ImagechainError as error:
         return error.at(port.rpartition(".")[0])
     return None
 
@@ -219,7 +215,7 @@ class Journal:
                 if (lock := take(lock_path)) is not None:
                     opened.callback(lock.let_go)
                 elif is_held(lock_path):
-                    raise FileError(
+                    raise errors.FileError(
                         f"cannot write {self._output}: another study is writing this file"
                     )
                 self._file = os.open(self.path, flags, 0o666)
@@ -256,11 +252,13 @@ class Journal:
         # Nothing counts of a file of which not even the first line is whole.
         torn = not lines and _line(self._head).startswith(content)
         if not torn and (not isinstance(head, dict) or head.get("format") != FORMAT):
-            raise UsageError(f"{self.path}: not the journal of a study; --fresh discards this file")
+            raise errors.UsageError(
+                f"{self.path}: not the journal of a study; --fresh discards this file"
+            )
         if lines and head != self._head:
-            raise UsageError(
+            raise errors.UsageError(
                 f"{self._output}: another study, or this study with other inputs, was started "
-                f"there and is not finished ({several(len(lines) - 1, 'row')} in "
+                f"there and is not finished ({errors.several(len(lines) - 1, 'row')} in "
                 f"{self.path.name}); --fresh discards its rows"
             )
         for self._end, entry in lines:
@@ -284,8 +282,8 @@ class Journal:
         os.ftruncate(self._file, self._end)
         os.lseek(self._file, self._end, os.SEEK_SET)
 
-    def _cannot(self, error: OSError) -> FileError:
-        return FileError(f"cannot write {self.path}: {error.strerror or error}")
+    def _cannot(self, error: OSError) -> errors.FileError:
+        return errors.FileError(f"cannot write {self.path}: {error.strerror or error}")
 
 
 def _line(entry: Any) -> bytes:
@@ -345,9 +343,9 @@ def check_installed(path: Path) -> None:
     for file_format, packages in _NEEDED.items():
         missing = [name for name in packages if importlib.util.find_spec(name) is None]
         if file_format.matches(path) and missing:
-            raise UsageError(
+            raise errors.UsageError(
                 f"--output {path}: {path.suffix} needs {' and '.join(missing)}: "
-                f"{how_to_install('study')}; .csv needs no other package"
+                f"{errors.how_to_install('study')}; .csv needs no other package"
             )
 
 
@@ -358,7 +356,7 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
     elif NETCDF.matches(path):
         _write_netcdf(columns, path, title)
     else:
-        write_text(path, printable(csv_of(columns)))
+        write_text(path, errors.printable(csv_of(columns)))
 
 
 def csv_of(columns: Sequence[Column]) -> str:
@@ -403,3 +401,72 @@ def _array(column: Column) -> Any:
     if None in column.values:
         return np.array([math.nan if v is None else float(v) for v in column.values])
     return np.array(column.values, dtype=kind)
+
+
+# The files of ``--save NODE.PORT=PATTERN``: a name for each point of a study.
+
+POINT, SCENE = "point", "scene"
+
+
+def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
+    """A pattern with its fields filled, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
+    text = ""
+    for literal, name, spec, conversion in string.Formatter().parse(pattern):
+        text += literal
+        if name is None:
+            continue
+        if name not in values:
+            hint = errors.close(name, values) or f"; its fields: {', '.join(values)}"
+            raise ValueError(f"the study has no field {errors.shown(name)}{hint}")
+        if conversion:
+            raise ValueError("only a number format may follow a field's name")
+        if re.search("[0-9]{4}", spec or ""):
+            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits are allowed")
+        # Zeros lead a point's number where it has no format.
+        form = spec or (f"0{len(str(points))}d" if name == POINT else "")
+        value = values[name]
+        try:
+            word = format(value, form) if form else "empty" if value is None else exact(value)
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"{{{name}:{form}}}: {error}") from error
+        if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
+            raise ValueError(f"{name} = {errors.shown(word)} cannot be part of a file name")
+        text += word
+    return text
+
+
+def file_names(
+    saves: Sequence[Save], axes: Sequence[Variation], points: Sequence[Point]
+) -> list[tuple[str, ...]]:
+    """The files of each point, one for each pattern, from the current folder on."""
+    taken: dict[str, int] = {}
+    names = []
+    for number, point in enumerate(points, 1):
+        values = _fields(axes, point, number)
+        row = []
+        for save in saves:
+            try:
+                name = os.path.abspath(_filled(save.text, values, len(points)))  # noqa: PTH100
+            except ValueError as error:
+                raise errors.UsageError(f"{save.shown}: {error}") from error
+            if other := taken.get(name):
+                whose = f"points {other} and {number}" if other != number else f"point {number}"
+                fields = ", ".join(f"{{{field}}}" for field in values)
+                raise errors.UsageError(
+                    f"{save.shown}: two files of {whose} would both be named {errors.shown(name)}. "
+                    f"Use more of the fields {fields} in the file name"
+                )
+            taken[name] = number
+            row.append(name)
+        names.append(tuple(row))
+    return names
+
+
+def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, Any]:
+    fields: dict[str, Any] = {POINT: number}
+    stems = {}
+    for axis, value in zip(axes, point, strict=True):
+        fields[axis.text] = Path(value).stem if axis.is_files else value
+        if axis.is_files:
+            stems[axis.text.rpartition(".")[0]] = fields[axis.text]
+    return {**fields, **stems, **({SCENE: next(iter(stems.values()))} if len(stems) == 1 else {})}

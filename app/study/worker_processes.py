@@ -2,6 +2,7 @@
 
 import contextlib
 import gc
+import importlib.util
 import logging
 import os
 import pickle
@@ -18,7 +19,8 @@ from typing import Any, BinaryIO
 
 from app.run.terminal import command, environment
 from app.study.study_rows import Row, RowMaker, Setting, Task
-from core.errors import Cancelled, FileError, ImagechainError, UsageError, shown
+from core.errors import Cancelled, FileError, ImagechainError, UsageError, how_to_install, shown
+from core.records import dataclass
 from nodes.library import standard_library
 
 _STARTS = 3  # attempts at a process that ends before it can compute
@@ -35,11 +37,54 @@ _MOST = 500  # points of a batch
 _LOOK_S = 0.1
 
 
+# Who computes a study.
+
+TLS = ("--tls-ca-file", "--tls-cert", "--tls-key")
+_INNER = ("tls://", "wss://", "inproc://")  # what nobody else can read, or answer in our place
+
+
+@dataclass(frozen=True)
+class Workers:
+    # processes of this machine; 0 for all cores, as soon as the rest of the study is worth it
+    jobs: int = 0
+    scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
+    memory_bytes: int | None = None  # how much computed values may take on a machine
+
+    def check(self) -> None:
+        if not isinstance(self.scheduler, str):
+            return
+        if self.scheduler and not has_dask():
+            what = f"--scheduler {self.scheduler:.120}"
+            raise UsageError(
+                f"{what}: dask and distributed are not installed: {how_to_install('study')}"
+            )
+        if self.scheduler:
+            check_address(self.scheduler)
+
+    @property
+    def warning(self) -> str:
+        """That others can run code on the workers; empty where they cannot."""
+        address = self.scheduler
+        if not isinstance(address, str):
+            address = address.scheduler.address
+        if not address or address.startswith(_INNER):
+            return ""
+        return (
+            f"the scheduler {shown(address)} has no TLS: anyone who can reach its port can "
+            f"run code as the workers' user. Start the scheduler and its workers with "
+            f"{', '.join(TLS)}, and give the study the same files in Dask's settings"
+        )
+
+
+def has_dask() -> bool:
+    return all(importlib.util.find_spec(name) is not None for name in ("dask", "distributed"))
+
+
 class WorkerEnded(Exception):
     """Who had a batch ended before it was done."""
 
 
-class Workers:
+class _Crew:
     lanes: int  # how many stretches the points are parted into
     most_ends: int  # of workers within a point, before it is the point's own fault
     why: str  # the error of such a point
@@ -96,7 +141,7 @@ class _Lanes:
 
 
 def dealt_rows(
-    workers: Workers, tasks: Sequence[Task], figures: int, cancel: threading.Event | None
+    workers: _Crew, tasks: Sequence[Task], figures: int, cancel: threading.Event | None
 ) -> Iterator[list[Row]]:
     """The rows of points as they come; empty ones when workers are ready.
 
@@ -155,7 +200,7 @@ def process_rows(
         processes.end()
 
 
-class _Processes(Workers):
+class _Processes(_Crew):
     most_ends = 3
     why = f"the process computing this point stopped {most_ends} times"
 
@@ -277,7 +322,7 @@ def cluster_rows(
         yield from dealt_rows(cluster, tasks, len(setting.figures), cancel)
 
 
-class _Cluster(Workers):
+class _Cluster(_Crew):
     """The workers of a scheduler, which gives the batches of a lost one to another."""
 
     lanes = 1  # whoever is free takes the next points: each worker keeps what neighbours share

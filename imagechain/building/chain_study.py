@@ -6,17 +6,18 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral
 from os import PathLike, fspath
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.run.option_values import save_target
-from app.study.carrying_out import Workers, run_study
+from app.study.study_request import run_study
+from app.study.worker_processes import Workers
 from core.errors import UsageError
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
+from imagechain.building.chain import open as open_chain
 from imagechain.parts.plain_errors import plain_errors
 from imagechain.results.tables import StudyTable
 
@@ -114,10 +115,14 @@ def study(
                 f"{name} = {count!r:.80} is not allowed: must be a whole number, 0 or more"
             )
     files = _texts("summary", summary, str | PathLike, "a file, or a list of files")
+    own = chain if isinstance(chain, Chain) else open_chain(chain)
+    file = own._state.file
     rows = run_study(
-        chain.network if isinstance(chain, Chain) else fspath(chain),
+        own.network,
         Workers(jobs, scheduler, memory_bytes=memory_bytes),
-        folder=chain.folder if isinstance(chain, Chain) else Path(),
+        name="" if file is None else file.stem,
+        folder=own.folder,
+        read=[] if file is None else [file],
         output=None if output is None else fspath(output),
         summaries=[fspath(path) for path in files],
         fresh=fresh,
