@@ -14,7 +14,7 @@ from app.bench.chains import sensor_network
 from app.bench.tables import Table, verdict
 from app.bench.timing import Settings
 from app.study.study_request import StudyRows, run_study
-from app.study.worker_processes import Workers
+from app.study.study_rows import Workers
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from core.network.network import Network

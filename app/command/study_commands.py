@@ -178,7 +178,7 @@ def study(
     """
     from app.run.overrides import FORM, OPTION
     from app.study.study_request import carry_out, make_study
-    from app.study.worker_processes import Workers
+    from app.study.study_rows import Workers
 
     begun = time.perf_counter()
     library, place, network = options.opened(asked, json)

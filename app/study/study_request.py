@@ -31,6 +31,7 @@ from app.study.study_rows import (
     RowMaker,
     Setting,
     Task,
+    Workers,
     check_installed,
     file_names,
     file_stamp,
@@ -38,7 +39,7 @@ from app.study.study_rows import (
     network_key,
     write_columns,
 )
-from app.study.worker_processes import Workers, cluster_rows, process_rows
+from app.study.worker_processes import cluster_rows, process_rows
 from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image

@@ -2,7 +2,6 @@
 
 import contextlib
 import gc
-import importlib.util
 import logging
 import os
 import pickle
@@ -18,9 +17,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, BinaryIO
 
 from app.run.terminal import command, environment
-from app.study.study_rows import Row, RowMaker, Setting, Task
-from core.errors import Cancelled, FileError, ImagechainError, UsageError, how_to_install, shown
-from core.records import dataclass
+from app.study.study_rows import WITH_TLS, Row, RowMaker, Setting, Task
+from core.errors import Cancelled, FileError, ImagechainError, UsageError, shown
 from nodes.library import standard_library
 
 _STARTS = 3  # attempts at a process that ends before it can compute
@@ -35,49 +33,6 @@ _VARIABLES = {
 }
 _MOST = 500  # points of a batch
 _LOOK_S = 0.1
-
-
-# Who computes a study.
-
-TLS = ("--tls-ca-file", "--tls-cert", "--tls-key")
-_INNER = ("tls://", "wss://", "inproc://")  # what nobody else can read, or answer in our place
-
-
-@dataclass(frozen=True)
-class Workers:
-    # processes of this machine; 0 for all cores, as soon as the rest of the study is worth it
-    jobs: int = 0
-    scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
-    memory_bytes: int | None = None  # how much computed values may take on a machine
-
-    def check(self) -> None:
-        if not isinstance(self.scheduler, str):
-            return
-        if self.scheduler and not has_dask():
-            what = f"--scheduler {self.scheduler:.120}"
-            raise UsageError(
-                f"{what}: dask and distributed are not installed: {how_to_install('study')}"
-            )
-        if self.scheduler:
-            check_address(self.scheduler)
-
-    @property
-    def warning(self) -> str:
-        """That others can run code on the workers; empty where they cannot."""
-        address = self.scheduler
-        if not isinstance(address, str):
-            address = address.scheduler.address
-        if not address or address.startswith(_INNER):
-            return ""
-        return (
-            f"the scheduler {shown(address)} has no TLS: anyone who can reach its port can "
-            f"run code as the workers' user. Start the scheduler and its workers with "
-            f"{', '.join(TLS)}, and give the study the same files in Dask's settings"
-        )
-
-
-def has_dask() -> bool:
-    return all(importlib.util.find_spec(name) is not None for name in ("dask", "distributed"))
 
 
 class WorkerEnded(Exception):
@@ -304,7 +259,6 @@ class _Process:
 
 _AHEAD, _FEWEST = 2, 32  # batches out for each thread, and at least: more workers may come
 _CONNECT_S = 10
-_TLS = ("tls://", "wss://")
 _GATHER_S = 5  # for rows that are made, on their way here
 _WITHOUT_S = 300.0  # how long a study waits for a worker: a busy machine starts one in a minute
 
@@ -395,7 +349,7 @@ def _connected(scheduler: Any) -> Iterator[Any]:
         return
     given: Any = distributed  # its constructors have no types
     words: dict[str, Any] = {}
-    if scheduler.startswith(_TLS):  # the certificates are Dask's own settings
+    if scheduler.startswith(WITH_TLS):  # the certificates are Dask's own settings
         words["security"] = given.Security(require_encryption=True)
     with dask.config.set({"distributed.comm.timeouts.connect": f"{_CONNECT_S}s"}):
         try:
@@ -408,32 +362,6 @@ def _connected(scheduler: Any) -> Iterator[Any]:
             ) from error
         with client:
             yield client
-
-
-def check_address(scheduler: str) -> None:
-    """Refuse what is no address: a client of it would go on trying in the background."""
-    from distributed import Security
-    from distributed.comm.addressing import parse_host_port
-    from distributed.comm.registry import backends
-
-    protocol, parted, place = scheduler.rpartition("://")
-    try:
-        host, port = parse_host_port(place)
-        sound = bool(host) and 0 < port < 65536 and (not parted or protocol in backends)
-    except ValueError:
-        sound = False
-    if not sound:
-        known = ", ".join(sorted(backends))
-        raise UsageError(
-            f"--scheduler {scheduler:.120}: write HOST:PORT or PROTOCOL://HOST:PORT; protocols are "
-            f"{known}"
-        )
-    made: Any = Security
-    if scheduler.startswith(_TLS) and made().tls_client_cert is None:
-        raise UsageError(
-            f"--scheduler {scheduler:.120}: give the files that the scheduler was started with in "
-            "Dask's settings distributed.comm.tls.ca-file, .client.cert and .client.key"
-        )
 
 
 @contextlib.contextmanager

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.run.option_values import save_target
 from app.study.study_request import run_study
-from app.study.worker_processes import Workers
+from app.study.study_rows import Workers
 from core.errors import UsageError
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain

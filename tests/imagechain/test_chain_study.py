@@ -94,7 +94,7 @@ def test_a_client_is_taken_and_one_without_tls_warned_of(chain, monkeypatch):
         assert (
             found["total.mtf_nyquist_x"] == ic.study(chain, jobs=1, **words)["total.mtf_nyquist_x"]
         )
-        monkeypatch.setattr("app.study.worker_processes._INNER", ())
+        monkeypatch.setattr("app.study.study_rows._INNER", ())
         with pytest.warns(
             UserWarning, match=r"inproc://.* has no TLS: anyone who can reach its port"
         ):

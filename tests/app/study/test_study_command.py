@@ -8,7 +8,7 @@ import pytest
 
 from app.run.shipped import find_network, shipped_networks
 from app.study.study_request import run_study
-from app.study.worker_processes import Workers
+from app.study.study_rows import Workers
 from core.network.file import load_network
 from nodes.library import standard_library
 from tradeoff_network import DOCUMENT, mtf
@@ -119,7 +119,7 @@ def test_tables_of_other_programs(sensor, study, rows_of, tmp_path):
 
 
 def test_without_dask_one_line_names_the_extra(monkeypatch, sensor, fails):
-    monkeypatch.setattr("app.study.worker_processes.has_dask", lambda: False)
+    monkeypatch.setattr("app.study.study_rows.has_dask", lambda: False)
     line = fails("study", sensor, SIGMA, NER, "--output", "a.csv", "--scheduler", "tcp://x:1")
     assert (
         "dask and distributed are not installed: run pip install '.[study]' in Imagechain's" in line
