@@ -122,7 +122,8 @@ class Workers:
         return (
             f"the scheduler {errors.shown(address)} has no TLS: anyone who can reach its port can "
             f"run code as the workers' user. Start the scheduler and its workers with "
-            "--tls-ca-file, --tls-cert, --tls-key, and give the study the same files in Dask's settings"
+            "--tls-ca-file, --tls-cert, --tls-key, and give the study the same files in Dask's "
+            "settings"
         )
 
 
