@@ -90,10 +90,8 @@ _FILES = (
     "analysis.image_quality",
 )
 
-
 OURS = {file.rpartition(".")[2]: file for file in _FILES}
 """By key, the file that a module of ours is in."""
-
 
 _LOADING = RLock()
 

@@ -26,7 +26,6 @@ from nodes.shared.module_ports import CutOff, CutOn, TableFigures
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 
-
 _OF_PLATFORM: dict[str, Scanning] = {
     "line": "serial_scan",
     "push": "parallel_scan",

@@ -270,7 +270,6 @@ BRIGHT, DARK = 0.15, 0.07
 """Reflectances whose contrast is the signal of the equations (Leachtenauer et al. 1997)."""
 _DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge
 
-
 Pair = tuple[float, float]  # horizontal and vertical
 
 

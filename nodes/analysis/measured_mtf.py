@@ -30,7 +30,6 @@ Vector = NDArray[np.float64]
 Direction = Literal["automatic", "horizontal", "vertical"]
 _BLOCK = 4
 
-
 Figure = tuple[float | None, float | None]
 """A value and its standard error, None where not known."""
 

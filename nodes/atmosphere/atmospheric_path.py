@@ -461,7 +461,6 @@ def _places(points: tuple[tuple[float, float], ...], low: float, high: float) ->
 #
 # Source: LeMaster and Eismann 2017, pyBSM, Proc. SPIE 10204 (Apache License 2.0).
 
-
 _HEIGHTS = (0.002, 0.0325, 0.075, 0.15, 0.225, 0.5, *range(1, 13), 14, 16, 18, 20, 24.5)
 _DISTANCES = (0, 0.1, 0.5, *range(1, 20), *range(20, 80, 2), *range(80, 305, 5))  # km, both
 

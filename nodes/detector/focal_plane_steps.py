@@ -37,7 +37,6 @@ other between numpy's calls. At 1024² five stages took 14 ms in blocks of the l
 those of the most, and in one thread 10 ms in either."""
 _EXACT_BITS = 14  # numbers beyond are made in double, whose rounding is far below one
 
-
 Well = float | None
 Function = TypeVar("Function", bound=Callable[..., Any])
 

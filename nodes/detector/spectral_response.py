@@ -239,7 +239,6 @@ _ROOM = 1.12  # above a response of 1 stands what the spectrum's peak is
 _HIGHEST = 0.9  # share of the axis that the spectrum's peak takes
 _WIDER = 0.03  # of the band, on both sides
 
-
 DrawnResponse = tuple[str, Band, Array, Array]
 """What is drawn, the wavelengths shown (the picture's band, the response beside it), the curve."""
 

@@ -305,7 +305,6 @@ def _per_um(info: picture_info.PictureInfo) -> float:
 
 # Weighted sums of a file's bands, read block by block: the cube is never in memory whole.
 
-
 Array = NDArray[Any]
 
 

@@ -290,12 +290,10 @@ def scaled_array(work: Work, *, held: HeldSamples, scale: float, offset: float) 
 
 # The spectral bands of a cube: of a file, which stays on disk, sums are made in one pass.
 
-
 Array = NDArray[Any]
 Span = tuple[int, int]
 _WIDEST_UM = 1e6
 _PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm
-
 
 Cube = Source | HeldSamples
 

@@ -402,7 +402,6 @@ def dormitory() -> Drawing:
 # Roads and runway are straight and lie askew, so that a camera's distortion shows. Thought of as
 # 2 km square, 0.01 is 20 m.
 
-
 Place = tuple[float, float]
 
 FIELDS = (

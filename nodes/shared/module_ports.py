@@ -189,7 +189,6 @@ LightingSource = Annotated[
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip
 
-
 # Read-outs that are one figure of a module's table.
 
 

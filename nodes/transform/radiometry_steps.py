@@ -17,7 +17,6 @@ from nodes.shared.steps import AboutMean, mean_of
 
 _BLOCK_SAMPLES = 1 << 16
 
-
 Surface = dict[str, Any]
 """How surfaces radiate: emissivity, unless an image of it comes in, what is reflected, band."""
 

@@ -79,7 +79,6 @@ def metadata_text(metadata: Mapping[str, object]) -> str:
 
 # Pictures that do not fit: refused by what their header claims, before memory is allocated.
 
-
 # A picture and one copy of it, which every step needs, fit the machine.
 _SHARE = 0.5
 _LONGEST_TEXT = 1 << 29
@@ -167,7 +166,6 @@ def _gb(size: float) -> str:
 # without regard to case, underscores as spaces (BUNIT, FOCALLEN: FITS; nominalFocalLength: EXR).
 # Lengths are in mm, angles in degrees unless a unit follows; ``fov = {x, y}`` gives both;
 # a zero means absent.
-
 
 _UNIT_KEYS = ("data units", "radiance units", "units", "unit", "bunit")
 _FOCAL_KEYS = (

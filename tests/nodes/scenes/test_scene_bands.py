@@ -7,7 +7,7 @@ from core.evaluation.work import Policy
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import draw
-from nodes.scenes.draw import KINDS, MATERIALS, SHADED, SKY, SURFACES, scene_spectra
+from nodes.scenes.draw import KINDS, SHADED, SKY, SURFACES, materials, scene_spectra
 from planck_truth import band_radiance
 
 LIBRARY = standard_library()
@@ -44,8 +44,8 @@ def spectra(low, high, bands=1, **parameters):
 def test_a_surface_by_hand_in_a_narrow_band(name):
     low, high = 4.0, 4.002
     offset, _, material = SURFACES[name]
-    reflected = float(MATERIALS[material].at(4.001))
-    sky_reflected = float(MATERIALS["clear sky"].at(4.001))
+    reflected = float(materials()[material].at(4.001))
+    sky_reflected = float(materials()["clear sky"].at(4.001))
     sun = (
         np.sin(np.radians(35.0)) * (6.957e8 / 1.495978707e11) ** 2 * band_radiance(low, high, 5800)
     )
