@@ -214,7 +214,7 @@ def _pictured(
 ) -> NDArray[np.floating]:
     """By the shares of all surfaces, where these are known, else drawn at once."""
     if shares:
-        return draw.show_radiances(shares[0], radiances, work.for_each)
+        return draw.show_radiances(shares[0], radiances)
     canvas = _canvas(work, width, height, empty=work.empty)
     return draw.draw_radiances(radiances, canvas, **drawing)
 

@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from core.machine import ForEach, in_turn
 from core.physics.radiometry.planck import band_radiance
 from core.physics.radiometry.spectra import (
     SUNLIGHT_K,
@@ -295,12 +294,10 @@ def draw_shares(kind: str, canvas: Canvas, **geometry: float) -> Shares:
     return draw_target(kind, canvas, background=0.0, signal=1.0, **geometry)
 
 
-def show_radiances(
-    shares: Shares, radiances: Radiances, for_each: ForEach = in_turn
-) -> npt.NDArray[np.floating]:
+def show_radiances(shares: Shares, radiances: Radiances) -> npt.NDArray[np.floating]:
     """The picture of these radiances, as `draw_radiances`, but for rounding."""
     if isinstance(shares, Layers):
-        return shares.picture(radiances, for_each)
+        return shares.picture(radiances)
     background, signal = radiances["background"], radiances["signal"]
     picture: npt.NDArray[np.floating] = shares * (signal - background)
     picture += background
@@ -367,7 +364,7 @@ def weighted(spectra: Spectra, weights: tuple[float, ...]) -> Radiances:
 def shown_means(shares: Shares, spectra: Spectra) -> FloatArray:
     """Mean of every band of a scene whose shares are known, (bands,)."""
     if isinstance(shares, Layers):
-        return _of_surfaces(shares.names, shares.means(), spectra)
+        return _of_surfaces(shares.names, shares.means, spectra)
     background = spectra["background"]
     share = float(np.mean(shares, dtype=np.float64))
     return np.asarray(background + share * (spectra["signal"] - background))
