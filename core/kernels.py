@@ -55,6 +55,13 @@ def special(name: str) -> Any:
     return found or getattr(import_module("scipy.special"), name)
 
 
+@cache
+def sparse(name: str) -> Any:
+    """The function of SciPy's sparse matrices with this name, which fills what it is given."""
+    found = getattr(_compiled("sparse", "_sparsetools"), name, None)
+    return found or getattr(import_module("scipy.sparse._sparsetools"), name)
+
+
 NORMS = {None: 0, "backward": 0, "ortho": 1, "forward": 2}  # the kernel's numbers for them
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from core import kernels
 from core.machine import Empty, ForEach, in_turn
 from core.records import dataclass
 from nodes.scenes import coverage
@@ -387,8 +388,6 @@ class Layers:
 
     def picture(self, radiances: Radiances) -> npt.NDArray[np.floating]:
         """The picture for these radiances, of the shares' type."""
-        from scipy.sparse import csr_array
-
         known = with_textures(radiances, self.textures)
         patterns = {texture.name for texture in self.textures}
         # The surfaces' shares sum to 1. Above the least of them there is nothing that cancels, and
@@ -396,29 +395,31 @@ class Layers:
         least = min(known[name] for name in self.names if name not in patterns)
         above = [known[name] - (0.0 if name in patterns else least) for name in self.names]
         dtype = self.shares.dtype
-        size = self.shape[0] * self.shape[1], len(self.names)
-        held = self.shares, self.places.astype(np.int32), self.ends
-        samples = csr_array(held, size) @ np.array(above, dtype)
-        samples += dtype.type(least)
-        return np.asarray(samples.reshape(self.shape))
+        picture = np.zeros(self.shape, dtype)
+        matrix = self.ends, self.places.astype(np.int32), self.shares
+        size = picture.size, len(self.names)
+        kernels.sparse("csr_matvec")(*size, *matrix, np.array(above, dtype), picture.reshape(-1))
+        picture += dtype.type(least)
+        return picture
 
 
 def layers_of(drawing: Drawing, canvas: Canvas) -> Layers:
     """Find the share of each surface in each sample; sums are in double."""
-    from scipy.sparse import csc_array
-
     shares, places, counts, sums = [], [], [], np.zeros(len(drawing.names))
     for planes in _sheets(drawing, canvas):
         numbers = np.array([drawing.names.index(name) for name in planes], np.uint8)
         seen = [np.flatnonzero(plane) for plane in planes.values()]
         parts = [plane.ravel()[at] for plane, at in zip(planes.values(), seen, strict=True)]
-        starts = np.cumsum([0, *map(len, seen)])
-        # Turned by scipy, which leaves each sample's shares in the order of drawing.
-        of_names = csc_array((np.concatenate(parts), np.concatenate(seen), starts))
-        sheet = of_names.tocsr()
-        shares.append(sheet.data.astype(canvas.dtype))
-        places.append(numbers[sheet.indices])
-        counts.append(np.diff(sheet.indptr))
+        starts = np.cumsum([0, *map(len, seen)]).astype(np.int32)
+        of_names = starts, np.concatenate(seen).astype(np.int32), np.concatenate(parts)
+        size = next(iter(planes.values())).size
+        # Each sample's shares in the order of drawing.
+        first, which = np.empty(size + 1, np.int32), np.empty(starts[-1], np.int32)
+        of_samples = first, which, np.empty(starts[-1])
+        kernels.sparse("csr_tocsc")(len(planes), size, *of_names, *of_samples)
+        shares.append(of_samples[2].astype(canvas.dtype))
+        places.append(numbers[which])
+        counts.append(np.diff(first))
         sums += np.bincount(places[-1], shares[-1], len(sums))
     ends = np.append(0, np.cumsum(np.concatenate(counts))).astype(np.int32)
     shape, both = (canvas.height, canvas.width), (np.concatenate(shares), np.concatenate(places))
