@@ -20,7 +20,7 @@ from core.modules.declaration import (
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-# A line for each: its folder, and its file, which is named as its key.
+# A line for each: its folder, and its file, which is named as its key; else the key stands behind.
 _FILES = (
     "input_output.read_image",
     "input_output.test_scene",
@@ -29,12 +29,12 @@ _FILES = (
     "input_output.examine_image",
     "transform.init_trans",
     "transform.back_transform",
-    "transform.combine_pixels",
-    "transform.sample_pixels",
+    "transform.pixels:combine_pixels",
+    "transform.pixels:sample_pixels",
     "transform.anti_alias",
     "transform.interpolate",
-    "transform.to_radiance",
-    "transform.to_temperature",
+    "transform.radiometry:to_radiance",
+    "transform.radiometry:to_temperature",
     "atmosphere.reflected_light",
     "atmosphere.atmospheric_path",
     "atmosphere.atmosphere_mtf",
@@ -58,8 +58,8 @@ _FILES = (
     "detector.detector_mtf",
     "detector.charge_diffusion_mtf",
     "detector.crosstalk",
-    "detector.charge_eff_mtf",
-    "detector.charge_eff_phase",
+    "detector.charge_transfer:charge_eff_mtf",
+    "detector.charge_transfer:charge_eff_phase",
     "detector.tdi_mtf",
     "detector.spectral_response",
     "detector.microlens",
@@ -90,7 +90,10 @@ _FILES = (
     "analysis.image_quality",
 )
 
-OURS = {file.rpartition(".")[2]: file for file in _FILES}
+OURS = {
+    key or file.rpartition(".")[2]: file
+    for file, _, key in (line.partition(":") for line in _FILES)
+}
 """By key, the file that a module of ours is in."""
 
 _LOADING = RLock()

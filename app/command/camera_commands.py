@@ -12,7 +12,7 @@ from app.command.options import Progress, check_stop, show, written
 from app.run import option_values as values
 from app.run.terminal import Stop
 from core.errors import in_line
-from nodes.files.common.file_format import CSV, HTML, JSON
+from nodes.files.file_format import CSV, HTML, JSON
 
 if TYPE_CHECKING:
     from app.fit.fit_result import FitResult

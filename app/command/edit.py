@@ -13,7 +13,7 @@ from app.run import option_values as values
 from app.run.shipped import find_network
 from app.run.terminal import Stop
 from core.errors import UsageError
-from nodes.files.common.file_format import PNG
+from nodes.files.file_format import PNG
 
 if TYPE_CHECKING:
     from app.editor.theme import Look

@@ -32,7 +32,7 @@ from core.network.file import parse_network
 from core.network.network import Network
 from core.network.validation import plain_network
 from core.records import replace
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.table_cells import csv_lines
 from nodes.library import standard_library
 
 UNSAVED = "unsaved network"

@@ -25,7 +25,7 @@ from core.modules.declaration import NodeContext
 from core.modules.parameters import Caution
 from core.network.validation import NetworkProblems
 from core.records import asdict, dataclass
-from nodes.files.common.file_format import ZARR
+from nodes.files.file_format import ZARR
 from nodes.files.formats import check_finite
 from nodes.files.frames import (
     STORE,

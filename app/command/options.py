@@ -26,7 +26,7 @@ from app.run.shipped import Place, every_network, find_network
 from app.run.terminal import json_text, too_late
 from core.errors import Cancelled, UsageError, close, shown
 from core.modules.parameters import LARGEST_INTEGER
-from nodes.files.common.file_format import JSON, Format, suffixes
+from nodes.files.file_format import JSON, Format, suffixes
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

@@ -14,7 +14,7 @@ from app.run.option_values import Save
 from app.run.terminal import Stop, too_late
 from core.errors import ImagechainError, InputError, in_line
 from core.records import asdict
-from nodes.files.common.file_format import suffixes
+from nodes.files.file_format import suffixes
 
 if TYPE_CHECKING:
     from app.run.overrides import GivenNetwork

@@ -15,7 +15,7 @@ from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.terminal import Stop
 from core.errors import DataError, UsageError, in_line, several
-from nodes.files.common.file_format import suffixes
+from nodes.files.file_format import suffixes
 
 if TYPE_CHECKING:
     from app.run.overrides import GivenNetwork

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.widgets import labelled
-from nodes.files.common.file_format import dialog_filter
+from nodes.files.file_format import dialog_filter
 from nodes.files.formats import PICTURES
 
 ROLE = QMessageBox.ButtonRole

@@ -18,9 +18,9 @@ from core.errors import DataError, UsageError, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 from core.physics.measurement.picture_noise import FramesNoise
 from core.records import asdict
-from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
-from nodes.files.common.table_cells import csv_lines
-from nodes.files.mtf_table import LARGEST_MTF
+from nodes.files.curve_tables import LARGEST_MTF
+from nodes.files.file_format import CSV, HTML, JSON, suffixes
+from nodes.files.table_cells import csv_lines
 
 _MOST_REFUSED = 60
 _PLACE = ("edge", "column", "row", "normal (°)", "length")

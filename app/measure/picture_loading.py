@@ -12,10 +12,10 @@ from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import dataclass
 from nodes.files.arrays import npy_header
-from nodes.files.common.picture_info import PictureInfo
-from nodes.files.common.stored_bytes import readable_file
 from nodes.files.formats import NPY, TIFF, check_finite, format_of, read_info, read_pixels
 from nodes.files.frames import FrameFile, open_frames, tiff_pages
+from nodes.files.picture_info import PictureInfo
+from nodes.files.stored_bytes import readable_file
 from nodes.input_output.source_file import LUMINANCE
 
 Matrix = NDArray[np.float64]

@@ -19,9 +19,9 @@ from core.physics.measurement.photon_transfer import (
 )
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from core.records import dataclass
-from nodes.files.common.file_format import JSON
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.file_format import JSON
 from nodes.files.frames import FrameFile, check_one_camera, open_frames
+from nodes.files.table_cells import csv_lines
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 

@@ -28,8 +28,8 @@ from core.physics.sampling.detector_sampling import folded
 from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer, transfer_of
 from nodes.analysis.measured_mtf import Measured, measured_rows, measured_slanted
+from nodes.scenes.draw import draw_target
 from nodes.scenes.scene_canvas import Canvas
-from nodes.scenes.scene_targets import draw_target
 
 Fact = dict[str, Any]
 Array = NDArray[Any]

@@ -22,7 +22,7 @@ from core.errors import printable, thaw
 from core.modules.parameters import plain
 from core.records import asdict
 from core.transfer.periodic import backend
-from nodes.files.common.file_format import JSON
+from nodes.files.file_format import JSON
 from nodes.input_output.sample_unit import statistics
 
 NOISE_PORTS = ("noise", "detector_noise", "quantization_error")

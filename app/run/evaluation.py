@@ -39,7 +39,7 @@ from core.modules.parameters import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
 from core.records import dataclass, field
-from nodes.files.common.file_format import ENVI_FRAMES, ZARR
+from nodes.files.file_format import ENVI_FRAMES, ZARR
 from nodes.files.formats import NPY, TIFF, check_finite
 
 Readouts = dict[str, dict[str, Any]]

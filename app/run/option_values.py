@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from core.errors import UsageError
 from core.records import dataclass
-from nodes.files.common.file_format import (
+from nodes.files.file_format import (
     CSV,
     ENVI_FRAMES,
     HTML,

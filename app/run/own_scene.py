@@ -20,9 +20,9 @@ from core.network.linked_values import naming
 from core.network.network import Link, Network, Node, reached
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from core.records import dataclass, replace
-from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_ends_um, coverage
 from nodes.files.formats import read_info, read_pixels
+from nodes.files.picture_info import PictureInfo
 from nodes.input_output.read_image import header_band
 from nodes.input_output.sample_unit import is_spectral
 from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance

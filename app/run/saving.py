@@ -22,9 +22,10 @@ from core.evaluation.work import Policy, Work
 from core.machine import is_on_disk
 from nodes.files import formats
 from nodes.files.arrays import write_curves, write_matrix
-from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.files.common.stored_samples import integer_type
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
+from nodes.files.formats import (
+    integer_type,
+)
 from nodes.files.frames import (
     FrameFormat,
     FrameSeries,
@@ -34,6 +35,7 @@ from nodes.files.frames import (
     write_frames,
     write_tiled_tiff,
 )
+from nodes.files.table_cells import csv_lines
 from nodes.files.zarr_array import check_zarr, write_store
 from nodes.input_output.write_image import Cube
 from nodes.input_output.write_matrix import curve_columns

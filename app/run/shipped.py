@@ -6,7 +6,7 @@ from pathlib import Path
 import networks
 from core.errors import FileError, alike, shown, shown_path
 from core.records import dataclass
-from nodes.files.common.file_format import JSON
+from nodes.files.file_format import JSON
 
 
 @dataclass(frozen=True)

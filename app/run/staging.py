@@ -17,8 +17,8 @@ from app.user_folders import FOLDERS
 from core import atomic
 from core.errors import FileError, ImagechainError, UsageError, shown
 from core.records import dataclass, field
-from nodes.files.common.file_format import ZARR
-from nodes.files.store_folder import is_store
+from nodes.files.file_format import ZARR
+from nodes.files.zarr_array import is_store
 
 Writer = Callable[[Path], None]
 Guard = Callable[[Path], None]

@@ -21,7 +21,7 @@ from core.records import dataclass, replace
 from core.transfer.factors import Factor, Grid, Part
 from nodes.analysis.lineage import HORIZONTAL, VERTICAL, Line, stage_along
 from nodes.analysis.lineage import Stage as LineStage
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.table_cells import csv_lines
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
 HOW_TO_MARK = "select the node whose picture is the output and press O"

@@ -61,8 +61,8 @@ from core.modules.parameters import Parameter
 from core.network.network import Network
 from core.network.validation import check_network, plain_network
 from core.records import dataclass, replace
-from nodes.files.common.file_format import CSV
-from nodes.files.common.table_cells import plain_cell
+from nodes.files.file_format import CSV
+from nodes.files.table_cells import plain_cell
 from nodes.library import standard_library
 
 # The points: a value for each axis.

@@ -34,9 +34,9 @@ from core.machine import store_bytes
 from core.modules.declaration import Library, declaration
 from core.network.network import Network, Node
 from core.records import dataclass
-from nodes.files.common.file_format import NETCDF, PARQUET
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.file_format import NETCDF, PARQUET
 from nodes.files.formats import check_finite
+from nodes.files.table_cells import csv_lines
 
 KEPT_BYTES = 256_000_000
 """How much computed values may take in a process: neighbouring points share little more."""

@@ -19,8 +19,8 @@ from app.run.overrides import Variation, is_number
 from app.run.terminal import columns
 from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
 from core.errors import printable, several
-from nodes.files.common.file_format import CSV, JSON, PNG
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.file_format import CSV, JSON, PNG
+from nodes.files.table_cells import csv_lines
 
 _ACROSS = 3
 LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown

@@ -27,7 +27,7 @@ from core.records import replace
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.parts.plain_errors import plain_errors
-from nodes.files.common.file_format import HTML, JSON, suffixes
+from nodes.files.file_format import HTML, JSON, suffixes
 
 
 class MeasuredPictures:

@@ -15,9 +15,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
-from nodes.files.common.stored_bytes import readable_file
 from nodes.files.envi_header import header_beside
 from nodes.files.frames import FrameFile, open_frames
+from nodes.files.stored_bytes import readable_file
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import OverFrames

@@ -29,7 +29,7 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.physics.sampling.ground_geometry import EARTH_RADIUS_KM as R
 from core.records import dataclass, replace
-from nodes.files.spectrum_tables import Points, read_path_table, read_wavelengths
+from nodes.files.curve_tables import Points, read_path_table, read_wavelengths
 from nodes.shared.context_defaults import apart_caution, first, watts_factor
 from nodes.shared.module_ports import PictureTable, TableFigures, WeightingSource
 from nodes.shared.steps import mean_of

@@ -16,7 +16,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.atmosphere.air_path import Sunlight, relative_air_mass
 from core.records import dataclass, field
-from nodes.files.spectrum_tables import read_wavelengths
+from nodes.files.curve_tables import read_wavelengths
 from nodes.shared.context_defaults import Band, given_band, is_radiance, is_temperature
 from nodes.shared.module_ports import CutOff, CutOn, PictureTable, TableFigures
 from nodes.shared.steps import Scaled

@@ -12,7 +12,7 @@ from core.physics.detector.focal_plane_array import ChargeGain, excess_noise_fac
 from core.records import replace
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
-from nodes.files.spectrum_tables import read_wavelengths
+from nodes.files.curve_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band, lens, of_context, pixel_of
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 

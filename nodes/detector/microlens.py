@@ -7,7 +7,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.modules.declaration import Formula, NodeContext, Section, param
 from core.physics.optics.field import MOST_DEG, microlens_response
-from nodes.files.spectrum_tables import read_heights
+from nodes.files.curve_tables import read_heights
 from nodes.optics.vignetting import Law, LightOverField, corner, darkened
 from nodes.shared.module_ports import ImageOutput
 

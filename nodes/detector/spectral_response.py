@@ -28,7 +28,7 @@ from core.physics.detector.photon_conversion import (
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.records import dataclass
-from nodes.files.spectrum_tables import read_wavelengths
+from nodes.files.curve_tables import read_wavelengths
 from nodes.shared.context_defaults import Band, unit_caution
 from nodes.shared.module_ports import ImageOutput, WeightingSource
 

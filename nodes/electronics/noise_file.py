@@ -10,7 +10,7 @@ from core.errors import DataError
 from core.evaluation.recipes import pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, param
-from nodes.files.common.stored_bytes import checked_band
+from nodes.files.stored_bytes import checked_band
 from nodes.input_output.source_file import picture_source, read_step
 from nodes.shared.module_ports import NoiseOutputs
 

@@ -3,7 +3,7 @@
 Interleave bsq, bil and bip, every real data type (1, 2, 3, 4, 5, 12, 13, 14, 15), both byte
 orders and a header offset. ``data gain values`` and ``data offset values`` are applied. A sample
 equal to the header's ``data ignore value`` is missing: NaN. See
-`nodes.files.common.picture_info` for the header keys that are read besides ENVI's own
+`nodes.files.picture_info` for the header keys that are read besides ENVI's own
 ``wavelength``, ``wavelength units`` and ``fwhm``.
 """
 
@@ -21,9 +21,10 @@ from core.errors import DataError, FileError, ParameterError, several
 from core.machine import Empty, ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.records import dataclass, replace
+from nodes.files import picture_info
 from nodes.files.common import picture_info
-from nodes.files.common.stored_bytes import checked_band, stored_bytes
 from nodes.files.envi_header import EnviLayout, number_list, read_layout
+from nodes.files.stored_bytes import checked_band, stored_bytes
 
 _TO_UM = {
     name: factor

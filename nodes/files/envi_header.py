@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from core.errors import FileError, several
 from core.records import dataclass, replace
-from nodes.files.common.picture_info import delivered_dtype
-from nodes.files.common.stored_bytes import first_bytes, is_file, readable_file
-from nodes.files.common.table_cells import number_of
+from nodes.files.picture_info import delivered_dtype
+from nodes.files.stored_bytes import first_bytes, is_file, readable_file
+from nodes.files.table_cells import number_of
 
 REAL_TYPES: Mapping[str, str] = {
     "1": "u1",

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from core.records import dataclass
-from nodes.files.common.stored_bytes import stored_bytes
+from nodes.files.stored_bytes import stored_bytes
 
 _BLOCK, _CARD = 2880, 80
 _MOST_BLOCKS = 20_000

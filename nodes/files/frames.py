@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, FileError
 from core.records import dataclass, field
+from nodes.files import picture_info
 from nodes.files.arrays import fill_plane, is_npy, npy_header, write_npy_header
-from nodes.files.common import picture_info
-from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.files.common.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.envi import band_of, info_of
 from nodes.files.envi_header import HEADER_SUFFIX, REAL_TYPES, is_envi, read_layout
+from nodes.files.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.formats import NPY, TIFF, check_finite, read_info
+from nodes.files.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
 
 Array = NDArray[Any]

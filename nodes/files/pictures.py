@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from core.atomic import atomic_file
 from core.errors import FileError
 from core.machine import Empty
+from nodes.files import picture_info
 from nodes.files.common import picture_info
-from nodes.files.common.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
-from nodes.files.common.stored_samples import SAMPLE_TYPES
 from nodes.files.fits_header import check_sums, read_fits_header, refuse_unsupported
+from nodes.files.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
 from nodes.files.tiff_reading import check_deflate, is_deflated, read_plain_tiff, refuse_predictor
 
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
@@ -358,7 +358,9 @@ def _spec(
     import OpenImageIO
 
     rows, columns, channels = stored.shape
-    dtype = next(name for name, kind in SAMPLE_TYPES.items() if kind == stored.dtype)
+    dtype = {numpy: name for name, numpy in _NUMPY_NAMES.items()}.get(
+        stored.dtype.name, stored.dtype.name
+    )
     spec = OpenImageIO.ImageSpec(columns, rows, channels, dtype)
     spec.attribute("oiio:UnassociatedAlpha", 1)  # four channels are samples, not a cut-out
     spec.attribute("DateTime", "")  # else the clock gets into the file

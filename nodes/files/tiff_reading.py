@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from core.errors import FileError
 from core.machine import Empty
 from core.records import dataclass
-from nodes.files.common.picture_info import Samples, delivered_dtype
-from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
+from nodes.files.picture_info import Samples, delivered_dtype
+from nodes.files.stored_bytes import StoredBytes, stored_bytes
 
 Tags = dict[int, tuple[int, ...]]
 

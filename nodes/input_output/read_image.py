@@ -10,10 +10,10 @@ from core.errors import ParameterError, several
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.records import replace
-from nodes.files.common.picture_info import PictureInfo
-from nodes.files.common.stored_bytes import checked_band
 from nodes.files.envi import coverage
 from nodes.files.formats import readable_formats
+from nodes.files.picture_info import PictureInfo
+from nodes.files.stored_bytes import checked_band
 from nodes.input_output import source_file
 from nodes.input_output.sample_unit import (
     DEFAULT_UNIT,

@@ -17,7 +17,7 @@ from core.modules.parameters import Caution
 from core.physics.radiometry import spectra
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from core.records import dataclass
-from nodes.files.common.picture_info import PictureInfo
+from nodes.files.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"
 

@@ -23,11 +23,11 @@ from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.records import dataclass, field
 from nodes.files import envi
-from nodes.files.common.picture_info import PictureInfo, oversized
 from nodes.files.envi import CubeInMemory, Layout, integrate_bands
 from nodes.files.envi_header import header_beside, read_layout
 from nodes.files.formats import check_finite, read_info, read_pixels
-from nodes.files.store_folder import is_store, readable_picture, store_state
+from nodes.files.picture_info import PictureInfo, oversized
+from nodes.files.zarr_array import is_store, readable_picture, store_state
 
 Stamp = tuple[str, int, int]
 Stamps = tuple[Stamp, ...]

@@ -16,7 +16,7 @@ from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, NodeContext, Section, param
 from core.records import dataclass, field, replace
-from nodes.files.common.picture_info import oversized
+from nodes.files.picture_info import oversized
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes import draw
 from nodes.scenes.draw import DRAWN, GEOMETRY, Emissivity, Kind, Shares, Spectra

@@ -19,10 +19,16 @@ from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.records import dataclass, field
 from nodes.files import frames
-from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.files.common.picture_info import MetadataValue
-from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
-from nodes.files.formats import WRITTEN, check_finite, write_picture, written_format
+from nodes.files.file_format import ENVI_FRAMES, ZARR, Format, suffixes
+from nodes.files.formats import (
+    DIGITAL_NUMBER,
+    WRITTEN,
+    check_finite,
+    integer_type,
+    write_picture,
+    written_format,
+)
+from nodes.files.picture_info import MetadataValue
 from nodes.files.zarr_array import check_zarr, write_store
 
 Dtype = Literal["automatic", "float", "double", "half", "uint8", "uint16"]

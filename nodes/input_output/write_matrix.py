@@ -15,7 +15,7 @@ from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, param
 from nodes.files.arrays import write_curves, write_matrix
-from nodes.files.common.file_format import CSV, suffixes
+from nodes.files.file_format import CSV, suffixes
 from nodes.files.formats import MATRICES
 
 Files = list[tuple[Path, Callable[[Path], None]]]

@@ -20,7 +20,7 @@ from core.physics.sampling.platform_motion import (
     motion_waves,
     within_exposure,
 )
-from nodes.files.spectrum_tables import read_motion
+from nodes.files.curve_tables import read_motion
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs, separable
 

@@ -19,7 +19,7 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.records import replace
 from core.transfer.factors import Planar, WavelengthLaw
-from nodes.files.spectrum_tables import read_wavelengths
+from nodes.files.curve_tables import read_wavelengths
 from nodes.shared.context_defaults import Band, is_radiance
 
 Responses = tuple[ResponseCurve, ...]

@@ -26,8 +26,8 @@ from core.physics.optics.pupil_shapes import (
 from core.physics.optics.wavefront import known_wavefront, map_scale, wavefront_waves, wrapped_waves
 from core.records import replace
 from nodes.files.formats import check_finite
+from nodes.optics.exit_pupil_mtf import sampled
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
-from nodes.optics.pupil_factor import sampled
 
 Array = NDArray[Any]
 USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
@@ -194,9 +194,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     def _of_opening(self, opening: LensSource, here: NodeContext) -> Pupil:
         """A transmission, or a complex one, which has its wavefront with it."""
-        samples, size = here.step(loaded_opening, **opening.reading), opening.samples
-        pupil = self._pupil(samples, size.rows, size.columns, None, self.radius)
-        if not opening.samples.is_complex:
+        samples = here.step(loaded_opening, **opening.reading)
+        pupil = self._pupil(samples, opening.rows, opening.columns, None, self.radius)
+        if not opening.is_complex:
             return pupil
         wavefront = here.step(loaded_phase, **opening.reading)
         return replace(
@@ -207,27 +207,27 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         self, wavefront: LensSource, opening: LensSource | None, here: NodeContext
     ) -> Pupil:
         """A map, over what is open of the other file, or over all that it is known of."""
-        size = wavefront.samples.rows, wavefront.samples.columns
-        if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
+        size = wavefront.rows, wavefront.columns
+        if wavefront.is_complex or (opening is not None and opening.is_complex):
             raise DataError(
                 "a complex pupil already contains its wavefront: set path to this file and leave "
                 "wavefront_path empty, or give amplitude and wavefront as two files of real numbers"
             )
-        if wavefront.samples.bands > 1:
+        if wavefront.bands > 1:
             raise DataError(
-                f"{wavefront.file.name} has {wavefront.samples.bands} bands; a wavefront map must "
+                f"{wavefront.file.name} has {wavefront.bands} bands; a wavefront map must "
                 "have one band"
             )
         factor, wavelength_um = map_scale(
-            self.wavefront_unit, self.map_wavelength_um or wavefront.samples.wavelength_um
+            self.wavefront_unit, self.map_wavelength_um or wavefront.wavelength_um
         )
         known = here.step(loaded_map, factor=factor, **wavefront.reading)
         inputs: tuple[Step, ...] = (known,)
         if opening is not None:
-            if (opening.samples.rows, opening.samples.columns) != size:
+            if (opening.rows, opening.columns) != size:
                 raise DataError(
-                    f"{opening.file.name} is {opening.samples.columns} × "
-                    f"{opening.samples.rows} samples and {wavefront.file.name} {size[1]} × "
+                    f"{opening.file.name} is {opening.columns} × "
+                    f"{opening.rows} samples and {wavefront.file.name} {size[1]} × "
                     f"{size[0]}: both must have the same size"
                 )
             inputs = (known, here.step(loaded_opening, **opening.reading))

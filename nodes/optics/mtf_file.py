@@ -1,6 +1,7 @@
 """MTF File: a measured MTF, or one of a data sheet or a lens design, from a table."""
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase
-from core.errors import DataError, ParameterError
+from core.errors import DataError, FileError, ParameterError
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.measured_otf import (
     ROUNDED,
@@ -22,10 +23,13 @@ from core.physics.optics.measured_otf import (
 )
 from core.records import dataclass
 from core.transfer.factors import Factor, Law, Part, Planar, Separable
-from nodes.files.common.stored_bytes import readable_file
+from nodes.files.arrays import is_npy, npy_header, whole_npy
+from nodes.files.curve_tables import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
 from nodes.files.envi_header import header_beside
-from nodes.files.lens_samples import LensSamples, describe_lens_samples, read_lens_samples
-from nodes.files.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
+from nodes.files.file_format import BLANKS, CSV
+from nodes.files.formats import read_info, read_pixels
+from nodes.files.stored_bytes import checked_band, readable_file
+from nodes.files.table_cells import cells_of, lens_lines, line_refused, numbers_of
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared import context_defaults
 from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs, separable
@@ -292,16 +296,37 @@ def _ends(
 
 
 # A lens' file that a network names: found, described and read in the state it was planned with.
+#
+# A picture of any kind, an array, complex too, or a listing: a matrix of numbers in text, below the
+# lines of words that optical design programs write.
+
+LARGEST_SIDE = 8192
+_TEXTS = (*CSV.suffixes, *BLANKS.suffixes, ".dat")
+_GRID = re.compile(r"(?:pupil|image) grid size:?\s*(\d+)\s*by\s*(\d+)", re.IGNORECASE)
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[Ee][-+]?\d+)?)"
+_LENGTH = r"(nm|µm|μm|um|microns?|micrometers?|mm|millimeters?)"
+_SHORT = r"(nm|µm|μm|um|microns?|micrometers?)"
+# As Zemax has it, at the start of a line: other lengths may be "at" something too.
+_WAVELENGTH = re.compile(
+    rf"^\s*{_NUMBER}\s*{_SHORT}\s+at\b|\bwavelength:?\s*{_NUMBER}\s*{_SHORT}", re.IGNORECASE
+)
+_SPACING = re.compile(rf"data spacing is\s+{_NUMBER}\s*{_LENGTH}", re.IGNORECASE)
+_MICROMETRES = {"nm": 1e-3, "mm": 1e3, "millimeter": 1e3, "millimeters": 1e3}
 
 
 @dataclass(frozen=True)
 class LensSource:
-    """A file with what is known of it; `reading` goes into a step's parameters."""
+    """A file with what is known of it, in a listing's header too; `reading` goes into a step."""
 
     file: Path
     stamps: tuple[Stamp, ...]
     band: int
-    samples: LensSamples
+    rows: int
+    columns: int
+    bands: int = 1
+    is_complex: bool = False
+    wavelength_um: float | None = None
+    spacing_um: float | None = None
 
     @property
     def reading(self) -> dict[str, Any]:
@@ -311,15 +336,87 @@ class LensSource:
 
 def lens_source(path: Path, here: NodeContext, *, band: int = 0) -> LensSource:
     file = readable_file((here.folder / path).absolute())
-    stamps = stamps_of(file, header_beside(file))
-    return LensSource(file, stamps, band, _described(file, stamps, band))
-
-
-def stored_samples(*, file: Path, stamps: tuple[Stamp, ...], band: int) -> NDArray[Any]:
-    check_unchanged(file, stamps)
-    return read_lens_samples(file, band)
+    return _described(file, stamps_of(file, header_beside(file)), band)
 
 
 @lru_cache(maxsize=64)
-def _described(file: Path, stamps: tuple[Stamp, ...], band: int) -> LensSamples:
-    return describe_lens_samples(file, band)
+def _described(file: Path, stamps: tuple[Stamp, ...], band: int) -> LensSource:
+    bands, more = 1, dict[str, Any]()
+    if _is_listing(file):
+        matrix, more["wavelength_um"], more["spacing_um"] = read_listing(file)
+        shape: tuple[int, ...] = matrix.shape
+    elif is_npy(file) and npy_header(file).dtype.kind == "c":
+        shape, more["is_complex"] = npy_header(file).shape, True
+        if len(shape) != 2 or 0 in shape:
+            raise FileError(
+                f"{file}: contains a complex array of shape {shape}; allowed: (rows, columns)"
+            )
+    else:
+        info = read_info(file)
+        shape, bands = (info.rows, info.columns), info.bands
+    checked_band(band, bands, file)
+    if max(shape) > LARGEST_SIDE:
+        raise FileError(
+            f"{file}: {shape[1]} × {shape[0]} samples; at most {LARGEST_SIDE} on a side are "
+            "allowed: crop the array around its middle"
+        )
+    return LensSource(file, stamps, band, *shape, bands, **more)
+
+
+def stored_samples(*, file: Path, stamps: tuple[Stamp, ...], band: int) -> NDArray[Any]:
+    """Samples, row 0 at the top: float64, or complex128; some may be not finite."""
+    check_unchanged(file, stamps)
+    if _is_listing(file):
+        return read_listing(file)[0]
+    if _described(file, stamps, band).is_complex:
+        return whole_npy(file).astype(np.complex128, order="C")
+    return np.asarray(read_pixels(file, band), np.float64)
+
+
+def _is_listing(path: Path) -> bool:
+    return path.suffix.lower() in _TEXTS and not is_npy(path)
+
+
+def _length_um(header: list[str], pattern: re.Pattern[str]) -> float | None:
+    for match in filter(None, map(pattern.search, header)):
+        number, unit = (group for group in match.groups() if group is not None)
+        return float(number) * _MICROMETRES.get(unit.lower(), 1.0)
+    return None
+
+
+def read_listing(path: Path) -> tuple[NDArray[np.float64], float | None, float | None]:
+    """Read a text matrix with or without a header, such as Zemax's wavefront map or PSF.
+
+    UTF-8 or, as Zemax writes it, UTF-16; numbers parted by blanks, commas or tabs. Lines that begin
+    with ``#`` count as header. The matrix, NaN where the text has it; then the wavelength and the
+    spacing in µm, None where the header does not name it.
+    """
+    lines = [line.strip() for line in lens_lines(path, what="a matrix of numbers")]
+    header: list[str] = []
+    rows: list[NDArray[np.float64]] = []
+    for number, line in enumerate(lines, 1):
+        if not line:
+            continue
+        values = None if line.startswith("#") else numbers_of(filter(str.strip, cells_of(line)))
+        if values is None and not rows:
+            header.append(line)
+        elif values is None:
+            raise line_refused(path, number, f"{len(rows[0])} numbers, as in the rows above")
+        elif rows and len(values) != len(rows[0]):
+            raise FileError(
+                f"{path}: line {number} has {len(values)} numbers; allowed: {len(rows[0])}, as in "
+                "the rows above"
+            )
+        else:
+            rows.append(np.array(values))  # a fifth of the memory of the tuple
+    if not rows:
+        raise FileError(f"{path}: contains no matrix of numbers")
+    matrix = np.array(rows, np.float64)
+    size = next((match for match in map(_GRID.search, reversed(header)) if match), None)
+    # FFT listings name the grid of the pupil too: the last of them is that of the matrix.
+    if size and (int(size[2]), int(size[1])) != matrix.shape:
+        raise FileError(
+            f"{path}: its header gives {size[1]} by {size[2]} samples, but the file has "
+            f"{matrix.shape[1]} by {matrix.shape[0]}"
+        )
+    return matrix, _length_um(header, _WAVELENGTH), _length_um(header, _SPACING)

@@ -93,10 +93,9 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         shift: tuple[Factor, ...] = ()
         if self.path is not None:
             source = lens_source(self.path, here, band=self.band or 0)
-            if self.band is None and source.samples.bands > 1:
+            if self.band is None and source.bands > 1:
                 allowed = (
-                    f"{source.file.name} has {source.samples.bands} bands; choose 0 to "
-                    f"{source.samples.bands - 1}"
+                    f"{source.file.name} has {source.bands} bands; choose 0 to {source.bands - 1}"
                 )
                 raise ParameterError("band", None, allowed)
             blur, shift = self._factors(source, context, here)
@@ -105,12 +104,12 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     def _factors(
         self, source: LensSource, context: Context, here: NodeContext
     ) -> tuple[tuple[Planar], tuple[Planar]]:
-        if source.samples.is_complex:
+        if source.is_complex:
             raise DataError(
                 f"{source.file}: a point spread function must be real, but the file "
                 "contains complex numbers"
             )
-        rows, columns = source.samples.rows, source.samples.columns
+        rows, columns = source.rows, source.columns
         if max(rows, columns) > LARGEST_SIDE:
             raise DataError(
                 f"{source.file}: {columns} × {rows} samples; at most {LARGEST_SIDE} on a side "
@@ -132,7 +131,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         """Distances of the samples across and along, mrad."""
         across, unit = self.sample_pitch, self.pitch_unit
         if across is None:
-            across, unit = source.samples.spacing_um, "um"
+            across, unit = source.spacing_um, "um"
         if across is None:
             allowed = (
                 f"{source.file.name} does not state its sampling interval; give the interval in µm "

@@ -18,7 +18,7 @@ from core.modules.parameters import Formula, param
 from core.physics.optics.field import relative_illumination
 from core.records import dataclass
 from core.transfer.factors import Grid
-from nodes.files.spectrum_tables import read_heights
+from nodes.files.curve_tables import read_heights
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.steps import stepped
 

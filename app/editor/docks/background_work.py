@@ -20,7 +20,7 @@ from app.editor.widgets import labelled
 from core.chain.wires import Image
 from core.errors import Cancelled, UsageError
 from core.records import dataclass
-from nodes.files.common.file_format import JSON
+from nodes.files.file_format import JSON
 
 # Pictures that viewers show, ready to be measured.
 

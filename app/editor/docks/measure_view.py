@@ -33,7 +33,7 @@ from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, filled, labelled, menu_button, toggle_button, tool_button
 from core.errors import UsageError
 from core.network.network import Network
-from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
+from nodes.files.file_format import CSV, HTML, JSON, dialog_filter
 
 if TYPE_CHECKING:
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement

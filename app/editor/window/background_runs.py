@@ -44,7 +44,7 @@ from app.run.staging import check_folder
 from core.errors import ImagechainError, UsageError, shown
 from core.network.network import MACRO
 from core.records import replace
-from nodes.files.common.file_format import HTML, dialog_filter, suffixes
+from nodes.files.file_format import HTML, dialog_filter, suffixes
 
 Next = Callable[[], object]
 

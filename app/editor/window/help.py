@@ -29,7 +29,7 @@ from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
 from app.run.terminal import command, version
 from core.errors import ImagechainError, in_line
-from nodes.files.common.file_format import CSV, dialog_filter
+from nodes.files.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN
 
 Exported = ImageViewer | PlotViewer | TradeOffView

@@ -31,7 +31,7 @@ from core.network.file import load_network, read_network
 from core.network.macro import expanded
 from core.network.network import Link, Network, Node
 from core.network.validation import problems
-from nodes.files.spectrum_tables import read_wavelengths
+from nodes.files.curve_tables import read_wavelengths
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

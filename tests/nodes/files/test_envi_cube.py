@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from child_process import finished
-from nodes.files.common.picture_info import PictureInfo
 from nodes.files.envi import band_weights_um
+from nodes.files.picture_info import PictureInfo
 from picture_samples import envi
 
 INTERLEAVES = ("bsq", "bil", "bip")

@@ -13,8 +13,8 @@ import pytest
 from child_process import run_program
 from core.errors import FileError
 from core.machine import usable_bytes
-from nodes.files.common.picture_info import PictureInfo, refuse_oversized
 from nodes.files.formats import read_info, read_pixels
+from nodes.files.picture_info import PictureInfo, refuse_oversized
 from picture_samples import png, tiff, tiff_tag
 
 TRUTH = np.add.outer(np.arange(48.0), np.sin(np.arange(40.0))).astype(np.float32)

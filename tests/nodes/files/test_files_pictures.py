@@ -9,8 +9,7 @@ import pytest
 
 from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
-from nodes.files.common.stored_samples import as_stored
-from nodes.files.formats import read_pixels, write_picture
+from nodes.files.formats import as_stored, read_pixels, write_picture
 from nodes.files.pictures import read_band, read_info
 from picture_samples import SPECIAL, fits, png, samples_of, tiff, tiff_tag
 

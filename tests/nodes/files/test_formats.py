@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from child_process import ROOT
-from nodes.files.common.file_format import CSV, HTML, JSON, SVG
+from nodes.files.file_format import CSV, HTML, JSON, SVG
 from nodes.files.formats import PICTURES, WRITTEN, format_of, read_info, read_pixels, write_picture
 
 WHOLE = np.arange(12.0).reshape(3, 4)  # exact in every type of sample
 # Where a suffix may stand in the source: the formats themselves, and what networks are called.
 PLACES = {
     "nodes/files/formats.py",
-    "nodes/files/common/file_format.py",
+    "nodes/files/file_format.py",
     "nodes/files/envi_header.py",
-    "nodes/files/lens_samples.py",  # listings of lens programs, and no pictures
+    "nodes/optics/mtf_file.py",  # listings of lens programs, and no pictures
     "app/editor/window/files.py",
 }
 

@@ -8,11 +8,10 @@ import pytest
 
 from core.errors import FileError
 from nodes.files.arrays import read_matrix
-from nodes.files.common.table_cells import csv_lines, plain_cell, text_cell
+from nodes.files.curve_tables import read_motion, read_mtf_table, read_path_table, read_wavelengths
 from nodes.files.formats import read_info
-from nodes.files.lens_samples import read_listing
-from nodes.files.mtf_table import read_mtf_table
-from nodes.files.spectrum_tables import read_motion, read_path_table, read_wavelengths
+from nodes.files.table_cells import csv_lines, plain_cell, text_cell
+from nodes.optics.mtf_file import read_listing
 
 SLIPS = ["0_6", "\u0660.\u0666"]  # 6 and 0.6 by float()
 

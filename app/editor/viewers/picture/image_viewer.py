@@ -46,7 +46,7 @@ from core.chain.wires import Image
 from core.errors import UsageError
 from core.network.network import Network
 from core.records import dataclass, replace
-from nodes.files.common.file_format import suffixes
+from nodes.files.file_format import suffixes
 from nodes.files.formats import PNG, SAVED
 
 Way = Literal["flip", "wipe"]

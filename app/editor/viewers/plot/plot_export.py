@@ -19,9 +19,9 @@ from app.editor.widgets import Menu, labelled
 from core.atomic import write_bytes, write_text
 from core.chain.wires import CurveData, TableData
 from core.errors import ImagechainError, UsageError
-from nodes.files.common.file_format import CSV, SVG, dialog_filter, suffixes
-from nodes.files.common.table_cells import csv_lines
+from nodes.files.file_format import CSV, SVG, dialog_filter, suffixes
 from nodes.files.formats import PNG
+from nodes.files.table_cells import csv_lines
 
 PICTURES = (PNG, SVG)
 NUMBERS = (CSV,)

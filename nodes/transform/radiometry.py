@@ -1,4 +1,4 @@
-"""The steps of To Radiance and To Temperature."""
+"""To Radiance and To Temperature: band radiance of temperatures, and the reverse."""
 
 from typing import Any
 
@@ -9,10 +9,16 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, Section, param, warning
+from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.radiometry import spectra
-from nodes.shared.context_defaults import band_caution, given_band
-from nodes.shared.module_ports import CutOff, CutOn
+from nodes.shared.context_defaults import (
+    band_caution,
+    given_band,
+    is_radiance,
+    is_temperature,
+    watts_factor,
+)
+from nodes.shared.module_ports import CutOff, CutOn, ImageOutput
 from nodes.shared.steps import AboutMean, mean_of
 
 _BLOCK_SAMPLES = 1 << 16
@@ -140,3 +146,71 @@ class Radiometry(Module):
     def band(self, image: Image) -> Caution | None:
         """The band entered here differs from the picture's band."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+
+
+class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Transform"):
+    """Convert a picture of temperatures to radiance, by Planck's law in the band.
+
+    The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
+    picture's unit, set on Read Image, must be a temperature (K, °C, °F, mK): digital numbers and
+    radiance are refused. An image of emissivities can replace the single value. Sources:
+    Planck's and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+    """
+
+    formulas = (
+        Formula(
+            r"L=\varepsilon\,L_B(T)+(1-\varepsilon)\,L_B(T_s)",
+            where="ε: emissivity; T: temperature of the picture, K; T_s: temperature of the "
+            "surroundings",
+        ),
+        Formula(
+            r"L_B(T)=\int_{\lambda_1}^{\lambda_2}\frac{2hc^2}{\lambda^5}\;\frac{d\lambda}{e^{"
+            r"hc/(\lambda kT)}-1}",
+            where="λ₁, λ₂: the band",
+        ),
+    )
+
+    def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
+        if not is_temperature(image.unit):
+            named = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
+            what = "already radiance" if is_radiance(image.unit) else "not a temperature"
+            raise DataError(
+                f"the picture, {named}, is {what}: To Radiance needs K, °C, °F or mK; set the "
+                "unit on Read Image"
+            )
+        surface, unit = self.surface(image), image.unit.strip()
+        inputs = image.recipe, *self.shares(image, emissivity)
+        made = here.step(radiance_of_temperature, *inputs, unit=unit, **surface)
+        band = surface["cut_on_um"], surface["cut_off_um"]
+        return ImageOutput(image.with_recipe(made, unit="W/m²/sr", band_um=band))
+
+
+class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", group="Transform"):
+    """Convert a picture of band radiance to temperatures in kelvin.
+
+    This is the inverse of To Radiance: T is the temperature at which Planck's law gives the
+    radiance (L − (1 − ε)·L(surroundings))/ε in the band. With an emissivity of 1, the result is the
+    apparent, or brightness, temperature. The picture's unit must be band radiance in watts
+    (W/m²/sr, mW/cm²/sr, …): temperatures, digital numbers, photons and spectral radiance are
+    refused. An image of emissivities can replace the single value. Sources: as for To Radiance.
+    """
+
+    formulas = (
+        Formula(
+            r"T=L_B^{-1}\left(\frac{L-(1-\varepsilon)\,L_B(T_s)}{\varepsilon}\right)",
+            where="L: radiance of the picture, W/m²/sr; ε: emissivity; T_s: temperature of the "
+            "surroundings; L_B: Planck's law in the band",
+        ),
+    )
+
+    def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
+        surface = self.surface(image)
+        factor = watts_factor(
+            image.unit,
+            temperature="already a temperature",
+            needed="To Temperature needs radiance in W/m²/sr; set the unit on Read Image",
+        )
+        inputs = image.recipe, *self.shares(image, emissivity)
+        made = here.step(temperature_of_radiance, *inputs, factor=factor, **surface)
+        band = surface["cut_on_um"], surface["cut_off_um"]
+        return ImageOutput(image.with_recipe(made, unit="K", band_um=band))

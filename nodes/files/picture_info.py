@@ -73,7 +73,7 @@ def refuse_shape(
 
 
 def metadata_text(metadata: Mapping[str, object]) -> str:
-    """``key = value``, one on a line, as `nodes.files.common.picture_info` reads it."""
+    """``key = value``, one on a line, as `nodes.files.picture_info` reads it."""
     return "\n".join(f"{key} = {' '.join(str(value).split())}" for key, value in metadata.items())
 
 

@@ -96,7 +96,7 @@ def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[P
     @wraps(read)
     def read_path(path: Path, /, *args: P.args, **kwargs: P.kwargs) -> T:
         # What only writes CSV need not load numpy.
-        from nodes.files.common.stored_bytes import readable_file
+        from nodes.files.stored_bytes import readable_file
 
         file = readable_file(path)
         status = file.stat()
@@ -158,7 +158,7 @@ def lens_lines(path: Path, *, what: str) -> list[str]:
 
     UTF-8, UTF-16 with its mark or, of Latin letters, without, or Latin-1.
     """
-    from nodes.files.common.picture_info import refuse_oversized_text
+    from nodes.files.picture_info import refuse_oversized_text
 
     refuse_oversized_text(path)
     try:

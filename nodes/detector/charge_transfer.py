@@ -1,13 +1,13 @@
-"""Charge Transfer MTF: contrast lost by incomplete charge transfer."""
+"""Charge Transfer MTF and Phase: contrast lost and delay by incomplete charge transfer."""
 
 import math
 from typing import Any, Literal
 
-from core.chain.wires import Context, Magnitude
+from core.chain.wires import Context, Magnitude, Phase
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
-from core.physics.detector.detector_mtf import charge_transfer_mtf
+from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from nodes.shared.context_defaults import pixel_mrad
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs, PtfModule, PtfOutputs, separable
 
 
 class ChargeTransfer(Module):
@@ -77,3 +77,43 @@ class ChargeEffMTF(
             node=here.node,
         )
         return self.mtf_outputs(magnitude, *factors)
+
+
+class ChargeEffPhase(
+    ChargeTransfer,
+    PtfModule,
+    key="charge_eff_phase",
+    title="Charge Transfer Phase",
+    group="Detector",
+):
+    """Phase shift along the read-out direction (x) from incomplete charge transfer.
+
+    With w = 2π·xi·Δ and k = N(1−ε), the phase is the argument of [ε/(1 − (1−ε)e^{−iw})]^N
+    (`exact`), −k(w − sin w) (`published`) or −k·sin w (`leading`). Source: Tantalo 1996, eq. 4.58.
+    Erratum: expanded in w, the published phase starts with a w³ term; for N transfers, it must
+    start with −k·w.
+    """
+
+    formulas = (
+        Formula(
+            r"\theta=-N\,\arctan\frac{(1-\varepsilon)\,\sin w}{1-(1-\varepsilon)\,\cos w},\quad "
+            r"w=2\pi\,\xi\,\Delta",
+            where="ε: charge transfer efficiency; N: transfers; Δ: sampling interval of the "
+            "image, or detector pitch",
+            when="exact",
+        ),
+        Formula(r"\theta=-N(1-\varepsilon)(w-\sin w)", when="published"),
+        Formula(r"\theta=-N(1-\varepsilon)\,\sin w", when="leading"),
+    )
+
+    def run(self, context: Context, phase: Phase, here: NodeContext) -> PtfOutputs:
+        factors = separable(
+            charge_transfer_ptf,
+            x=None if self.neutral() else self.law(),
+            part="ptf",
+            argument="phase_per_transfer",
+            scale_x=self.phase_per_frequency(context),
+            label=self.title,
+            node=here.node,
+        )
+        return self.ptf_outputs(phase, *factors)

@@ -1,1 +1,0 @@
-"""What all readers of files share."""
