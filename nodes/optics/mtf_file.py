@@ -355,12 +355,13 @@ def _described(file: Path, stamps: tuple[Stamp, ...], band: int) -> LensSource:
         info = read_info(file)
         shape, bands = (info.rows, info.columns), info.bands
     checked_band(band, bands, file)
+    rows, columns = shape
     if max(shape) > LARGEST_SIDE:
         raise FileError(
-            f"{file}: {shape[1]} × {shape[0]} samples; at most {LARGEST_SIDE} on a side are "
+            f"{file}: {columns} × {rows} samples; at most {LARGEST_SIDE} on a side are "
             "allowed: crop the array around its middle"
         )
-    return LensSource(file, stamps, band, *shape, bands, **more)
+    return LensSource(file, stamps, band, rows, columns, bands, **more)
 
 
 def stored_samples(*, file: Path, stamps: tuple[Stamp, ...], band: int) -> NDArray[Any]:
