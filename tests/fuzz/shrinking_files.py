@@ -21,9 +21,9 @@ sys.path[:0] = [str(ROOT)]
 
 from core.errors import FileError  # noqa: E402
 from nodes.files.formats import read_pixels  # noqa: E402
-from nodes.optics.mtf_file import stored_samples  # noqa: E402
 from nodes.files.frames import open_frames  # noqa: E402
 from nodes.files.pictures import write_by_oiio  # noqa: E402
+from nodes.optics.mtf_file import stored_samples  # noqa: E402
 
 LONGEST_WAIT_S = 0.012
 SHAPE = 1024, 1024
