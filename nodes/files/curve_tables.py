@@ -1,4 +1,4 @@
-"""Quantities against wavelength or frequency from text: CSV files, and MODTRAN's output.
+"""Quantities against wavelength or frequency from text: CSV, MODTRAN's output, Zemax' listings.
 
 Columns are parted by comma, semicolon, tab or blanks; lines that begin with ``#`` and a first line
 of names are passed over. The transmission and path radiance of a path come from a CSV of three
@@ -33,14 +33,30 @@ Corporation, "Tape7 column headers".
 import json
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from core.errors import FileError, several
 from core.records import dataclass
-from nodes.files import table_cells
+from nodes.files.table_cells import (
+    begins_with_number,
+    cells_of,
+    lens_lines,
+    line_refused,
+    number_of,
+    numbers_of,
+    read_once,
+    refuse_long_table,
+    table_lines,
+)
 
 Points = tuple[tuple[float, float], ...]
+Row = tuple[float, ...]
+Check = tuple[float, float, str]
+"""Least and largest number of a column, and what is allowed in words."""
+_ABOVE_0 = math.ulp(0.0)
+_FINITE = sys.float_info.max
 _LARGEST_UM = 1e6
 _COLUMNS = (
     "frequency (Hz), horizontal power density (mrad²/Hz) and, if different, vertical power "
@@ -48,17 +64,61 @@ _COLUMNS = (
 )
 
 
-@table_cells.read_once
+def _rising(
+    file: Path,
+    rows: Iterable[tuple[int, Row]],
+    checks: Sequence[Check],
+    rising: str,
+    makes: str,
+    what: str = "point",
+) -> list[Row]:
+    """Two rows or more, each with the number of its line, whose first number rises."""
+    table: list[Row] = []
+    for number, row in rows:
+        for value, (low, high, allowed) in zip(row, checks, strict=False):
+            if not low <= value <= high:
+                raise line_refused(file, number, allowed)
+        if table and row[0] <= table[-1][0]:
+            raise line_refused(file, number, rising.format(table[-1][0]))
+        table.append(row)
+    if len(table) < 2:
+        raise FileError(f"{file}: {several(len(table), what)}; a {makes} needs at least 2")
+    return table
+
+
+def _rows_of(
+    file: Path, lines: Iterable[str], widths: Sequence[int], allowed: str
+) -> Iterator[tuple[int, Row]]:
+    """Numbers of each line, all as many as the first, of `widths`, and the line's own number.
+
+    Empty lines, those that begin with ``#`` and a line of names on top are passed over.
+    """
+    rows, is_named = 0, False
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        numbers = numbers_of(cell for cell in cells_of(line) if cell.strip())
+        # A first line that begins with a number is damaged data, not names.
+        if numbers is None and not (rows or is_named or begins_with_number(line)):
+            is_named = True
+            continue
+        if numbers is None or len(numbers) not in widths:
+            raise line_refused(file, number, allowed)
+        widths, rows = (len(numbers),), rows + 1
+        yield number, numbers
+
+
+@read_once
 def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Points:
     """Points (wavelength in µm, value), rising in wavelength; values from `low` to `high`.
 
     `what` the values are is for people.
     """
-    least = math.ulp(0.0), f"a wavelength above 0 and up to {_LARGEST_UM:g} µm"
+    least = _ABOVE_0, f"a wavelength above 0 and up to {_LARGEST_UM:g} µm"
     return _points(path, "wavelength", "µm", least, what, low, high)
 
 
-@table_cells.read_once
+@read_once
 def read_heights(path: Path, *, unit: str, what: str, low: float, high: float) -> Points:
     """Points (height in the field, value), rising from 0 or above; `unit` is that of heights."""
     against = "angle" if unit == "deg" else "height"
@@ -71,42 +131,27 @@ def _points(
 ) -> Points:
     low, high = ends
     columns = f"two columns, {unit} and {what}"
-    lines = table_cells.table_lines(path, what=f"{what} against {against}", wanted=f" of {columns}")
-    points: list[tuple[float, float]] = []
-    allowed = f"two numbers, {unit} and {what}"
-    for number, (place, value) in table_cells.point_rows(path, lines, (2,), allowed, makes="curve"):
-        if not least[0] <= place <= _LARGEST_UM:
-            raise table_cells.line_refused(path, number, least[1])
-        if not (math.isfinite(value) and low <= value <= high):
-            raise table_cells.line_refused(
-                path, number, f"a value of {what} from {low:g} to {high:g}"
-            )
-        if points and place <= points[-1][0]:
-            allowed = f"a larger {against} than the previous one, {points[-1][0]:g} {unit}"
-            raise table_cells.line_refused(path, number, allowed)
-        points.append((place, value))
-    return tuple(points)
+    lines = table_lines(path, what=f"{what} against {against}", wanted=f" of {columns}")
+    rows = _rows_of(path, lines, (2,), f"two numbers, {unit} and {what}")
+    checks = (
+        (least[0], _LARGEST_UM, least[1]),
+        (low, high, f"a value of {what} from {low:g} to {high:g}"),
+    )
+    rising = f"a larger {against} than the previous one, {{:g}} {unit}"
+    return tuple((place, value) for place, value in _rising(path, rows, checks, rising, "curve"))
 
 
-@table_cells.read_once
+@read_once
 def read_motion(path: Path) -> tuple[Points, Points]:
     """Points (Hz, mrad²/Hz) of a motion across and along, rising in frequency.
 
     Two columns hold for both axes.
     """
-    lines = table_cells.table_lines(
-        path, what="power density", wanted=f" with the columns {_COLUMNS}"
-    )
-    rows: list[tuple[float, ...]] = []
-    allowed = f"two or three numbers: {_COLUMNS}"
-    for number, row in table_cells.point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
-        if not all(0.0 < value < math.inf for value in row):
-            raise table_cells.line_refused(path, number, "finite numbers above 0")
-        if rows and row[0] <= rows[-1][0]:
-            raise table_cells.line_refused(
-                path, number, f"a frequency above the previous one, {rows[-1][0]:g} Hz"
-            )
-        rows.append(row)
+    lines = table_lines(path, what="power density", wanted=f" with the columns {_COLUMNS}")
+    numbers = _rows_of(path, lines, (2, 3), f"two or three numbers: {_COLUMNS}")
+    checks = ((_ABOVE_0, _FINITE, "finite numbers above 0"),) * 3
+    rising = "a frequency above the previous one, {:g} Hz"
+    rows = _rising(path, numbers, checks, rising, "spectrum")
     across = tuple((row[0], row[1]) for row in rows)
     return across, tuple((row[0], row[-1]) for row in rows)
 
@@ -134,7 +179,7 @@ _FARTHEST = 4  # characters between the end of a number and that of its name
 _ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
 
 
-@table_cells.read_once
+@read_once
 def read_path_table(path: Path) -> tuple[Points, Points]:
     """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
 
@@ -142,7 +187,7 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
     ``transmission`` and ``path_radiance``, in any order and among others; without names, these
     three alone. Lines that begin with ``#`` are passed over.
     """
-    lines = table_cells.table_lines(
+    lines = table_lines(
         path,
         what="a path's transmission",
         wanted=", so neither a tape7 nor a CSV file",
@@ -170,36 +215,32 @@ def _json_table(text: str, file: Path) -> list[str]:
 
 
 def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
+    ends = (_ABOVE_0, _LARGEST_UM), (0.0, 1.0), (0.0, _LARGEST_RADIANCE)
+    checks = [(low, high, _ALLOWED) for low, high in ends]
+    rising = "a wavelength above the previous one, {:g} µm"
+    rows = _rising(file, _csv_rows(lines, file), checks, rising, "spectrum")
+    return tuple((row[0], row[1]) for row in rows), tuple((row[0], row[2]) for row in rows)
+
+
+def _csv_rows(lines: list[str], file: Path) -> Iterator[tuple[int, Row]]:
     places: tuple[int, ...] | None = None
-    rows: list[tuple[float, ...]] = []
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = [cell.strip() for cell in table_cells.cells_of(line)]
-        if places is None and not table_cells.begins_with_number(line):
+        cells = [cell.strip() for cell in cells_of(line)]
+        if places is None and not begins_with_number(line):
             places = _places(cells, file, number)
             continue
         if places is None:
             places = (0, 1, 2)
             if len(cells) != len(COLUMNS):
-                raise table_cells.line_refused(file, number, f"three numbers: {', '.join(COLUMNS)}")
+                raise line_refused(file, number, f"three numbers: {', '.join(COLUMNS)}")
         try:
-            place, passed, added = (table_cells.number_of(cells[index]) for index in places)
+            yield number, tuple(number_of(cells[index]) for index in places)
         except (ValueError, IndexError):
-            raise table_cells.line_refused(
+            raise line_refused(
                 file, number, f"numbers in the columns {', '.join(COLUMNS)}"
             ) from None
-        if not (0.0 < place <= _LARGEST_UM and 0.0 <= passed <= 1.0):
-            raise table_cells.line_refused(file, number, _ALLOWED)
-        if not (0.0 <= added <= _LARGEST_RADIANCE and math.isfinite(added)):
-            raise table_cells.line_refused(file, number, _ALLOWED)
-        if rows and place <= rows[-1][0]:
-            allowed = f"a wavelength above the previous one, {rows[-1][0]:g} µm"
-            raise table_cells.line_refused(file, number, allowed)
-        rows.append((place, passed, added))
-    if len(rows) < 2:
-        raise FileError(f"{file}: {several(len(rows), 'point')}; a spectrum needs at least 2")
-    return tuple((row[0], row[1]) for row in rows), tuple((row[0], row[2]) for row in rows)
 
 
 def _places(cells: list[str], file: Path, number: int) -> tuple[int, ...]:
@@ -229,23 +270,22 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
                 f"{file}: line {start + 1}: {known.count(name)} columns are named {name}; a "
                 "radiance tape7 (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
             )
-    transmission: list[tuple[float, float]] = []
-    radiance: list[tuple[float, float]] = []
-    for number, row in _rows(lines, start + 1, names, needed, file):
-        wavenumber, passed = row["FREQ"], row["TOT TRANS"]
-        added = sum(row.get(name, 0.0) for name in parts)
-        if not 0.0 <= passed <= 1.0 + _ROUNDED:
-            raise table_cells.line_refused(file, number, "TOT TRANS from 0 to 1")
-        if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
-            raise table_cells.line_refused(file, number, "FREQ above 0 and radiance of at least 0")
-        wavelength = 1e4 / wavenumber
-        if transmission and not wavenumber > 1e4 / transmission[-1][0]:
-            raise table_cells.line_refused(file, number, "a wavenumber above the previous one")
-        transmission.append((wavelength, min(passed, 1.0)))
-        radiance.append((wavelength, added * 1e8 / wavelength**2))
-    if len(transmission) < 2:
-        raise FileError(f"{file}: {several(len(transmission), 'row')}; a spectrum needs at least 2")
-    return tuple(reversed(transmission)), tuple(reversed(radiance))
+    of_light = "FREQ above 0 and radiance of at least 0"
+    checks = (
+        (_ABOVE_0, _FINITE, of_light),
+        (0.0, 1.0 + _ROUNDED, "TOT TRANS from 0 to 1"),
+        (0.0, _FINITE, of_light),
+    )
+    numbers = (
+        (number, (row["FREQ"], row["TOT TRANS"], sum(row.get(name, 0.0) for name in parts)))
+        for number, row in _rows(lines, start + 1, names, needed, file)
+    )
+    rising = "a wavenumber above the previous one"
+    rows = _rising(file, numbers, checks, rising, "spectrum", "row")[::-1]
+    places = [1e4 / wavenumber for wavenumber, *_ in rows]
+    passed = (min(row[1], 1.0) for row in rows)
+    added = (row[2] * 1e8 / place**2 for row, place in zip(rows, places, strict=True))
+    return tuple(zip(places, passed, strict=True)), tuple(zip(places, added, strict=True))
 
 
 def _rows(
@@ -257,7 +297,7 @@ def _rows(
             continue
         row = _row(lines[index], names)
         if row is None:
-            raise table_cells.line_refused(
+            raise line_refused(
                 file, index + 1, "numbers, like all rows from the column names to the final -9999."
             )
         if row.get("FREQ") == _END:
@@ -265,7 +305,7 @@ def _rows(
                 raise FileError(f"{file}: contains several MODTRAN runs; keep one run per file")
             return
         if any(name not in row for name in needed):
-            raise table_cells.line_refused(file, index + 1, ", ".join(needed))
+            raise line_refused(file, index + 1, ", ".join(needed))
         yield index + 1, row
     raise FileError(f"{file}: ends without -9999.: the run is incomplete")
 
@@ -274,7 +314,7 @@ def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
     """Values by name; None for a line that is no row."""
     cells = list(re.finditer(r"\S+", line))
     try:
-        values = [table_cells.number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
+        values = [number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
     except ValueError:
         return None
     if values and values[0] == _END:
@@ -335,15 +375,15 @@ class MtfTable:
         return dict(self.columns).get(name)
 
 
-@table_cells.read_once
+@read_once
 def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     """Read a CSV table parted by comma, semicolon, tab or blanks, or Zemax's MTF as text.
 
     Lines that begin with ``#`` are passed over. `field` counts those of a listing of Zemax from 0,
     without the diffraction limit; its tangential column is the MTF along y, as for a field along y.
     """
-    table_cells.refuse_long_table(path, _LONGEST_MTF_BYTES, "MTF against frequency")
-    lines = list(enumerate(table_cells.lens_lines(path, what="frequency and MTF columns"), 1))
+    refuse_long_table(path, _LONGEST_MTF_BYTES, "MTF against frequency")
+    lines = list(enumerate(lens_lines(path, what="frequency and MTF columns"), 1))
     if any(_ZEMAX_HEADING.fullmatch(line) for _, line in lines):
         return _zemax(path, lines, field)
     rows = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
@@ -351,8 +391,7 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
         raise FileError(f"{path}: contains no table of MTF against frequency")
     (number, heading), *rows = rows
     names, units = _names(path, number, heading)
-    checks = [_check_of(name, unit) for name, unit in zip(names, units, strict=True)]
-    frequencies, *columns = _columns(path, rows, names, checks)
+    frequencies, *columns = _columns(path, rows, names, units)
     named = dict(zip(names[1:], columns, strict=True))
     for name, unit in zip(names[1:], units[1:], strict=True):
         if unit == "deg":
@@ -369,7 +408,7 @@ def unit_of(text: str) -> str | None:
 def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     """Names of the columns, frequency first, and their units as far as they are named."""
     names, units = [], []
-    for cell in table_cells.cells_of(line):
+    for cell in cells_of(line):
         match = _NAME.fullmatch(cell.strip().strip('"'))
         name, unit = (match[1], match[2] or "") if match else (cell, "")
         name = name.strip().lower().replace(" ", "_")
@@ -381,73 +420,59 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     wrong = next((name for name in names[1:] if name not in known), None)
     repeated = len(set(names)) != len(names)
     if names[0] != "frequency" or len(names) < 2 or wrong is not None or repeated:
-        raise table_cells.line_refused(
+        raise line_refused(
             file, number,
             "column names: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial; "
             "then, if known, phase, or phase_x and phase_y",
         )  # fmt: skip
     if not set(names) & set(MTF_COLUMNS):
-        raise table_cells.line_refused(
-            file, number, "column names, at least one of them for an MTF"
-        )
+        raise line_refused(file, number, "column names, at least one of them for an MTF")
     for alone, prefix in (("mtf", "mtf_"), ("phase", "phase_")):
         others = [name for name in names if name.startswith(prefix)]
         others += ["radial"] if alone == "mtf" and "radial" in names else []
         if alone in names and others:
             wanted = f"column names with either {alone} or {others[0]}, not both"
-            raise table_cells.line_refused(file, number, wanted)
+            raise line_refused(file, number, wanted)
     if units[0]:
         unit = unit_of(units[0])
         if unit is None:
-            raise table_cells.line_refused(
-                file, number, "a frequency in cyc/mm, cyc/mrad or cyc/pixel"
-            )
+            raise line_refused(file, number, "a frequency in cyc/mm, cyc/mrad or cyc/pixel")
         units[0] = unit
     for place, name in enumerate(names[1:], 1):
         allowed = ("", "rad", "deg") if name in PHASE_COLUMNS else ("", "1")
         if units[place] not in allowed:
             wanted = "a phase in rad or deg" if name in PHASE_COLUMNS else "an MTF without a unit"
-            raise table_cells.line_refused(file, number, wanted)
+            raise line_refused(file, number, wanted)
     return names, units
-
-
-Check = tuple[Callable[[float], bool], str]
 
 
 def _check_of(name: str, unit: str) -> Check:
     if name == "frequency":
-        allowed = f"a frequency from 0 to {_LARGEST_FREQUENCY:g}"
-        return (lambda value: 0.0 <= value <= _LARGEST_FREQUENCY), allowed
+        return 0.0, _LARGEST_FREQUENCY, f"a frequency from 0 to {_LARGEST_FREQUENCY:g}"
     if name in PHASE_COLUMNS:
         what = f"a phase between −{_LARGEST_PHASE:g} and {_LARGEST_PHASE:g} {unit or 'rad'}"
-        return (lambda value: abs(value) <= _LARGEST_PHASE), what
+        return -_LARGEST_PHASE, _LARGEST_PHASE, what
     allowed = (
         f"an MTF from 0 to {LARGEST_MTF:g}; write a negative lobe as a phase of π, and divide "
         "percentages by 100"
     )
-    return (lambda value: 0.0 <= value <= LARGEST_MTF), allowed
+    return 0.0, LARGEST_MTF, allowed
 
 
 def _columns(
-    file: Path, rows: Sequence[tuple[int, str]], names: Sequence[str], checks: Sequence[Check]
+    file: Path, rows: Sequence[tuple[int, str]], names: Sequence[str], units: Sequence[str]
 ) -> list[Column]:
-    table: list[tuple[float, ...]] = []
-    for number, line in rows:
-        numbers = table_cells.numbers_of(table_cells.cells_of(line))
-        if numbers is None or len(numbers) != len(names):
-            wanted = f"{len(names)} numbers: {', '.join(names)}"
-            raise table_cells.line_refused(file, number, wanted)
-        for value, (is_allowed, allowed) in zip(numbers, checks, strict=True):
-            if not is_allowed(value):
-                raise table_cells.line_refused(file, number, allowed)
-        if table and numbers[0] <= table[-1][0]:
-            wanted = f"a frequency above the previous one, {table[-1][0]:g}"
-            raise table_cells.line_refused(file, number, wanted)
-        table.append(numbers)
-    if len(table) < 2:
-        points = "1 point" if len(table) == 1 else f"{len(table)} points"
-        raise FileError(f"{file}: {points}; a curve needs at least 2")
-    return list(zip(*table, strict=True))
+    def numbered() -> Iterator[tuple[int, Row]]:
+        for number, line in rows:
+            numbers = numbers_of(cells_of(line))
+            if numbers is None or len(numbers) != len(names):
+                wanted = f"{len(names)} numbers: {', '.join(names)}"
+                raise line_refused(file, number, wanted)
+            yield number, numbers
+
+    checks = [_check_of(*pair) for pair in zip(names, units, strict=True)]
+    rising = "a frequency above the previous one, {:g}"
+    return list(zip(*_rising(file, numbered(), checks, rising, "curve"), strict=True))
 
 
 def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable:
@@ -465,7 +490,7 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
             # The limit is what the lens would do without its aberrations, and no field of it.
             is_inside = not is_limit
             fields += [[]] if is_inside else []
-        elif is_inside and table_cells.numbers_of(table_cells.cells_of(line)) and line.strip():
+        elif is_inside and numbers_of(cells_of(line)) and line.strip():
             fields[-1].append((number, line))
         elif line.strip():
             is_inside = False
@@ -473,7 +498,6 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
         allowed = {0: "none", 1: "0"}.get(len(fields), f"0 to {len(fields) - 1}")
         raise FileError(f"{file}: there is no field {field} in this listing; allowed: {allowed}")
     names = ("frequency", "mtf_y", "mtf_x")
-    checks = [_check_of(name, "") for name in names]
-    frequencies, tangential, sagittal = _columns(file, fields[field], names, checks)
+    frequencies, tangential, sagittal = _columns(file, fields[field], names, ("",) * 3)
     columns: Mapping[str, Column] = {"mtf_x": sagittal, "mtf_y": tangential}
     return MtfTable(file, unit, frequencies, tuple(columns.items()))

@@ -4,12 +4,12 @@ import codecs
 import csv
 import io
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable
 from functools import lru_cache, wraps
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from core.errors import FileError, several
+from core.errors import FileError
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -120,30 +120,6 @@ def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_
         return file.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise FileError(f"{file}: not a text file{wanted}") from error
-
-
-def point_rows(
-    file: Path, lines: Iterable[str], widths: Sequence[int], allowed: str, *, makes: str
-) -> Iterator[tuple[int, tuple[float, ...]]]:
-    """Numbers of each line, all as many as the first, of `widths`, and the line's own number.
-
-    Empty lines, those that begin with ``#`` and a line of names on top are passed over.
-    """
-    rows, is_named = 0, False
-    for number, line in enumerate(lines, 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        numbers = numbers_of(cell for cell in cells_of(line) if cell.strip())
-        # A first line that begins with a number is damaged data, not names.
-        if numbers is None and not rows and not is_named and not begins_with_number(line):
-            is_named = True
-            continue
-        if numbers is None or len(numbers) not in widths:
-            raise line_refused(file, number, allowed)
-        widths, rows = (len(numbers),), rows + 1
-        yield number, numbers
-    if rows < 2:
-        raise FileError(f"{file}: {several(rows, 'point')}; a {makes} needs at least 2")
 
 
 def numbers_of(cells: Iterable[str]) -> tuple[float, ...] | None:
