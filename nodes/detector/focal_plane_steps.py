@@ -1,6 +1,7 @@
 """The stages of Focal Plane as steps: from radiance to electrons to digital numbers."""
 
 from collections.abc import Callable
+from functools import wraps
 from typing import Any, TypeVar
 
 import numpy as np
@@ -50,19 +51,29 @@ class Ended(AboutMean):
         return power
 
 
-def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], object]) -> Array:
-    """A picture of that shape, blocks of whose rows the function fills in, in threads."""
-    made = np.empty(picture.shape, picture.dtype)
-    rows, columns = picture.shape
-    share = -(-picture.size // work.policy.workers)
-    step = max(1, min(max(share, _LEAST_SAMPLES), _MOST_SAMPLES) // max(1, columns))
+def _by_rows(fill: Callable[..., None]) -> Callable[..., Array]:
+    """A step of a function that fills blocks of rows, given those rows of all pictures.
 
-    def one(top: int) -> None:
-        block = slice(top, top + step)
-        function(block, made[block])
+    Blocks are filled in threads.
+    """
 
-    work.for_each(one, range(0, rows, step))
-    return made
+    @pointwise
+    @wraps(fill)
+    def step(work: Work, picture: Array, *others: Any, **how: Any) -> Array:
+        made = np.empty(picture.shape, picture.dtype)
+        rows, columns = picture.shape
+        share = -(-picture.size // work.policy.workers)
+        height = max(1, min(max(share, _LEAST_SAMPLES), _MOST_SAMPLES) // max(1, columns))
+
+        def one(top: int) -> None:
+            block = slice(top, top + height)
+            inputs = (x[block] if isinstance(x, np.ndarray) else x for x in (picture, *others))
+            fill(made[block], *inputs, **how)
+
+        work.for_each(one, range(0, rows, height))
+        return made
+
+    return step
 
 
 def _about(level: Callable[..., LevelChange]) -> Callable[[Function], Function]:
@@ -75,14 +86,9 @@ def _about(level: Callable[..., LevelChange]) -> Callable[[Function], Function]:
 
 
 @_about(scene_level)
-@pointwise
-def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Array:
-    pedestal = image.dtype.type(levels.pedestal_e)
-
-    def block(rows: slice, made: Array) -> None:
-        np.add(levels.conversion.times(image[rows]), pedestal, out=made)
-
-    return _by_rows(work, image, block)
+@_by_rows
+def expected_electrons(made: Array, image: Array, levels: ElectronLevels) -> None:
+    np.add(levels.conversion.times(image), image.dtype.type(levels.pedestal_e), out=made)
 
 
 @in_blocks()
@@ -105,28 +111,21 @@ def _collected_noises(
 
 
 @picture_step(noise=_collected_noises, looks_at=("mean",))
-@pointwise
+@_by_rows
 def collected(
-    work: Work, mean: Array, *deviates: Array, frames: int, prnu_percent: float, dsnu_e: float
-) -> Array:
+    made: Array, mean: Array, *deviates: Array, frames: int, prnu_percent: float, dsnu_e: float
+) -> None:
     """Electrons in one frame, or the average of several: shot noise, then PRNU, then DSNU."""
-    number, (shot, *patterns) = mean.dtype.type, deviates
-    prnu = patterns[0] if prnu_percent else None
-    dsnu = patterns[-1] if dsnu_e else None
-
-    def block(rows: slice, electrons: Array) -> None:
-        expected = mean[rows] if frames == 1 else mean[rows] * number(frames)
-        poisson_of_normal(expected, shot[rows], out=electrons)
-        if frames != 1:
-            electrons /= number(frames)
-        if prnu is not None:
-            factor = prnu[rows] * number(prnu_percent / 100.0)
-            factor += number(1.0)
-            electrons *= factor
-        if dsnu is not None:
-            electrons += dsnu[rows] * number(dsnu_e)
-
-    return _by_rows(work, mean, block)
+    number = mean.dtype.type
+    poisson_of_normal(mean if frames == 1 else mean * number(frames), deviates[0], out=made)
+    if frames != 1:
+        made /= number(frames)
+    if prnu_percent:
+        factor = deviates[1] * number(prnu_percent / 100.0)
+        factor += number(1.0)
+        made *= factor
+    if dsnu_e:
+        made += deviates[-1] * number(dsnu_e)
 
 
 @in_blocks()
@@ -140,31 +139,24 @@ def _excess(
 
 
 @picture_step(noise=_excess, looks_at=("mean",))
-@pointwise
+@_by_rows
 def multiplied(
-    work: Work, picture: Array, mean: Array, deviates: Array, *, frames: int, factor: float
-) -> Array:
+    made: Array, picture: Array, mean: Array, deviates: Array, *, frames: int, factor: float
+) -> None:
     """Behind a noisy charge gain, over that gain; `mean` is for the noise that it adds."""
-
-    def block(rows: slice, made: Array) -> None:
-        number = picture.dtype.type(frames)
-        charge = picture[rows] if frames == 1 else picture[rows] * number
-        focal_plane_array.multiplied_charge(
-            electrons=charge, deviates=deviates[rows], excess_noise_factor=factor, out=made
-        )
-        if frames != 1:
-            made /= number
-
-    return _by_rows(work, picture, block)
+    number = picture.dtype.type(frames)
+    charge = picture if frames == 1 else picture * number
+    focal_plane_array.multiplied_charge(
+        electrons=charge, deviates=deviates, excess_noise_factor=factor, out=made
+    )
+    if frames != 1:
+        made /= number
 
 
 @_about(bent_level)
-@pointwise
-def bent(work: Work, picture: Array, levels: ElectronLevels, **response: float) -> Array:
-    def block(rows: slice, made: Array) -> None:
-        focal_plane_array.bent_response(electrons=picture[rows], out=made, **response)
-
-    return _by_rows(work, picture, block)
+@_by_rows
+def bent(made: Array, picture: Array, levels: ElectronLevels, **response: float) -> None:
+    focal_plane_array.bent_response(electrons=picture, out=made, **response)
 
 
 @in_blocks()
@@ -178,27 +170,23 @@ def _read_noise(at: AtStep, *_: Recipe, sigma_e: float, **__: Well) -> list[Nois
     noise_free=lambda picture, *_, **__: picture,
     looks_at=("clipping",),
 )
-@pointwise
+@_by_rows
 def read_out(
-    work: Work, picture: Array, clipping: Any, *deviates: Array, sigma_e: float, full_well_e: Well
-) -> Array:
+    made: Array, picture: Array, clipping: Any, *deviates: Array, sigma_e: float, full_well_e: Well
+) -> None:
     """With read noise, and no more electrons than the well holds.
 
     `clipping` is for what follows the scene through it: the samples do without.
     """
     number = picture.dtype.type
-
-    def block(rows: slice, electrons: Array) -> None:
-        if deviates:
-            np.multiply(deviates[0][rows], number(sigma_e), out=electrons)
-            electrons += picture[rows]
-        else:
-            electrons[:] = picture[rows]
-        if full_well_e is not None:
-            # A third of the time of numpy's minimum by a number.
-            np.clip(electrons, number(-np.inf), number(full_well_e), out=electrons)
-
-    return _by_rows(work, picture, block)
+    if deviates:
+        np.multiply(deviates[0], number(sigma_e), out=made)
+        made += picture
+    else:
+        made[:] = picture
+    if full_well_e is not None:
+        # A third of the time of numpy's minimum by a number.
+        np.clip(made, number(-np.inf), number(full_well_e), out=made)
 
 
 Places = tuple[Array, Array]
@@ -256,15 +244,10 @@ def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Scaled:
 
 
 @picture_step(linear=_counts)
-@pointwise
-def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float) -> Array:
-    number = picture.dtype.type
-
-    def block(rows: slice, made: Array) -> None:
-        np.divide(picture[rows], number(gain_e_per_dn), out=made)
-        made += number(offset_dn)
-
-    return _by_rows(work, picture, block)
+@_by_rows
+def counted(made: Array, picture: Array, *, gain_e_per_dn: float, offset_dn: float) -> None:
+    np.divide(picture, picture.dtype.type(gain_e_per_dn), out=made)
+    made += picture.dtype.type(offset_dn)
 
 
 @in_blocks()
@@ -278,17 +261,13 @@ def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
 
 @marked(whole_numbers=True)
 @picture_step(linear=_counts, noise=_rounding, noise_free=_not_rounded)
-@pointwise
-def digitized(work: Work, picture: Array, *, bits: int, **scale: Any) -> Array:
+@_by_rows
+def digitized(made: Array, picture: Array, *, bits: int, **scale: Any) -> None:
     kind = picture.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
-
-    def block(rows: slice, made: Array) -> None:
-        numbers = _numbers(picture[rows], kind, **scale, out=made)
-        np.clip(numbers, 0.0, kind.type(2.0**bits - 1.0), out=numbers)
-        if numbers is not made:
-            made[:] = numbers
-
-    return _by_rows(work, picture, block)
+    numbers = _numbers(picture, kind, **scale, out=made)
+    np.clip(numbers, 0.0, kind.type(2.0**bits - 1.0), out=numbers)
+    if numbers is not made:
+        made[:] = numbers
 
 
 def _numbers(
@@ -302,32 +281,22 @@ def _numbers(
 
 
 @picture_step(linear=lambda _, gain_e_per_dn, **__: Scaled(gain_e_per_dn))
-@pointwise
+@_by_rows
 def electrons_of_counts(
-    work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float
-) -> Array:
-    number = picture.dtype.type
-
-    def block(rows: slice, made: Array) -> None:
-        np.subtract(picture[rows], number(offset_dn), out=made)
-        made *= number(gain_e_per_dn)
-
-    return _by_rows(work, picture, block)
+    made: Array, picture: Array, *, gain_e_per_dn: float, offset_dn: float
+) -> None:
+    np.subtract(picture, picture.dtype.type(offset_dn), out=made)
+    made *= picture.dtype.type(gain_e_per_dn)
 
 
 @_about(radiance_level)
-@pointwise
-def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) -> Array:
+@_by_rows
+def radiance_of_electrons(made: Array, picture: Array, levels: ElectronLevels) -> None:
     """Radiance of the scene that electrons stand for, less what is there without it."""
     pedestal = picture.dtype.type(levels.pedestal_e)
-    of_photons = levels.radiance_per_photon
-
-    def block(rows: slice, made: Array) -> None:
-        made[:] = levels.conversion.inverse.times(picture[rows] - pedestal)
-        if of_photons is not None:
-            made *= made.dtype.type(of_photons)
-
-    return _by_rows(work, picture, block)
+    made[:] = levels.conversion.inverse.times(picture - pedestal)
+    if levels.radiance_per_photon is not None:
+        made *= made.dtype.type(levels.radiance_per_photon)
 
 
 @ends_lineage

@@ -19,7 +19,6 @@ from core.errors import DataError, FileError, several
 from core.machine import Empty
 from core.records import dataclass
 from nodes.files import picture_info
-from nodes.files.common import picture_info
 from nodes.files.file_format import CSV
 from nodes.files.stored_bytes import checked_band, first_bytes, readable_file, stored_bytes
 from nodes.files.table_cells import csv_lines, line_refused

@@ -22,7 +22,6 @@ from core.machine import Empty, ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.records import dataclass, replace
 from nodes.files import picture_info
-from nodes.files.common import picture_info
 from nodes.files.envi_header import EnviLayout, number_list, read_layout
 from nodes.files.stored_bytes import checked_band, stored_bytes
 

@@ -25,7 +25,6 @@ from core.atomic import atomic_file
 from core.errors import FileError
 from core.machine import Empty
 from nodes.files import picture_info
-from nodes.files.common import picture_info
 from nodes.files.fits_header import check_sums, read_fits_header, refuse_unsupported
 from nodes.files.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
 from nodes.files.tiff_reading import check_deflate, is_deflated, read_plain_tiff, refuse_predictor
