@@ -18,7 +18,7 @@ from app.editor.viewers.picture.picture_bar import LevelsBar
 from app.editor.viewers.picture.plots_below import PlotBelow
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.plot.plot_looks import EndingAxis, bare, paint_axes
+from app.editor.viewers.plot.plot_looks import PlotAxis, bare, paint_axes
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]
@@ -54,7 +54,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         above = self.fontMetrics().height() // 2  # half of the number at the picture's top
         self.ci.layout.setContentsMargins(2, above, 4, 2)
         self.ci.layout.setSpacing(4)
-        self.axes = {side: EndingAxis(side) for side in ("left", "bottom")}
+        self.axes = {side: PlotAxis(side) for side in ("left", "bottom")}
         self.plot = self.addPlot(row=0, col=0, enableMenu=False, axisItems=self.axes)
         bare(self.plot)
         self.view: pg.ViewBox = self.plot.getViewBox()

@@ -16,7 +16,7 @@ from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.theme import Theme
 from app.editor.viewers.pixels.picture_facts import bands_of
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.plot.plot_looks import bare, paint_axes, thick
+from app.editor.viewers.plot.plot_looks import bare, coloured, paint_axes, thick
 from core.chain.engine import Plan
 from core.records import dataclass
 
@@ -149,10 +149,6 @@ class LineMeans(PlotBelow):
             at = (one.facts.across if axis else one.facts.along).at
             curve.setData([at(index) for index in range(len(means))], means)
             self.setLabel("left", one.facts.unit or one.facts.quantity)
-
-
-def coloured(text: str, colour: str) -> str:
-    return f"<span style='color: {colour}'>{text}</span>"
 
 
 # The spectra of a picture with bands: its mean, and that of the probed sample.

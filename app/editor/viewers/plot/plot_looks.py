@@ -15,6 +15,7 @@ from app.editor.declared_text import tip
 from app.editor.theme import Theme
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.widgets import OutlinedItems
+from core.modules.preview import round_step
 
 _DASHES = (
     Qt.PenStyle.SolidLine,
@@ -26,11 +27,42 @@ _PIECE = 9.0  # dots of a curve before what is beneath is seen
 _KEPT = (5.0, 4.0)  # dots of a kept curve, and of its gaps
 _STRONG = 3  # dots that the curve which is looked at is wide
 _FAINT = 200  # of 255, the opacity of a limit
+_APART = 3.2  # lines of text from one number to the next, across
 _PLAIN = range(-4, 5)  # powers of ten that are written out
 
 
 class PlotAxis(pg.AxisItem):  # type: ignore[misc]
-    """An axis; of a logarithmic one, only some values between powers of ten have a number."""
+    """An axis that ends with what is shown, where the view shows more.
+
+    Of a logarithmic one, only some values between powers of ten have a number.
+    """
+
+    ends: tuple[float, float] | None = None
+
+    def end_at(self, low: float, high: float) -> None:
+        if self.ends != (low, high):
+            self.ends = low, high
+            self.picture = None  # the drawing that pyqtgraph keeps
+            self.update()
+
+    def tickSpacing(self, minVal: float, maxVal: float, size: float) -> list[Any]:
+        """Round steps whose numbers do not touch, of a linear axis that ends."""
+        if self.ends is None:
+            return list(super().tickSpacing(minVal, maxVal, size))
+        line = QFontMetricsF(self.style["tickFont"] or QFont()).height()
+        room = line * (_APART if self.orientation == "bottom" else 1.05)
+        return [(round_step((maxVal - minVal) * min(room / max(size, 1.0), 1.0)), 0)]
+
+    def tickValues(self, minVal: float, maxVal: float, size: float) -> list[Any]:
+        levels: list[Any] = super().tickValues(minVal, maxVal, size)
+        if self.ends is None or self.logMode:
+            return levels
+        low, high = sorted(self.ends)
+        slack = 1e-6 * (high - low)
+        return [
+            (spacing, [value for value in values if low - slack <= value <= high + slack])
+            for spacing, values in levels
+        ]
 
     def logTickStrings(self, values: Sequence[float], scale: float, spacing: float) -> list[str]:
         """Text of ticks at these logarithms: of 2 to 9 between powers of ten, few have room."""
@@ -44,41 +76,6 @@ class PlotAxis(pg.AxisItem):  # type: ignore[misc]
             plain = f"{first * 10.0**power:.1g}" if power < 0 else str(first * 10**power)
             labels.append("" if first not in labelled else plain if power in _PLAIN else text)
         return labels
-
-
-class EndingAxis(pg.AxisItem):  # type: ignore[misc]
-    """The axis of a picture, left or bottom: it ends with the picture where the view shows more."""
-
-    ends: tuple[float, float] | None = None
-
-    def end_at(self, low: float, high: float) -> None:
-        if self.ends != (low, high):
-            self.ends = low, high
-            self.picture = None  # the drawing that pyqtgraph keeps
-            self.update()
-
-    def tickValues(self, minVal: float, maxVal: float, size: float) -> list[Any]:
-        levels: list[Any] = super().tickValues(minVal, maxVal, size)
-        if self.ends is None:
-            return levels
-        low, high = self.ends
-        slack = 1e-6 * abs(high - low)
-        return [
-            (spacing, [value for value in values if low - slack <= value <= high + slack])
-            for spacing, values in levels
-        ]
-
-    def tickStrings(self, values: Sequence[float], scale: float, spacing: float) -> list[str]:
-        """None where they would touch: pyqtgraph reckons with the room of the whole axis."""
-        texts: list[str] = super().tickStrings(values, scale, spacing)
-        if self.ends is None or not texts:
-            return texts
-        along, metrics = self.geometry(), QFontMetricsF(self.style["tickFont"] or QFont())
-        wide = max(map(metrics.horizontalAdvance, texts)) + metrics.averageCharWidth()
-        across = self.orientation == "bottom"
-        length, needed = (along.width(), wide) if across else (along.height(), metrics.height())
-        apart = spacing * length / max(abs(self.range[1] - self.range[0]), 1e-12)
-        return texts if apart >= needed else [""] * len(texts)
 
 
 def bare(plot: pg.PlotItem) -> None:
@@ -132,6 +129,10 @@ def entry_pens(entries: Iterable[Entry], theme: Theme) -> dict[str, QPen]:
             curves += 1
         pens[entry.name] = pen
     return pens
+
+
+def coloured(text: str, colour: str) -> str:
+    return f"<span style='color: {colour}'>{text}</span>"
 
 
 def see_through(colour: str, alpha: int) -> QColor:
