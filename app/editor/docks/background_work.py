@@ -38,7 +38,7 @@ class ViewerPicture:
 
 def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
     picture, port = viewer.picture, viewer.choices.port
-    if picture is None or port is None:
+    if picture is None:
         raise UsageError(f"viewer {number} shows no picture")
     value = picture.value
     if not isinstance(value, Image) or picture.facts.kind != "picture":

@@ -14,7 +14,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer, KeptSide, Way
-from app.editor.viewers.pixels.picture_query import KeptPicture, PictureQuery
+from app.editor.viewers.picture.picture_query import KeptPicture, PictureQuery
 from app.editor.viewers.plot.figures_strip import NONE, figure_text
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.run.terminal import number_text, without_rounding
@@ -218,7 +218,7 @@ class Snapshots(QObject):
 
     def _side(self, viewer: ImageViewer) -> KeptSide | None:
         state, port = self.chosen, viewer.choices.port
-        if state is None or self.way is None or port is None or not viewer.isVisible():
+        if state is None or self.way is None or not port or not viewer.isVisible():
             return None
         found, missing = self.results.get(port), ""
         if found is None:
@@ -235,7 +235,7 @@ class Snapshots(QObject):
         state, images = self.chosen, self._images.values()
         seen = [viewer.choices.port for viewer in images if viewer.isVisible()]
         ports = seen or [viewer.choices.port for viewer in images]
-        pictures = [port for port in ports if port is not None]
+        pictures = filter(None, ports)
         wanted: list[str | Query] = [*dict.fromkeys(pictures), *self._curves(), AllFiguresQuery()]
         self.results = {one: self.results[one] for one in wanted if one in self.results}
         missing = tuple(one for one in wanted if one not in self.results)

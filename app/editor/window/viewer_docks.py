@@ -296,11 +296,11 @@ class FirstViews(QObject):
         if plan is None or viewer.by_hand or viewer.choices.compares or viewer.kept_side:
             return
         end, shown = next(iter(first_ports(plan)), None), viewer.choices.port
-        shown = plan.network.port_names.get(shown or "", shown)
+        shown = plan.network.port_names.get(shown, shown)
         if end is None or end == shown:
             return
         node = end.rpartition(".")[0]
-        if shown is None or node in reached(plan.network.followers, [shown.rpartition(".")[0]]):
+        if not shown or node in reached(plan.network.followers, [shown.rpartition(".")[0]]):
             viewer.look_at(end)
             viewer.by_hand = False
 
@@ -309,7 +309,7 @@ class FirstViews(QObject):
     ) -> None:
         viewers = self._viewers
         shown = viewers.images.get(2)
-        if pictures and (shown is None or shown.choices.port is None):
+        if pictures and (shown is None or not shown.choices.port):
             viewers.look_at(2, pictures[0])
             viewers.docks[front].raise_()
         for curve in curves:

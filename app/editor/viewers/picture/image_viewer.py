@@ -18,6 +18,22 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
+from app.editor.viewers.picture.picture_facts import (
+    AUTOMATIC_LEVELS,
+    Facts,
+    Levels,
+    Scale,
+    bands_of,
+    laid_over,
+)
+from app.editor.viewers.picture.picture_query import (
+    KeptPicture,
+    Picture,
+    PictureQuery,
+    facts_text,
+    index_at,
+    sample_text,
+)
 from app.editor.viewers.picture.plots_below import (
     LineMeans,
     MeanSpectrumQuery,
@@ -26,17 +42,6 @@ from app.editor.viewers.picture.plots_below import (
     Spectra,
 )
 from app.editor.viewers.picture.region import RegionTool
-from app.editor.viewers.pixels.picture_facts import (
-    AUTOMATIC_LEVELS,
-    Choices,
-    Facts,
-    Levels,
-    Scale,
-    bands_of,
-    laid_over,
-)
-from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
-from app.editor.viewers.pixels.probing import facts_text, index_at, sample_text
 from app.editor.viewers.plot.plot_export import columns_text, png_bytes
 from app.editor.viewers.viewer import PICTURE_TYPES, StatusLine, Viewer, ports_by_node
 from app.editor.widgets import Menu, centred_hint, filled, labelled
@@ -82,9 +87,9 @@ class ImageViewer(Viewer):
         self.window_actions: tuple[QAction, ...] = ()
         self.by_hand = False
         """Whether a person chose what it shows; else it follows the end of the chain."""
-        self.choices = Choices()
+        self.choices = PictureQuery(levels=AUTOMATIC_LEVELS)
         self.picture: Picture | None = None
-        self._lost: Choices | None = None
+        self._lost: PictureQuery | None = None
         self.kept_side: KeptSide | None = None
         """What was kept of the wire, as it is compared now; None where it is not."""
         self.linked: weakref.WeakSet[ImageViewer] = weakref.WeakSet()
@@ -104,7 +109,7 @@ class ImageViewer(Viewer):
     def look_at(self, port: str | None) -> None:
         """Show a port; an empty text is nothing by choice, None is nothing yet."""
         self._lost, self.by_hand = None, port is not None
-        self._choose(port=port or None, mapping=self._mapping_of(port))
+        self._choose(port=port or "", mapping=self._mapping_of(port))
 
     def _mapping_of(self, port: str | None) -> Scale:
         """How a wire is drawn at first: a spectrum, which spans decades, by its logarithm."""
@@ -229,18 +234,19 @@ class ImageViewer(Viewer):
     def follow(self, before: Network, after: Network) -> None:
         """Follow nodes that are renamed; of one that is deleted show the input, till it is back."""
         moved = (self._lost or self.choices).moved(before, after)
-        gone = moved.port is not None and moved.port.rpartition(".")[0] not in after.nodes
+        gone = moved.port != "" and moved.port.rpartition(".")[0] not in after.nodes
         now = moved
         if gone:
             shown = self.choices.port if self._lost else moved.port
-            there = shown is not None and shown.rpartition(".")[0] in after.nodes
-            now = self.choices if there else Choices(port=self._upstream(shown, before, after))
+            there = shown.rpartition(".")[0] in after.nodes
+            port = self._upstream(shown, before, after)
+            now = self.choices if there else PictureQuery(port, levels=AUTOMATIC_LEVELS)
         self._lost = moved if gone else None
         if now != self.choices:
             self.choices = now
             self._follow_choices()
 
-    def _upstream(self, port: str | None, before: Network, after: Network) -> str | None:
+    def _upstream(self, port: str, before: Network, after: Network) -> str:
         groups = ports_by_node(after, self.session.library, PICTURE_TYPES[:1])
         pictures = {port for group in groups for port in group.ports}
         wanted = [port.rpartition(".")[0]] if port else []
@@ -249,7 +255,7 @@ class ImageViewer(Viewer):
             if found := next((source for source in sources if source in pictures), None):
                 return found
             wanted += [n for s in sources if (n := s.rpartition(".")[0]) not in wanted]
-        return None
+        return ""
 
     def follow_opening(self) -> None:
         self.kept_side = None
@@ -259,17 +265,13 @@ class ImageViewer(Viewer):
     def _query(self) -> PictureQuery | None:
         """What is chosen, with a kept picture of the wire in the place of another wire."""
         choices, side = self.choices, self.kept_side
-        if choices.port is None:
+        if not choices.port:
             return None
-        query = PictureQuery(
-            choices.port, mapping=choices.mapping, levels=choices.levels, bands=choices.bands
-        )
         if side is not None and side.kept is not None and side.kept.port == choices.port:
             # Levels that were set for a difference are not those of the picture.
-            of_difference = choices.compares and not isinstance(query.levels, str)
-            levels = AUTOMATIC_LEVELS if of_difference else query.levels
-            return replace(query, levels=levels, kept=side.kept)
-        return replace(query, other=choices.other, mode=choices.mode) if choices.compares else query
+            alone = choices.with_(mode="alone") if choices.compares else choices
+            return replace(alone, kept=side.kept)
+        return choices
 
     def _show(self, picture: Picture) -> None:
         before, self.picture, side = self.picture, picture, self.kept_side
@@ -427,7 +429,7 @@ class ImageViewer(Viewer):
         automatic = choices.levels if isinstance(choices.levels, str) else "manual"
         self.bar.display.levels.choose(automatic)
         self.bar.compare.mode.choose(choices.mode)
-        if choices.port is None:
+        if not choices.port:
             self.picture = None
             self.canvas.clear_picture()
             self._hint.setText(HINT)
@@ -483,10 +485,10 @@ def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
     return sorted(others, key=lambda other: other.number)
 
 
-def _sides_of(choices: Choices, side: KeptSide | None) -> tuple[Sides, str, str]:
+def _sides_of(choices: PictureQuery, side: KeptSide | None) -> tuple[Sides, str, str]:
     """Which picture lies where, and the names of the left and the right one."""
     if side is None:
-        return "first left", choices.port or "", choices.other or ""
+        return "first left", choices.port, choices.other or ""
     if side.way == "flip":
         return "second alone", f"A  {side.name}", ""
     return "second left", f"A  {side.name}", "B  now"

@@ -17,8 +17,15 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QMenu, QSlider, QW
 
 from app.editor.session import Session
 from app.editor.theme import FAINT, Theme, set_ink, theme_of
-from app.editor.viewers.pixels.grey_levels import NAMES, Range, Spread, colour_map
-from app.editor.viewers.pixels.picture_facts import ALL, CHANNELS, BandChoice
+from app.editor.viewers.picture.picture_facts import (
+    ALL,
+    CHANNELS,
+    NAMES,
+    BandChoice,
+    Range,
+    Spread,
+    colour_map,
+)
 from app.editor.viewers.plot.plot_looks import paint_axis, see_through
 from app.editor.viewers.viewer import PICTURE_TYPES, NodePorts, PortChoice
 from app.editor.widgets import ElidedLabel, Menu, filled, labelled, menu_button, tool_button

@@ -15,9 +15,9 @@ from PySide6.QtWidgets import QWidget
 from app.editor.gestures import is_escape
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
+from app.editor.viewers.picture.picture_facts import Table, colour_table
+from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.picture.plots_below import PlotBelow
-from app.editor.viewers.pixels.grey_levels import Table, colour_table
-from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import PlotAxis, bare, paint_axes
 
 Zoom = tuple[float, ...]

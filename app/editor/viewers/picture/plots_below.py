@@ -14,8 +14,8 @@ from PySide6.QtGui import QTransform
 
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.theme import Theme
-from app.editor.viewers.pixels.picture_facts import bands_of
-from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.viewers.picture.picture_facts import bands_of
+from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, coloured, paint_axes, thick
 from core.chain.engine import Plan
 from core.records import dataclass

@@ -15,7 +15,7 @@ from app.editor.gestures import is_escape
 from app.editor.session import Session
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
-from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
 from core.chain.wires import Image
 from core.editing.operations import set_parameter, together

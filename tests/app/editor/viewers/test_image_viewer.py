@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QImage
 
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.pixels.grey_levels import grey_levels
+from app.editor.viewers.picture.picture_facts import grey_levels
 from core.editing.operations import remove_nodes, rename_node, set_parameter
 from viewer_bench import is_freed
 
@@ -103,7 +103,7 @@ def test_follows_errors_names_and_removals(bench, viewer):
     assert (viewer.picture.samples == bench.value("scene.image")).all()
     bench.do(remove_nodes(("scene",)))
     assert viewer.picture is None
-    assert viewer.choices.port is None
+    assert not viewer.choices.port
     assert viewer.bar.ports.port == ""
     for _ in range(3):
         bench.session.undo()

@@ -5,8 +5,8 @@ import pytest
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QImage
 
+from app.editor.viewers.picture.picture_facts import colour_table, grey_levels
 from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine
-from app.editor.viewers.pixels.grey_levels import colour_table, grey_levels
 from nodes.files.formats import read_pixels
 from window_hands import turn
 

@@ -3,8 +3,7 @@
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.pixels.picture_query import PictureQuery
-from app.editor.viewers.pixels.probing import sample_text
+from app.editor.viewers.picture.picture_query import PictureQuery, sample_text
 from core.evaluation.work import Policy
 from picture_bench import PictureBench
 from planck_truth import band_radiance

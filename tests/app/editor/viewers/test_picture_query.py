@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
+from app.editor.viewers.picture.picture_facts import grey_levels
+from app.editor.viewers.picture.picture_query import PictureQuery, index_at, probe, probe_text
 from app.editor.viewers.picture.plots_below import along_line
-from app.editor.viewers.pixels.grey_levels import grey_levels
-from app.editor.viewers.pixels.picture_query import PictureQuery
-from app.editor.viewers.pixels.probing import index_at, probe, probe_text
 from core.errors import ImagechainError
 from picture_bench import PictureBench
 
@@ -73,7 +72,7 @@ def test_a_difference_is_grey_at_zero_and_a_wipe_has_the_same_levels_on_both_sid
 @pytest.mark.parametrize(
     ("query", "words"),
     [
-        (PictureQuery("init.context"), "init.context is a context"),
+        (PictureQuery("init.context"), "init.context is of type context"),
         (PictureQuery("nothing.image"), "no node 'nothing'"),
         (PictureQuery("lonely.image"), "input"),
         (PictureQuery("scene.image", "pixels.image", "difference"), "48 × 41 .* 24 × 41"),

@@ -70,7 +70,7 @@ def test_the_first_viewer_follows_the_end_of_a_chain_that_is_built(window, hand,
     # A spectrum is no picture, and behind a node with an error there is none.
     words = ("gauss", "test scene", "init", "detector mtf", "back")
     scene = "test_scene.image"
-    assert [add(word) for word in words] == [None, *[scene] * 4]
+    assert [add(word) for word in words] == ["", *[scene] * 4]
     given = {"detector_x_um": 20.0, "detector_y_um": 20.0, "focal_length_mm": 100.0}
     window.session.do(together([set_parameter("init_trans", *one) for one in given.items()]))
     idle(window)

@@ -11,8 +11,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from app.editor.theme import theme_of
-from app.editor.viewers.pixels.grey_levels import grey_levels
-from app.editor.viewers.pixels.picture_query import KeptPicture
+from app.editor.viewers.picture.picture_facts import grey_levels
+from app.editor.viewers.picture.picture_query import KeptPicture
 from core.editing.operations import set_parameter
 from region_hands import PictureHand
 from window_hands import CTRL, KEY, SHIFT, give_focus, show_small

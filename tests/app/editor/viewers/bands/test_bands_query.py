@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
+from app.editor.viewers.picture.picture_facts import BandChoice, evenly_spaced
+from app.editor.viewers.picture.picture_query import PictureQuery, facts_text, sample_text
 from app.editor.viewers.picture.plots_below import MeanSpectrumQuery, SampleSpectrumQuery
-from app.editor.viewers.pixels.picture_facts import BandChoice, Choices, evenly_spaced
-from app.editor.viewers.pixels.picture_query import PictureQuery
-from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from core.network.file import load_network
@@ -56,7 +55,9 @@ def test_one_band_behind_optics_is_blurred_at_its_own_wavelength(bench):
     low, high = picture.facts.band_um
     assert high - low == pytest.approx(bench.width)
     place = int(np.argmin(np.abs(bench.wavelengths - 4.25)))
-    assert f"at {bench.wavelengths[place]:.4g} µm" in facts_text(picture, Choices("back.image"))
+    assert f"at {bench.wavelengths[place]:.4g} µm" in facts_text(
+        picture, PictureQuery("back.image")
+    )
     weights = (np.arange(BANDS) == place).astype(float)
     interval = np.radians(0.08) * 1e3 / SIZE[1]
     expected = band_by_band(

@@ -1,4 +1,4 @@
-"""The query of an image viewer: what is on a wire, as an 8-bit picture ready to be shown."""
+"""The query of an image viewer: what is on a wire, as a picture ready to be shown, and in words."""
 
 from __future__ import annotations
 
@@ -10,39 +10,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.viewers.pixels.grey_levels import (
-    BINS,
-    Range,
-    Spread,
-    between_ends,
-    grey_levels,
-    quantiles,
-    spread_of,
-)
-from app.editor.viewers.pixels.picture_facts import (
+from app.editor.viewers.picture.picture_facts import (
     ALL,
+    AUTOMATIC_LEVELS,
+    BINS,
+    CHANNELS,
     Automatic,
     BandChoice,
     Facts,
     Levels,
     Mode,
+    Range,
     Scale,
+    Spread,
+    between_ends,
     check_is_picture,
+    grey_levels,
     identity,
     of_bands,
     picture_facts,
     plane_facts,
     pupil_facts,
+    quantiles,
     spectrum_facts,
+    spread_of,
 )
+from app.editor.viewers.viewer import followed
 from core.chain.band_stack import BandStack
 from core.chain.engine import Plan, realize
 from core.chain.wires import Image, Pupil, SpectrumWire, Transfer, spectrum
 from core.errors import DataError, ImagechainError, watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
+from core.network.network import Network
 from core.records import dataclass, replace
 from nodes.files.formats import check_finite
+from nodes.input_output.examine_image import apparent_temperature
+from nodes.shared.context_defaults import is_radiance
 
 Array = NDArray[Any]
 INNER = (0.005, 0.995)
@@ -104,7 +108,7 @@ class PictureQuery(Query):
     urgency: ClassVar[int] = 0
     from_preview: ClassVar[bool] = True
 
-    port: str  # ``NODE.PORT``
+    port: str = ""  # ``NODE.PORT``; empty for none
     other: str | None = None  # a second wire, for `mode`
     # the first alone, both to be shown side by side, or the first less the second
     mode: Mode = "alone"
@@ -119,6 +123,27 @@ class PictureQuery(Query):
     kept: KeptPicture | None = None
     bands: BandChoice = ALL  # what is shown of pictures with bands
 
+    def with_(self, **changes: Any) -> PictureQuery:
+        """With some of it changed; manual levels hold only for what they were set for."""
+        changed = replace(self, **changes)
+        meant_for = ("port", "other", "mode", "mapping")
+        otherwise = any(getattr(self, name) != getattr(changed, name) for name in meant_for)
+        # Of another band in the same place they hold, so that bands can be compared.
+        otherwise = otherwise or self.bands.shown != changed.bands.shown
+        if otherwise and "levels" not in changes and not isinstance(changed.levels, str):
+            return replace(changed, levels=AUTOMATIC_LEVELS)
+        return changed
+
+    @property
+    def compares(self) -> bool:
+        return self.mode != "alone" and self.other is not None
+
+    def moved(self, before: Network, after: Network) -> PictureQuery:
+        """With the names that nodes have after a change; those of nodes that are gone stay."""
+        port = followed(self.port, before, after) or self.port
+        other = self.other and (followed(self.other, before, after) or self.other)
+        return replace(self, port=port, other=other)
+
     def key(self, plan: Plan) -> Hashable:
         return self, *(identity(self._value(plan, port)) for port in self._ports)
 
@@ -126,7 +151,7 @@ class PictureQuery(Query):
         first = self._source(passing, self.port)
         if self.kept is not None:
             return self._beside(passing, self._shown(passing, first, self.levels), self.kept)
-        if self.mode == "alone" or self.other is None:
+        if not self.compares or self.other is None:
             return self._shown(passing, first, self.levels)
         second = self._source(passing, self.other)
         if self.mode == "difference":
@@ -174,8 +199,7 @@ class PictureQuery(Query):
 
     @property
     def _ports(self) -> tuple[str, ...]:
-        both = self.mode != "alone" and self.other is not None
-        return (self.port, str(self.other)) if both else (self.port,)
+        return (self.port, str(self.other)) if self.compares else (self.port,)
 
     def _value(self, plan: Plan, port: str) -> Any:
         value = plan.output(port)
@@ -446,3 +470,126 @@ def _as_shares(spread: Spread, low: float, between: float) -> Spread:
         return Spread(0.5, 0.5, spread.counts)
     low_share, high_share = ((end - low) / between for end in (spread.low, spread.high))
     return Spread(low_share, high_share, spread.counts)
+
+
+# What a picture has at the cursor, also in words.
+
+RADIANCE_PER_UM = "W/m²/sr/µm"
+
+
+@dataclass(frozen=True)
+class Probe:
+    row: int  # row, column: index into the samples, from 0
+    column: int
+    value: float  # the sample
+    # the apparent temperature, where the sample is a radiance in a known band
+    temperature_K: float | None = None
+    colours: tuple[float, ...] = ()  # samples of red, green and blue, where it is composed of these
+
+
+def probe(picture: Picture, row: int, column: int) -> Probe | None:
+    facts = picture.facts
+    if not (0 <= row < facts.rows and 0 <= column < facts.columns):
+        return None
+    value = float(picture.samples[row, column])
+    temperature = None
+    if facts.band_um is not None and is_radiance(facts.unit):
+        temperature = apparent_temperature(value, facts.band_um)
+    elif facts.band_um is not None and facts.width_um and facts.unit == RADIANCE_PER_UM:
+        temperature = apparent_temperature(value * facts.width_um, facts.band_um)
+    colours = tuple(float(channel.samples[row, column]) for channel in picture.channels)
+    return Probe(row, column, value, temperature, colours)
+
+
+def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
+    return round(facts.along.index(y)), round(facts.across.index(x))
+
+
+def other_probe(picture: Picture, other: Picture, row: int, column: int) -> Probe:
+    """The sample of the other half of a wipe, which is laid over all of the picture."""
+    facts, its = picture.facts, other.facts
+    row = int((row + 0.5) * its.rows / facts.rows)
+    sample = probe(other, row, int((column + 0.5) * its.columns / facts.columns))
+    assert sample is not None  # inside the one is inside the other
+    return sample
+
+
+def place_text(picture: Picture, sample: Probe) -> str:
+    facts = picture.facts
+    x, y = facts.across.at(sample.column), facts.along.at(sample.row)
+    if facts.kind == "plane":
+        text = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
+    else:
+        text = f"row {y:.10g}  column {x:.10g}"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def value_text(picture: Picture, sample: Probe) -> str:
+    values = "  ".join(
+        f"{name} {value:.5g}" for name, value in zip("RGB", sample.colours, strict=False)
+    )
+    text = f"{values or format(sample.value, '.6g')} {picture.facts.unit}".rstrip()
+    if sample.temperature_K is not None:
+        text += f"  {sample.temperature_K:.2f} K"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def probe_text(picture: Picture, sample: Probe) -> str:
+    """Where, what, and how warm it seems."""
+    return f"{place_text(picture, sample)}:  {value_text(picture, sample)}"
+
+
+# Texts of an image viewer: what is shown, and the sample under the cursor.
+
+
+def facts_text(picture: Picture, query: PictureQuery, kept: str = "", way: str = "") -> str:
+    facts = picture.facts
+    parts = [f"{facts.columns} × {facts.rows}", facts.title]
+    if picture.logarithmic:
+        parts[1] = f"log₁₀ {parts[1]}"
+    if facts.wavelengths_um:
+        parts.append(bands_text(facts.wavelengths_um))
+    if picture.other is not None and kept:
+        parts.insert(
+            0, f"A {kept} on the left, B now on the right" if way == "wipe" else f"A {kept}"
+        )
+        bands = picture.other.facts.band_um, facts.band_um
+        if bands[0] != bands[1]:
+            parts.append(f"A in {_band(bands[0])}, B in {_band(bands[1])}")
+    elif picture.other is not None:
+        parts.insert(0, f"left {query.port}, right {query.other}")
+    elif query.compares and query.mode == "difference":
+        parts.insert(0, f"{query.port} − {query.other}")
+    if picture.reduced > 1:
+        parts.append(f"preview 1:{picture.reduced}")
+    return " · ".join(parts)
+
+
+def bands_text(wavelengths_um: tuple[float, ...]) -> str:
+    if len(wavelengths_um) == 1:
+        return f"at {wavelengths_um[0]:.4g} µm"
+    named = zip(CHANNELS, wavelengths_um, strict=True)
+    return ", ".join(f"{name} {wavelength:.4g}" for name, wavelength in named) + " µm"
+
+
+def _band(band_um: tuple[float, float] | None) -> str:
+    return "no band" if band_um is None else f"{band_um[0]:g} to {band_um[1]:g} µm"
+
+
+def sample_text(
+    picture: Picture | None, place: tuple[int, int] | None, *, kept: bool = False
+) -> str:
+    """The sample at a place; of a wipe, those of both sides, with `kept` A first."""
+    if picture is None or place is None or (sample := probe(picture, *place)) is None:
+        return ""
+    if picture.other is None:
+        return probe_text(picture, sample)
+    other = other_probe(picture, picture.other, *place)
+    if not kept:
+        return f"{probe_text(picture, sample)}  |  {value_text(picture.other, other)}"
+    text = f"{place_text(picture, sample)}:  A {value_text(picture.other, other)}"
+    text += f"  |  B {value_text(picture, sample)}"
+    if sample.temperature_K is not None and other.temperature_K is not None:
+        difference_K = sample.temperature_K - other.temperature_K
+        text += f"  |  B \N{MINUS SIGN} A {difference_K:+.3f} K".replace("-", "\N{MINUS SIGN}")
+    return text

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from app.editor.viewers.pixels.grey_levels import (
+from app.editor.viewers.picture.picture_facts import (
     BINS,
     between_ends,
     grey_levels,
