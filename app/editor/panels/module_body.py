@@ -30,13 +30,13 @@ from app.editor.panels.fields.field import (
     FieldLink,
     ListField,
     NumbersField,
+    PanelNode,
     SwitchField,
     TextField,
     choices_of,
 )
 from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.number import NumberField
-from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.path import PathField
 from app.editor.session import Session
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of

@@ -25,8 +25,8 @@ from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
+from app.editor.panels.fields.field import PanelNode, Requests, copy_values, paste_values
 from app.editor.panels.fields.field_menu import line_in_menu, offer
-from app.editor.panels.fields.panel_node import PanelNode, Requests, copy_values, paste_values
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead, TitleBar
 from app.editor.panels.module_body import ModuleBody, UnknownBody

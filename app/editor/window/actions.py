@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.gestures import without_argument
-from app.editor.panels.fields.panel_node import copy_values, paste_values
+from app.editor.panels.fields.field import copy_values, paste_values
 from app.editor.session import Level
 from app.editor.viewers.viewer import VIEWER_NUMBERS
 from app.editor.widgets import Menu

@@ -1,23 +1,20 @@
-"""What all fields have: label, unit, marks, message, menu; and fields of choices and lists."""
+"""What all fields have: node, label, unit, message, menu; and fields of choices and lists."""
 
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from PySide6.QtCore import QEvent, QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFontMetrics,
     QGuiApplication,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
     QWheelEvent,
 )
 from PySide6.QtWidgets import (
     QButtonGroup,
     QComboBox,
     QHBoxLayout,
-    QLabel,
     QMenu,
     QSizePolicy,
     QVBoxLayout,
@@ -33,7 +30,6 @@ from app.editor.declared_text import (
     shown_value,
     tip,
 )
-from app.editor.gestures import is_escape
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,
@@ -42,8 +38,8 @@ from app.editor.panels.fields.field_menu import (
     text_with_unit,
     typed_text,
 )
-from app.editor.panels.fields.panel_node import PanelNode
-from app.editor.panels.fields.type_in import TypeIn, discard_typing, step_factor
+from app.editor.panels.fields.type_in import NameLabel, TypeIn, discard_typing
+from app.editor.session import Session
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
 from app.editor.widgets import (
     Check,
@@ -56,11 +52,70 @@ from app.editor.widgets import (
     show_or_hide,
     takes_wheel,
 )
-from core.editing.operations import ABSENT
-from core.errors import ParameterError, thaw
+from core.editing.clipboard import copied_values, pasted_values
+from core.editing.operations import ABSENT, Operation, named, set_parameter, together
+from core.errors import ImagechainError, ParameterError, thaw
 from core.modules.parameters import Parameter, plain
+from core.network.expressions import quoted
+from core.records import dataclass
 
 _CLICK_MS = 250  # after which a button is up again
+_MOST_REASONS = 3
+
+
+class Requests(QObject):
+    view = Signal(str, str, int)  # node, port, viewer: show that output in that viewer
+    trade_off = Signal(str, str)  # node, parameter: show figures of merit as it moves
+    generate = Signal()  # compute everything
+    handbook = Signal(str)  # node: the page of its module is to be opened
+    named = Signal()  # Enter in the name: the keyboard goes back to the canvas
+    close = Signal(str)  # node: put the panel away
+    illustrated = Signal(str, bool)  # module, on: panels of that kind show their illustration
+
+
+@dataclass(frozen=True)
+class PanelNode:
+    session: Session
+    name: str
+    requests: Requests
+
+    @property
+    def is_there(self) -> bool:
+        return self.name in self.session.network.nodes
+
+    def given(self, parameter: str) -> object:
+        """A parameter's value as the network file has it; ABSENT where it has its default."""
+        node = self.session.network.nodes[self.name]
+        return thaw(node.params.get(parameter, ABSENT))
+
+    def do(self, operation: Operation, gesture: object = None) -> None:
+        if self.is_there:
+            self.session.do(operation, gesture=gesture)
+
+    def put(self, parameter: str, value: object, gesture: object = None) -> None:
+        """Give a value to the node, and to others selected with it; a gesture is one step."""
+        self.do(_for_each(set_parameter(name, parameter, value) for name in self._alike), gesture)
+
+    def names_beside(self) -> list[str]:
+        """The numbers of the nodes that lie in the same macro, as expressions name them."""
+        session, names = self.session, []
+        around = self.name.removesuffix(session.local_name(self.name))
+        for name in session.network.nodes:
+            local, declared = session.local_name(name), session.declared(name)
+            for one in declared.parameters if declared and around + local == name else ():
+                if one.kind in ("number", "integer"):
+                    names.append(f"{quoted(local)}.{one.name}")
+        return names
+
+    @property
+    def _alike(self) -> tuple[str, ...]:
+        alike = self.session.selected_alike
+        return alike if self.name in alike else (self.name,)
+
+
+def _for_each(steps: Iterable[Operation]) -> Operation:
+    one, *others = steps
+    return together((one, *others)) if others else one
 
 
 class FieldLink(NamedTuple):
@@ -325,70 +380,6 @@ class TypedField(Field):
         self.edit.mark()
 
 
-PIXELS_A_STEP = 4
-START_PIXELS = 3
-
-
-class NameLabel(QLabel):
-    """A name whose middle is left out where it is too wide; a number's is dragged sideways."""
-
-    # steps: so many more, parts of one included: to the right is up
-    dragged = Signal(float)
-    finished = Signal()  # the button is up
-    given_up = Signal()  # Esc during a drag
-
-    drags = False
-    column = 0
-    _last: float | None = None
-    _moving = False
-
-    def sizeHint(self) -> QSize:
-        return QSize(self.column, super().sizeHint().height())
-
-    def minimumSizeHint(self) -> QSize:
-        return QSize(0, super().minimumSizeHint().height())
-
-    def set_drags(self, on: bool) -> None:
-        self.drags = on
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus if on else Qt.FocusPolicy.NoFocus)
-        self.setCursor(Qt.CursorShape.SizeHorCursor if on else Qt.CursorShape.ArrowCursor)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        room = self.contentsRect()
-        middle = Qt.TextElideMode.ElideMiddle
-        with QPainter(self) as painter:
-            text = painter.fontMetrics().elidedText(self.text(), middle, room.width())
-            painter.setPen(self.palette().color(self.foregroundRole()))
-            painter.drawText(room, int(self.alignment()), text)
-
-    def event(self, event: QEvent) -> bool:
-        """End a drag by Esc, and by a dialog: the release of the button behind it never arrives."""
-        if self._last is not None:
-            if is_escape(event):
-                self._last = None
-                self.given_up.emit()
-                event.accept()
-            elif event.type() == QEvent.Type.WindowBlocked:
-                self._last = None
-                self.finished.emit()
-        return bool(super().event(event))
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton and self.drags:
-            self._last, self._moving = event.position().x(), False
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        way = 0.0 if self._last is None else event.position().x() - self._last
-        if way and (self._moving or abs(way) >= START_PIXELS):
-            self._moving, self._last = True, event.position().x()
-            self.dragged.emit(way / PIXELS_A_STEP * step_factor(event.modifiers()))
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._last is not None and event.button() == Qt.MouseButton.LeftButton:
-            self._last = None
-            self.finished.emit()
-
-
 MOST_BUTTONS = 4
 MOST_LETTERS = 16
 
@@ -521,3 +512,31 @@ class NumbersField(TypedField):
             self.refuse_typed(error)
             return
         self.offer(numbers)
+
+
+# The values of a node on the clipboard.
+
+
+def copy_values(session: Session, names: Sequence[str]) -> None:
+    """Put the values of the last of these nodes on the clipboard, as JSON text."""
+    for name in names[-1:]:
+        text = copied_values(session.network.nodes[name], session.declared(name))
+        QGuiApplication.clipboard().setText(text)
+        session.message.emit("note", f"copied the values of {name}")
+
+
+def paste_values(session: Session, names: Sequence[str]) -> None:
+    """Give nodes the clipboard's values, as one step; what is left out is said in one line."""
+    text = QGuiApplication.clipboard().text()
+    try:
+        operation, left_out = pasted_values(text, names, session.declared)
+    except ImagechainError as error:
+        session.message.emit("error", f"no values were pasted: {error}")
+        return
+    session.do(operation)
+    text = f"pasted values into {named(names)}"
+    if left_out:
+        more = len(left_out) - _MOST_REASONS
+        reasons = "; ".join(left_out[:_MOST_REASONS])
+        text += f"; left out: {reasons}{f'; and {more} more' if more > 0 else ''}"
+    session.message.emit("note", text)

@@ -1,18 +1,20 @@
-"""A line to type a value in: taken on Enter or when the focus leaves, given up on Esc."""
+"""A line to type a value in, and a name that is dragged to change it; both are given up on Esc."""
 
-from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
     QKeyEvent,
     QKeySequence,
+    QMouseEvent,
     QPainter,
     QPaintEvent,
     QPalette,
     QPen,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QCompleter, QLineEdit, QWidget
+from PySide6.QtWidgets import QCompleter, QLabel, QLineEdit, QWidget
 
+from app.editor.gestures import is_escape
 from app.editor.theme import ERROR
 
 _STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
@@ -140,3 +142,67 @@ def discard_typing(widget: QWidget) -> None:
     for edit in widget.findChildren(TypeIn):
         if edit.unsettled:
             edit.give_up()
+
+
+PIXELS_A_STEP = 4
+START_PIXELS = 3
+
+
+class NameLabel(QLabel):
+    """A name whose middle is left out where it is too wide; a number's is dragged sideways."""
+
+    # steps: so many more, parts of one included: to the right is up
+    dragged = Signal(float)
+    finished = Signal()  # the button is up
+    given_up = Signal()  # Esc during a drag
+
+    drags = False
+    column = 0
+    _last: float | None = None
+    _moving = False
+
+    def sizeHint(self) -> QSize:
+        return QSize(self.column, super().sizeHint().height())
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(0, super().minimumSizeHint().height())
+
+    def set_drags(self, on: bool) -> None:
+        self.drags = on
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus if on else Qt.FocusPolicy.NoFocus)
+        self.setCursor(Qt.CursorShape.SizeHorCursor if on else Qt.CursorShape.ArrowCursor)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        room = self.contentsRect()
+        middle = Qt.TextElideMode.ElideMiddle
+        with QPainter(self) as painter:
+            text = painter.fontMetrics().elidedText(self.text(), middle, room.width())
+            painter.setPen(self.palette().color(self.foregroundRole()))
+            painter.drawText(room, int(self.alignment()), text)
+
+    def event(self, event: QEvent) -> bool:
+        """End a drag by Esc, and by a dialog: the release of the button behind it never arrives."""
+        if self._last is not None:
+            if is_escape(event):
+                self._last = None
+                self.given_up.emit()
+                event.accept()
+            elif event.type() == QEvent.Type.WindowBlocked:
+                self._last = None
+                self.finished.emit()
+        return bool(super().event(event))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton and self.drags:
+            self._last, self._moving = event.position().x(), False
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        way = 0.0 if self._last is None else event.position().x() - self._last
+        if way and (self._moving or abs(way) >= START_PIXELS):
+            self._moving, self._last = True, event.position().x()
+            self.dragged.emit(way / PIXELS_A_STEP * step_factor(event.modifiers()))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        if self._last is not None and event.button() == Qt.MouseButton.LeftButton:
+            self._last = None
+            self.finished.emit()

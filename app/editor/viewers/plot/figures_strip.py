@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, ClassVar
 
 from PySide6.QtCore import QEvent
@@ -74,8 +74,7 @@ class FiguresStrip(Viewer):
         return (FiguresQuery(self._preferred()),)
 
     def take(self, answer: Answer) -> None:
-        figures = answer.value if isinstance(answer.value, Figures) else None
-        self._show(figures, "" if answer.error is None else str(answer.error))
+        self._show(answer.value, "" if answer.error is None else str(answer.error))
         if self._freshness is not None:
             self._freshness.catch_up(answer.generation)
 
@@ -104,41 +103,16 @@ class FiguresStrip(Viewer):
             labelled(value, f"{self.owner}.{name}", caption)
 
     def _show(self, answer: Figures | None, why: str = "") -> None:
-        figures = {} if answer is None else {figure.name: figure for figure in answer.figures}
-        missing = self._show_output(answer, why)
-        none = (
-            why
-            or missing
-            or ("no Focal Plane or Electronics & Noise module in the network computes this figure")
-        )
-        if figures:
-            self._name_slots([(figure.name, figure.caption) for figure in figures.values()])
-        elif answer is not None and answer.node is None:
-            self._name_slots(ELECTRONICS_FIGURES)  # not those of a sensor that is gone
+        port, missing, choices = answer.output if answer is not None else (None, why, ())
+        several = f"{len(choices)} pictures" if choices else NONE
+        about = "The network's output picture" if port else missing
+        self.label(OUTPUT).show_text(port or several, about)
+        if answer is not None and (answer.figures or answer.node is None):
+            captions = SENSOR_FIGURES[answer.module] if answer.figures else ELECTRONICS_FIGURES
+            self._name_slots(captions)  # not those of a sensor that is gone
+        none = NONE, why or missing or _NO_SENSOR
         for name in self._names:
-            label = self.label(name)
-            figure: Figure | None = figures.get(name)
-            if figure is None:
-                label.show_text(NONE, none)
-            else:
-                node = answer.node if answer is not None else ""
-                exact = "" if figure.value is None else f" {figure.value!r} {figure.unit}".rstrip()
-                text = figure_text(figure.value, figure.unit)
-                about = f" None: {figure.reason}." if figure.reason else exact
-                label.show_text(text, f"{figure.meaning}{about} ({node})")
-
-    def _show_output(self, answer: Figures | None, why: str) -> str:
-        """Show which picture is the output; returns why none is."""
-        label = self.label(OUTPUT)
-        if answer is None:
-            label.show_text(NONE, why)
-        elif answer.output is not None:
-            label.show_text(answer.output, "The network's output picture")
-        else:
-            label.show_text(
-                f"{len(answer.choices)} pictures" if answer.choices else NONE, answer.missing
-            )
-        return "" if answer is None else answer.missing
+            self.label(name).show_text(*(answer.figures.get(name, none) if answer else none))
 
     def _preferred(self) -> str | None:
         for name in reversed(self.session.selection):
@@ -156,27 +130,18 @@ class FiguresStrip(Viewer):
 
 # The query of the figures strip: the sensor's figures among the electronics' read-outs.
 
-
-@dataclass(frozen=True)
-class Figure:
-    """One read-out; `value` None where there is none, `reason` why, where that is known."""
-
-    name: str
-    caption: str
-    value: Any
-    unit: str
-    meaning: str
-    reason: str = ""
+_NO_SENSOR = "no Focal Plane or Electronics & Noise module in the network computes this figure"
+# port of the picture that the network delivers, why there is none, and ports that could be meant
+_Output = tuple[str | None, str, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
 class Figures:
     # the electronics; None where there is none, or it is not clear which leads to the output
     node: str | None
-    figures: tuple[Figure, ...] = ()  # its read-outs
-    output: str | None = None  # port of the picture that the network delivers
-    missing: str = ""  # why there is none, in one line
-    choices: tuple[str, ...] = ()  # ports of the pictures that could be meant, where none is marked
+    module: str
+    figures: Mapping[str, tuple[str, str]]  # text and meaning of its read-outs, by name
+    output: _Output
 
 
 @dataclass(frozen=True)
@@ -197,42 +162,30 @@ class FiguresQuery(Query):
         return self, output, name, planned.node.disabled, getattr(table, "key", None)
 
     def answer(self, passing: Passing) -> Figures:
-        plan = passing.plan
+        plan, engine, work = passing.plan, passing.engine, passing.work
         output = _output_of(plan)
         name = sensor_node(plan, self.preferred)
         if name is None:
-            return Figures(None, (), *output)
+            return Figures(None, "", {}, output)
         planned = plan.node(name)
         if planned.error is not None:
             raise planned.error
-        engine, values, reasons = passing.engine, dict[str, Any](), dict[str, str]()
-        if not planned.node.disabled:
-            values = engine.readouts(plan, name, passing.work)
-            reasons = {
-                readout: engine.why_none(plan, name, passing.work, readout)
-                for readout, _ in SENSOR_FIGURES[planned.node.module]
-                if values.get(readout) is None
-            }
+        values = {} if planned.node.disabled else engine.readouts(plan, name, work)
         declared = {readout.name: readout for readout in planned.declaration.readouts}
-        return Figures(
-            name,
-            tuple(
-                Figure(
-                    readout,
-                    caption,
-                    values.get(readout),
-                    declared[readout].unit,
-                    declared[readout].meaning,
-                    reasons.get(readout, ""),
-                )
-                for readout, caption in SENSOR_FIGURES[planned.node.module]
-            ),
-            *output,
-        )
+        figures = {}
+        for readout, _ in SENSOR_FIGURES[planned.node.module]:
+            value, unit = values.get(readout), declared[readout].unit
+            about = "" if value is None else f" {value!r} {unit}".rstrip()
+            if value is None and values:
+                reason = engine.why_none(plan, name, work, readout)
+                about = f" None: {reason}." if reason else ""
+            figures[readout] = (
+                figure_text(value, unit), f"{declared[readout].meaning}{about} ({name})"
+            )  # fmt: skip
+        return Figures(name, planned.node.module, figures, output)
 
 
-def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:
-    """The picture that the network delivers, or why there is none, and the candidates for it."""
+def _output_of(plan: Plan) -> _Output:
     try:
         output = find_output(sound_part(plan))
     except ImagechainError as error:
