@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QRect, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QGuiApplication, QPainter, QPaintEvent
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QGuiApplication
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.editor.declared_text import flowing, says_more, tip
@@ -29,30 +29,8 @@ from core.network.network import Node
 _SHARE = 0.45  # of the panels' height, for an illustration at most
 _LEAST_LINES = 6  # that it is high at least
 _LINES = 7  # of what is wrong with the node
-_WIDEST = 10_000
-_WRAPPED = Qt.TextFlag.TextWordWrap | Qt.AlignmentFlag.AlignTop
 _FITTED = (QEvent.Type.LayoutRequest, QEvent.Type.Resize)
 _CLICK_MS = 250  # after which it is seen again whether a button is still down
-
-
-class Problem(ElidedLabel):
-    """What is wrong with the node, in up to seven lines; the tooltip has all of it."""
-
-    def lines(self, width: int) -> tuple[str, int]:
-        """The text, cut where it needs more lines than there are, and its height."""
-        words, text = self._line.split(" "), self._line
-        room, most = QRect(0, 0, width, _WIDEST), _LINES * self.fontMetrics().lineSpacing()
-        while True:
-            height = self.fontMetrics().boundingRect(room, _WRAPPED, text).height()
-            if height <= most or len(words) == 1:
-                return text, min(height, most)
-            words.pop()
-            text = " ".join(words) + " …"
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        with QPainter(self) as painter:
-            painter.setPen(self.palette().color(self.foregroundRole()))
-            painter.drawText(self.rect(), _WRAPPED, self.lines(self.width())[0])
 
 
 class TitleBar(QWidget):
@@ -116,8 +94,9 @@ class PanelHead(QWidget):
         self.name = labelled(TypeIn(bar, characters=10), "node_name", "name of the node")
         self.name.setToolTip(tip("Name of the node in this network"))
         bar.row.insertWidget(1, self.name, 3)
-        about = "Keep this panel open when another node is selected"
-        self.pin = bar.add_button("pin", "Pin", about, checkable=True)
+        self.pin = bar.add_button(
+            "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
+        )
         about = "Save these parameters as a preset, or load a preset"
         self.sets = bar.add_button("sets", "≡", about)
         self.help = bar.add_button("help", "?", "What this module does", checkable=True)
@@ -137,32 +116,31 @@ class PanelHead(QWidget):
         self.below = below = QWidget(self)
         self.name_problem = plain_label("name_problem", below, role=ERROR)
         self.name_problem.hide()
-        self.auto = toggle_button("auto", "Auto", "Auto-Generate", below)
-        self.auto.setToolTip(
-            tip(
-                "Auto-Generate: compute after each change; if unticked, the node keeps its result "
-                "until you choose Generate Image"
-            )
+        about = (
+            "Auto-Generate: compute after each change; if unticked, the node keeps its result "
+            "until you choose Generate Image"
         )
-        self.generate = tool_button("generate", "Generate", "Generate Image", below)
-        self.generate.setToolTip(
-            tip("Generate Image: compute everything now, including nodes that are not updated")
+        self.auto = self._act(toggle_button, "Auto", "Auto-Generate", about)
+        about = "Generate Image: compute everything now, including nodes that are not updated"
+        self.generate = self._act(tool_button, "Generate", "Generate Image", about)
+        self.disable = self._act(
+            toggle_button, "Disable", "Disable", "Pass the input through unchanged"
         )
-        self.disable = toggle_button("disable", "Disable", "Disable", below)
-        self.disable.setToolTip(tip("Pass the input through unchanged"))
-        self.output = toggle_button("output", "Output", "Output", below)
-        self.output.setToolTip(tip("Make this node's picture the output of the network (O)"))
-        self.fold_picture = tool_button("fold_illustration", "", "fold the illustration", below)
-        self.fold_picture.setToolTip(
-            tip("Hide or show the illustration on all panels of this module")
-        )
+        about = "Make this node's picture the output of the network (O)"
+        self.output = self._act(toggle_button, "Output", "Output", about)
+        about = "Hide or show the illustration on all panels of this module"
+        self.fold_picture = self._act(tool_button, "", "fold the illustration", about)
+        self.fold_picture.setObjectName("fold_illustration")
         self.fold_picture.setCheckable(True)
         self.fold_picture.setAutoRaise(True)
         self.fold_picture.hide()
         acts = (self.auto, self.generate, self.disable, self.output, self.fold_picture)
         buttons = filled(FlowLayout(across=4), *acts, margins=None)
         self.place = QWidget(below)
-        self.problem = Problem("problem", "Problem with the node", self.place)
+        self.problem = labelled(
+            plain_label("problem", self.place), "problem", "Problem with the node"
+        )
+        self.problem.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
         self.problem.hide()
         self.place.installEventFilter(self)
         self._stack = filled(QVBoxLayout(self.place), self.problem, spacing=2)
@@ -171,6 +149,13 @@ class PanelHead(QWidget):
         filled(QVBoxLayout(self), bar, below, spacing=2)
         self._fit()
         self._colour()
+
+    def _act(
+        self, made: Callable[..., QToolButton], text: str, name: str, about: str
+    ) -> QToolButton:
+        button = made(text.lower(), text, name, self.below)
+        button.setToolTip(tip(about))
+        return button
 
     def illustrate(self, view: PreviewView, *, shown: bool) -> None:
         self._illustration = view
@@ -195,7 +180,8 @@ class PanelHead(QWidget):
         if self.isVisible() and QGuiApplication.mouseButtons():
             self._released.start()  # nothing moves under the mouse
         else:
-            room = self.place.width(), max(line, self.problem.lines(self.place.width())[1])
+            wide, most = self.place.width(), _LINES * self.fontMetrics().lineSpacing()
+            room = wide, max(line, min(self.problem.heightForWidth(wide), most))
             self._room = max(room, self._room) if room[0] == self._room[0] else room
             self.problem.setFixedHeight(self._room[1])
         height = self._room[1]
@@ -228,8 +214,8 @@ class PanelHead(QWidget):
             return
         self._badge = badge
         text = badge.text if badge is not None else ""
-        self.problem.show_text(text.replace("\n", " · "), tip(text) if text else "")
-        self.problem.setVisible(bool(text))
+        show_or_hide(self.problem, text.replace("\n", " · "))
+        self.problem.setToolTip(tip(text) if text else "")
         self._fit()
         self._colour()
 

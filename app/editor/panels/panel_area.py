@@ -112,7 +112,9 @@ class PanelArea(WheelScrollArea):
     def edit_name(self) -> None:
         panel = self.panels.get(next(iter(self._session.selection[-1:]), ""))
         if panel is not None:
-            panel.edit_name()
+            panel.head.bar.fold.setChecked(False)
+            panel.head.name.setFocus(Qt.FocusReason.OtherFocusReason)
+            panel.head.name.selectAll()
             self.ensureWidgetVisible(panel.head.name)
 
     def finish_typing(self) -> None:
@@ -145,7 +147,7 @@ class PanelArea(WheelScrollArea):
                 panel.follow(before, after)
         self._arrange(selection)
         if former is not None and new in self.panels:
-            self.panels[new].folded = former.folded
+            self.panels[new].head.bar.fold.setChecked(former.head.bar.fold.isChecked())
             if typing:
                 self.panels[new].head.name.setFocus(Qt.FocusReason.OtherFocusReason)
 
@@ -188,7 +190,7 @@ class PanelArea(WheelScrollArea):
 
     def _drop(self, name: str) -> None:
         panel = self.panels.pop(name)
-        panel.discard_typing()  # hiding takes the focus away, which would take what was typed
+        discard_typing(panel)  # hiding takes the focus away, which would take what was typed
         self._column.removeWidget(panel)
         panel.hide()
         panel.deleteLater()
@@ -372,14 +374,6 @@ class NodePanel(QFrame):
         head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
         head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
-    @property
-    def folded(self) -> bool:
-        return self.head.bar.fold.isChecked()
-
-    @folded.setter
-    def folded(self, on: bool) -> None:
-        self.head.bar.fold.setChecked(on)
-
     def follow(self, before: Network | None, after: Network) -> None:
         if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
             self.head.follow(after.nodes[self.node])
@@ -396,17 +390,9 @@ class NodePanel(QFrame):
                 field.mark_faulty(badge is not None and field.parameter.name in badge.parameters)
             self.body.readouts.set_held_back(badge is not None and badge.kind == "stale")
 
-    def edit_name(self) -> None:
-        self.folded = False
-        self.head.name.setFocus(Qt.FocusReason.OtherFocusReason)
-        self.head.name.selectAll()
-
     def finish_typing(self) -> None:
         for edit in self.findChildren(TypeIn):
             edit.commit()
-
-    def discard_typing(self) -> None:
-        discard_typing(self)
 
     def _fold(self, on: bool) -> None:
         self.head.below.setVisible(not on)

@@ -166,10 +166,9 @@ def test_a_long_problem_is_broken_into_lines_and_moves_nothing_under_a_button(qt
     qtbot.waitUntil(lambda: field.mapTo(area, QPoint(0, 0)).y() > at)
     lines, lower = show(12)
     assert 1 < lines < 4
-    assert head.problem.lines(head.problem.width())[0].count("number") == 12
+    assert head.problem.text().count("number") == 12
     assert show(2)[1] == show(0)[1] == lower  # what was to be clicked stays
     assert show(400)[0] == 7
-    assert head.problem.lines(head.problem.width())[0].endswith("number …")
     assert head.problem.toolTip().count("number") == 400
 
 
