@@ -16,9 +16,9 @@ from app.editor.canvas.canvas_style import CanvasStyle
 from app.editor.canvas.content import Content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.panels.transfer_preview import shrunk, transfer_lines
+from app.editor.panels.transfer_preview import transfer_lines
 from app.editor.session import Level, Session
-from app.editor.viewers.picture.picture_facts import between_ends, grey_levels
+from app.editor.viewers.picture.picture_facts import between_ends, grey_levels, shrunk
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil
 from core.editing.operations import picture_node

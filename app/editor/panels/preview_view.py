@@ -23,10 +23,10 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
-from app.editor.panels.transfer_preview import TransferPreviewQuery, shrunk
+from app.editor.panels.transfer_preview import TransferPreviewQuery
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.viewers.picture.picture_facts import grey_levels
+from app.editor.viewers.picture.picture_facts import grey_levels, shrunk
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.plot.plot_looks import (
     PlotAxis,

@@ -1,6 +1,7 @@
 """MTF or PTF of a node along both axes, and the preview of it."""
 
 from collections.abc import Callable, Hashable, Iterator
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -26,7 +27,7 @@ from core.modules.preview import (
     pair,
     round_step,
 )
-from core.records import dataclass, replace
+from core.records import dataclass
 from core.transfer.factors import Part
 
 Vector = NDArray[np.float64]
@@ -74,24 +75,28 @@ class TransferPreviewQuery(Query):
 def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLine, TransferLine]:
     planned, work = passing.plan.node(node), passing.work
     transfer: Transfer = passing.plan.output(f"{node}.{part}")
-    cutoffs = tuple(_cutoff(planned, axis, work) for axis in ("x", "y"))
-    if transfer.own is not None:
-        return _sampled(transfer, cutoffs, work)
+    own = work.value(transfer.own) if transfer.own is not None else None
     turn, grid = _turn(planned), transfer.grid
 
-    def line(axis: Direction, nyquist: float, cutoff: float | None) -> TransferLine:
-        def values_at(frequencies: Vector) -> Vector:
-            sampled = response(work, transfer.factors, frequencies, axis)
-            return sampled.mtf if part == "mtf" else sampled.ptf
+    def line(axis: Direction, nyquist: float) -> TransferLine:
+        cutoff = _cutoff(planned, axis, work)
+        end = max(nyquist, cutoff or 0.0)
+        if own is None:
 
-        frequency = _frequencies(max(nyquist, cutoff or 0.0), turn)
-        values = values_at(np.append(frequency, nyquist))
-        plotted = _line(frequency, values[:-1], nyquist, values[-1], cutoff, part)
-        if plotted.half is None:
-            return plotted
-        return replace(plotted, half=_sharpened(plotted.half, frequency, values_at))
+            def values_at(frequencies: Vector) -> Vector:
+                sampled = response(work, transfer.factors, frequencies, axis)
+                return sampled.mtf if part == "mtf" else sampled.ptf
 
-    return line("x", grid.nyquist_x, cutoffs[0]), line("y", grid.nyquist_y, cutoffs[1])
+            return _line(_frequencies(end, turn), values_at, nyquist, cutoff, part)
+        # The first row or column of a function with frequencies of its own, in FFT order.
+        row = own.values[0] if axis == "x" else own.values[:, 0]
+        row = np.asarray(row[: (len(row) + 1) // 2], np.float64)
+        interval = own.interval_x if axis == "x" else own.interval_y
+        frequency: Vector = np.arange(len(row), dtype=np.float64) * interval
+        between: Any = partial(np.interp, xp=frequency, fp=row, right=np.nan)
+        return _line(frequency[frequency <= end + interval], between, nyquist, cutoff, part)
+
+    return line("x", grid.nyquist_x), line("y", grid.nyquist_y)
 
 
 def _frequencies(end: float, turn: float | None) -> Vector:
@@ -106,59 +111,40 @@ def _lowest(end: float, turn: float) -> float:
 
 
 def _line(
-    frequency: Vector, values: Vector, nyquist: float, at: float, cutoff: float | None, part: Part
+    frequency: Vector,
+    values_at: Callable[[Vector], Vector],
+    nyquist: float,
+    cutoff: float | None,
+    part: Part,
 ) -> TransferLine:
-    if not np.all(np.isfinite(values)):
+    *values, at = values_at(np.append(frequency, nyquist))
+    shown = np.array(values)
+    if not np.all(np.isfinite(shown)):
         raise DataError("the transfer function has values that are not finite")
-    half = half_contrast(frequency, values) if part == "mtf" else None
-    return TransferLine(frequency, values, nyquist, float(at), half, cutoff)
+    half = _half_contrast(frequency, shown, values_at) if part == "mtf" else None
+    return TransferLine(frequency, shown, nyquist, float(at), half, cutoff)
 
 
-def _sharpened(half: float, frequency: Vector, values_at: Callable[[Vector], Vector]) -> float:
-    """The frequency of half contrast, within the step of a plot that it was read from.
+def _half_contrast(
+    frequency: Vector, values: Vector, values_at: Callable[[Vector], Vector]
+) -> float | None:
+    """Where the modulus first falls to one half, on a straight line between two points.
 
-    A curve that falls within the plot's first steps is not straight between two of them.
+    It is looked for twice more between these: a curve that falls within the plot's first steps is
+    not straight between two of them.
     """
-    for _ in range(_SHARPENINGS):
-        after = int(np.searchsorted(frequency, half))
-        frequency = np.linspace(frequency[max(after - 1, 0)], frequency[after], SAMPLES)
-        half = half_contrast(frequency, values_at(frequency)) or half
+    half = None
+    for step in range(1 + _SHARPENINGS):
+        modulus = np.abs(values_at(frequency) if step else values)
+        below = np.flatnonzero(modulus <= 0.5)
+        if not below.size or below[0] == 0:
+            break
+        last = int(below[0])
+        high, low = modulus[last - 1], modulus[last]
+        share = (high - 0.5) / (high - low)
+        half = float(frequency[last - 1] + share * (frequency[last] - frequency[last - 1]))
+        frequency = np.linspace(frequency[last - 1], frequency[last], SAMPLES)
     return half
-
-
-def half_contrast(frequency: Vector, values: Vector) -> float | None:
-    """Where the modulus first falls to one half, between two points on a straight line."""
-    modulus = np.abs(values)
-    below = np.flatnonzero(modulus <= 0.5)
-    if not below.size or below[0] == 0:
-        return None
-    last = int(below[0])
-    high, low = modulus[last - 1], modulus[last]
-    share = (high - 0.5) / (high - low)
-    return float(frequency[last - 1] + share * (frequency[last] - frequency[last - 1]))
-
-
-def _sampled(
-    transfer: Transfer, cutoffs: tuple[float | None, ...], work: Work
-) -> tuple[TransferLine, TransferLine]:
-    """Of a function with frequencies of its own: its first row and column, in FFT order."""
-    assert transfer.own is not None
-    own = work.value(transfer.own)
-    rows, columns = own.values.shape
-    grid = transfer.grid
-
-    def line(values: Vector, interval: float, nyquist: float, cutoff: float | None) -> TransferLine:
-        frequency: Vector = np.arange(len(values), dtype=np.float64) * interval
-        reach = frequency <= max(nyquist, cutoff or 0.0) + interval
-        frequency, shown = frequency[reach], np.asarray(values[reach], np.float64)
-        at = float(np.interp(nyquist, frequency, shown, right=np.nan))
-        return _line(frequency, shown, nyquist, at, cutoff, transfer.part)
-
-    row, column = own.values[0, : (columns + 1) // 2], own.values[: (rows + 1) // 2, 0]
-    return (
-        line(row, own.interval_x, grid.nyquist_x, cutoffs[0]),
-        line(column, own.interval_y, grid.nyquist_y, cutoffs[1]),
-    )
 
 
 def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
@@ -264,22 +250,3 @@ def _up(part: Part, values: Vector) -> Axis:
         low = -0.25 if least > -0.25 else -1.0
     high = max(1.0, most)
     return Axis(low, high + _HEADROOM * (high - low), "MTF", reach=high)
-
-
-_MEAN_OF = 4  # samples each way that are averaged; of more, every n-th
-
-
-def shrunk(samples: NDArray[Any], most: int) -> NDArray[np.float64]:
-    """At most so many rows and columns, as means of blocks; of far too many, of every n-th."""
-    rows, columns = samples.shape
-    factor = max(1, -(-max(rows, columns) // most))
-    stride = max(1, factor // _MEAN_OF)
-    seen = samples[::stride, ::stride]
-    block = -(-max(seen.shape) // most)
-    if block > 1:
-        high, wide = (max(1, side // block) for side in seen.shape)
-        part = seen[: min(high * block, seen.shape[0]), : min(wide * block, seen.shape[1])]
-        down, across = part.shape[0] // high, part.shape[1] // wide
-        part = part[: high * down, : wide * across].reshape(high, down, wide, across)
-        seen = part.mean(axis=(1, 3), dtype=np.float64)
-    return np.ascontiguousarray(seen, np.float64)

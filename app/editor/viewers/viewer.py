@@ -1,7 +1,5 @@
 """What viewers have in common: their queries, status line, and lists of the network's ports."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Hashable, Iterable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The controls above a picture, and its histogram with the levels."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial

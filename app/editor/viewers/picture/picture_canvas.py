@@ -1,7 +1,5 @@
 """Where a picture is drawn: axes, zoom, wipe, the cursor, and the histogram beside it."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal
 

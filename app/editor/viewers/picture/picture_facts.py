@@ -1,7 +1,5 @@
 """What there is to know of a picture beside its samples, and its samples as 8-bit levels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable, Mapping
 from functools import cache
@@ -394,6 +392,25 @@ def _rows(samples: Array) -> list[slice]:
 
 def _suited_to(samples: Array, for_each: ForEach) -> ForEach:
     return for_each if samples.size > THREADED_SAMPLES else in_turn
+
+
+_MEAN_OF = 4  # samples each way that are averaged; of more, every n-th
+
+
+def shrunk(samples: NDArray[Any], most: int) -> NDArray[np.float64]:
+    """At most so many rows and columns, as means of blocks; of far too many, of every n-th."""
+    rows, columns = samples.shape
+    factor = max(1, -(-max(rows, columns) // most))
+    stride = max(1, factor // _MEAN_OF)
+    seen = samples[::stride, ::stride]
+    block = -(-max(seen.shape) // most)
+    if block > 1:
+        high, wide = (max(1, side // block) for side in seen.shape)
+        part = seen[: min(high * block, seen.shape[0]), : min(wide * block, seen.shape[1])]
+        down, across = part.shape[0] // high, part.shape[1] // wide
+        part = part[: high * down, : wide * across].reshape(high, down, wide, across)
+        seen = part.mean(axis=(1, 3), dtype=np.float64)
+    return np.ascontiguousarray(seen, np.float64)
 
 
 # Colour maps of pictures, as tables of 256 colours.

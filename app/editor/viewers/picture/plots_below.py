@@ -1,7 +1,5 @@
 """What is plotted below a picture: samples along a line, means of lines, spectra of its bands."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable
 from typing import Any, ClassVar

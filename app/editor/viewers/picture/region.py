@@ -1,7 +1,5 @@
 """The region that a module measures, framed on its picture and dragged there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where curves are drawn, with marks and the cursor that reads them; and charts of bars."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping, Sequence
 from itertools import zip_longest

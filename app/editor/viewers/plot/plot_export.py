@@ -1,7 +1,5 @@
 """Writing what a plot shows, as a picture, as drawing, as numbers; the menu that offers it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from itertools import zip_longest
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How plots look: axes and pens of the theme, and the legend that switches curves on and off."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """The viewer of curves: MTF and PTF of the chain along a line, curves of nodes, and tables."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from functools import partial
