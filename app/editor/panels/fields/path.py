@@ -17,12 +17,7 @@ class PathField(TypedField):
     """A line, and a button that opens a dialog; the line's tooltip is the whole name."""
 
     def __init__(
-        self,
-        parameter: Parameter,
-        node: PanelNode,
-        parent: QWidget | None = None,
-        *,
-        writes: bool,
+        self, parameter: Parameter, node: PanelNode, parent: QWidget | None = None, *, writes: bool
     ) -> None:
         self._session = node.session
         self._writes = writes

@@ -32,11 +32,7 @@ class RegionFrame(pg.ROI):  # type: ignore[misc]
         self._picture = pg.ItemGroup()
         view.addItem(self._picture, ignoreBounds=True)
         super().__init__(
-            (0, 0),
-            rotatable=False,
-            resizable=False,
-            translateSnap=True,
-            parent=self._picture,
+            (0, 0), rotatable=False, resizable=False, translateSnap=True, parent=self._picture
         )
         shares = (0.0, 0.5, 1.0)
         for x, y in ((x, y) for x in shares for y in shares if (x, y) != (0.5, 0.5)):

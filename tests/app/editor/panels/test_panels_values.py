@@ -136,10 +136,7 @@ def test_ports_show_what_is_linked_and_are_viewed(qtbot, session, tmp_path):
     QApplication.processEvents()
     ports = area.panels["node"].body.ports
     labels = [label.text() for label in ports._inputs.values()]
-    assert labels == [
-        "context ← init.context",
-        "magnitude ← blur.magnitude",
-    ]
+    assert labels == ["context ← init.context", "magnitude ← blur.magnitude"]
     view = ports.findChild(QWidget, "view.output.mtf")
     with qtbot.waitSignal(area.requests.view) as asked:
         QTest.mouseClick(view, LEFT, pos=view.rect().center() / 2)
