@@ -61,12 +61,7 @@ class Planned:
 
 
 def plan_held(
-    engine: Engine,
-    network: Network,
-    folder: Path,
-    last: Planned | None,
-    *,
-    generate: bool,
+    engine: Engine, network: Network, folder: Path, last: Planned | None, *, generate: bool
 ) -> Planned:
     """Plan a network; unless all is generated, or was just opened, held nodes stay as they were."""
     before = last.fresh if last is not None else None

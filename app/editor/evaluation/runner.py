@@ -129,11 +129,7 @@ class Runner:
     def _work_on(self, snapshot: Snapshot) -> None:
         generate = self._follow(snapshot)
         self._planned = plan_held(
-            self._engine,
-            snapshot.network,
-            snapshot.folder,
-            self._planned,
-            generate=generate,
+            self._engine, snapshot.network, snapshot.folder, self._planned, generate=generate
         )
         plan = self._planned.shown
         self._outbox.deliver(plan=plan)

@@ -237,11 +237,7 @@ _SCOPES = {
 
 class Actions(dict[str, QAction]):
     def __init__(
-        self,
-        targets: Mapping[str, Callable[[], object]],
-        *,
-        window: QWidget,
-        canvas: QWidget,
+        self, targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
     ) -> None:
         super().__init__()
         for spec in ACTIONS:

@@ -86,10 +86,7 @@ def test_edits_undo_and_redo_are_followed(opened, canvas):
 
 
 def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, canvas, library):
-    links = (
-        Link.between("scene.image", "odd.picture"),
-        Link.between("odd.result", "show.image"),
-    )
+    links = (Link.between("scene.image", "odd.picture"), Link.between("odd.result", "show.image"))
     network = Network(
         nodes={
             "scene": Node("scene", "test_scene"),

@@ -21,10 +21,7 @@ LEFT = Qt.MouseButton.LeftButton
 PICTURES = 3
 
 # What is dragged, and between which values: an MTF, and the scene itself.
-DRAGS = [
-    ("aberration", "sigma_x_mrad", 0.05, 0.5),
-    ("scene", "temperature_K", 285.0, 300.0),
-]
+DRAGS = [("aberration", "sigma_x_mrad", 0.05, 0.5), ("scene", "temperature_K", 285.0, 300.0)]
 
 
 def edits(node, name, low, high):
@@ -69,9 +66,7 @@ def test_pictures_of_1024_follow_edits_that_do_not_pause(opened, evaluator, qtbo
 
 
 # The sizes of pictures, and the slider that is dragged.
-WINDOWS = [
-    (1024, "aberration", "sigma_x_mrad"),
-]
+WINDOWS = [(1024, "aberration", "sigma_x_mrad")]
 
 
 @pytest.mark.parametrize("dragged", WINDOWS, ids=lambda each: f"{each[0]}-{each[1]}.{each[2]}")

@@ -17,10 +17,7 @@ def editor(tmp_path):
     """An editor that computes frames in the background."""
     network = json.loads(shipped_networks()["first_steps"].read_text())
     network["nodes"]["scene"]["params"] |= {"width": SMALL, "height": SMALL}
-    with (
-        virtual_screen(1100, 800) as screen,
-        EditorProcess(tmp_path, screen, network) as started,
-    ):
+    with virtual_screen(1100, 800) as screen, EditorProcess(tmp_path, screen, network) as started:
         started.keys("ctrl+shift+t", "space")
         started.wait(lambda: started.window("^Add a run"), "the dialog")
         started.focus(started.window("^Add a run"))
