@@ -4,21 +4,22 @@ Each open document with unsaved work has one recovery file there, and beside it 
 whether its process is alive. Files of such processes are left alone.
 """
 
-import contextlib
 import json
 import os
-import secrets
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from os.path import realpath
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 
 from app.editor.session import Session
 from core.atomic import FileLock, is_held, own_token, runs, take, write_text
-from core.editing.document import Document, rebased
+from core.editing.document import Document, mark, mark_of, rebased
 from core.editing.wiring import check_new_wires
 from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.declaration import Library
@@ -37,7 +38,7 @@ class Autosave:
     def __init__(self, document: Document, folder: Path) -> None:
         self._document = document
         # Its recovery file, which is there only while there is unsaved work.
-        self.path = folder / f"{secrets.token_hex(8)}{SUFFIX}"
+        self.path = folder / f"{token_hex(8)}{SUFFIX}"
         self._lock: FileLock | None = None
         self._written: tuple[Network, Path | None] | None = None
 
@@ -82,7 +83,7 @@ class Autosave:
     def finish(self) -> None:
         # The lock is removed last: a file without one counts as left behind.
         if self._written is not None:
-            with contextlib.suppress(OSError):
+            with suppress(OSError):
                 self.path.unlink(missing_ok=True)
         if self._lock is not None:
             self._lock.let_go()
@@ -123,13 +124,13 @@ class Recovered:
     def discard(self) -> None:
         """Remove its files; whatever cannot be removed stays."""
         for path in (self.file, self.file.with_suffix(LOCK_SUFFIX)):
-            with contextlib.suppress(OSError):
+            with suppress(OSError):
                 path.unlink(missing_ok=True)
 
 
 def recoverable(folder: Path) -> tuple[Recovered, ...]:
     """What processes that are no more have left in a folder, damaged too, the latest first."""
-    with contextlib.suppress(OSError):
+    with suppress(OSError):
         read = [_read(path) for path in folder.glob(f"*{SUFFIX}") if path.name[0] != "."]
         _sweep(folder)
         found = [work for work in read if work is not None]
@@ -178,7 +179,7 @@ def _path(content: Any, name: str) -> Path | None:
 
 
 def _here() -> str | None:
-    with contextlib.suppress(OSError):
+    with suppress(OSError):
         return str(Path.cwd())
     return None
 
@@ -195,10 +196,10 @@ def _sweep(folder: Path) -> None:
         if lock.stem.isalnum() and is_held(lock) is False:
             # Named by core.atomic: the file's name between a dot and what makes it new.
             for half in folder.glob(f".{lock.stem}.*{SUFFIX}"):
-                with contextlib.suppress(OSError):
+                with suppress(OSError):
                     half.unlink()
             if not lock.with_suffix(SUFFIX).exists():
-                with contextlib.suppress(OSError):
+                with suppress(OSError):
                     lock.unlink()
 
 
@@ -278,3 +279,75 @@ class Autosaver(QObject):
         if isinstance(error, ImagechainError) and not self._warned:
             self.failed.emit(f"unsaved work will be lost if the editor crashes: {error}")
         self._warned = error is not None
+
+
+# What others do to the document's file, said when it happens.
+
+_WATCH_MS = 200
+_OF_NAME = 16  # letters of a lock that stand for its file
+
+
+class FileWatch(QObject):
+    """Says when the document's file is open in another window, or another program changes it.
+
+    A window holds a lock, named after the file, in the folder that all windows watch.
+    """
+
+    def __init__(self, session: Session, folder: Path, parent: QObject) -> None:
+        super().__init__(parent)
+        self._session, self._folder = session, folder
+        self._document, self._path = session.document, session.document.path
+        self._lock: FileLock | None = None
+        self._own = self._said = ""  # name of the lock, mark of the file that was said last
+        self._shared = self._warned = False
+        self._watcher = QFileSystemWatcher(self)
+        self._soon = QTimer(self, singleShot=True, interval=_WATCH_MS)
+        self._soon.timeout.connect(self._look)
+        for changed in (self._watcher.fileChanged, self._watcher.directoryChanged):
+            changed.connect(lambda _: self._soon.start())
+        session.opened.connect(self._follow)
+        session.state_changed.connect(self._follow)
+
+    def close(self) -> None:
+        self._soon.stop()
+        if self._lock is not None:
+            self._lock.let_go()
+        self._lock = None
+
+    def _follow(self) -> None:
+        document, before = self._session.document, (self._document, self._path)
+        if before == (document, document.path):
+            if self._warned:  # it may have been saved over
+                self._soon.start()
+            return
+        self.close()
+        self._document, self._path = document, document.path
+        self._said, self._shared, self._warned = document.stored, False, False
+        watched = (*self._watcher.files(), *self._watcher.directories())
+        if watched:
+            self._watcher.removePaths(watched)
+        if self._path is not None:
+            name = mark(realpath(self._path).encode("utf-8", "surrogateescape"))[:_OF_NAME]
+            self._own = f"{name}{token_hex(8)}{LOCK_SUFFIX}"
+            with suppress(OSError):
+                self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+                self._lock = take(self._folder / self._own)
+            self._watcher.addPaths([str(self._folder), str(self._path.parent)])
+            self._soon.start()
+
+    def _look(self) -> None:
+        path, document, say = self._path, self._document, self._session.message.emit
+        if path is None:
+            return
+        self._watcher.addPath(str(path))  # one that was written anew is another file
+        locks = self._folder.glob(f"{self._own[:_OF_NAME]}*{LOCK_SUFFIX}")
+        shared = any(is_held(lock) for lock in locks if lock.name != self._own)
+        if shared and not self._shared:
+            say("warning", f"{path.name} is also open in another window")
+        self._shared = shared
+        if (now := mark_of(path)) != self._said:
+            self._said, done = now, document.disagreement()
+            if done or self._warned:
+                text = f"another program has {done} {path.name}: Save will ask you what to do"
+                say("warning", text if done else "")
+            self._warned = bool(done)

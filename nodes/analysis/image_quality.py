@@ -414,6 +414,5 @@ def limits_caution(work: Work, table: TableData) -> Caution | None:
     if not beyond:
         return None
     return Caution(
-        f"outside the limits of GIQE 4: {', '.join(beyond)}",
-        "treat NIIRS as an extrapolation",
+        f"outside the limits of GIQE 4: {', '.join(beyond)}", "treat NIIRS as an extrapolation"
     )

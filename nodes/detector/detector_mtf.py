@@ -4,12 +4,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.detector.detector_mtf import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
-from nodes.shared.context_defaults import (
-    ELECTRONICS,
-    apart_from_context,
-    check_given,
-    given,
-)
+from nodes.shared.context_defaults import ELECTRONICS, apart_from_context, check_given, given
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 

@@ -1,45 +1,254 @@
 """The lists that add nodes and wires: search, what fits a loose wire, wiring by the keyboard."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from operator import itemgetter
 from typing import Any
 
-from PySide6.QtCore import QPoint, QPointF
-from PySide6.QtGui import QDropEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPalette
+from PySide6.QtWidgets import (
+    QFrame,
+    QLabel,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.editor.canvas.canvas_style import face_of, geometry_of
-from app.editor.canvas.content import wires_near
-from app.editor.canvas.gestures import Surface, whole
 from app.editor.canvas.node_item import NodePort
-from app.editor.canvas.overlays import Choice, ChoicePopup
-from app.editor.canvas.wires import WireItem
-from app.editor.gestures import local_files
-from app.editor.library_view import dragged_module, found_by
-from app.run.preset_files import KEY
-from core.editing.backdrops import following
-from core.editing.layout import GAP_X, Point, free_places, made_way
-from core.editing.operations import Operation, move_nodes, rewire, together
+from app.editor.canvas.placing import Surface, added, free_place, show_new, two_places
+from app.editor.library_view import found_by
+from app.editor.theme import FAINT
+from app.editor.widgets import RIGHT, filled, labelled
+from core.editing.layout import Point
+from core.editing.operations import Operation, rewire, together
 from core.editing.wiring import (
     Bridge,
     Candidate,
     End,
     Side,
     bridged,
-    continued,
     fitting,
-    inserted,
-    new_node,
     refusal,
-    transform_behind,
     wired_behind,
     wired_to,
 )
 from core.errors import ImagechainError
 from core.modules.declaration import Library, Port, declaration, local_key
 from core.network.macro import declared_node
-from core.network.network import Link, Network, Node, reached
-from core.records import replace
+from core.network.network import Link, Network, Node
+from core.records import dataclass, replace
+
+_ROLE = Qt.ItemDataRole.UserRole
+_ROWS = 9
+_NARROW, _WIDE = 44, 76  # letters
+_PADDING = 7
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An entry of the list: what is shown, and what is chosen by it.
+
+    `detail` stands beside it, fainter; `words` it is also searched by, and `further` ones only if
+    no choice matches without them; `colour` is that of the mark before it. A `remote` one is only
+    offered if no other has the words.
+    """
+
+    text: str
+    value: Any
+    detail: str = ""
+    words: str = ""
+    further: str = ""
+    colour: str = ""
+    tip: str = ""
+    remote: bool = False
+
+
+def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
+    """Choices with every word, first those that begin so; else remote ones, or by further words."""
+    words = typed.casefold().split()
+
+    def fits(choice: Choice, further: str = "") -> bool:
+        text = f"{choice.text} {choice.detail} {choice.words} {further}".casefold()
+        return all(word in text for word in words)
+
+    def rank(choice: Choice) -> int:
+        text, word = choice.text.casefold(), words[0]
+        begins = text.startswith(word), any(part.startswith(word) for part in text.split())
+        return next((n for n, met in enumerate((*begins, word in text)) if met), 3)
+
+    near, remote = ([one for one in choices if one.remote == far] for far in (False, True))
+    if not words:
+        return near
+    for group in (near, remote):
+        if matches := [choice for choice in group if fits(choice)]:
+            return sorted(matches, key=rank)
+    return [choice for choice in near if fits(choice, choice.further)]
+
+
+class ChoicePopup(QFrame):
+    chosen = Signal(object)  # (value): an entry was chosen; the popup has closed
+    abandoned = Signal()  # it was closed by Esc, or because the focus went elsewhere
+
+    passed_on = QKeySequence("Ctrl+Q")
+    """Keys that mean what they mean everywhere: whatever is searched, one can quit."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._ground = parent
+        self.setObjectName("canvas.popup")
+        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.setAutoFillBackground(True)
+        self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
+        self.title = labelled(QLabel(), "canvas.popup.title")
+        self.field = labelled(QLineEdit(placeholderText="Type to search"), "canvas.popup.field")
+        self.field.setClearButtonEnabled(True)
+        self.list = labelled(QListWidget(), "canvas.popup.list")
+        self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        # A click beside the field would otherwise give the focus to what lies below.
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setFocusProxy(self.field)
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.setUniformItemSizes(True)
+        self.list.setItemDelegate(_Row(self.list))
+        parts, margins = (self.title, self.field, self.list), (_PADDING,) * 4
+        self._layout = filled(QVBoxLayout(self), *parts, margins=margins, spacing=4)
+        self._choices: tuple[Choice, ...] = ()
+        self.is_open = False
+        self.field.textChanged.connect(self._filter)
+        self.field.installEventFilter(self)
+        self.list.itemClicked.connect(self._choose_item)
+        self.hide()
+
+    def open_at(self, pos: QPoint, title: str, choices: Sequence[Choice]) -> None:
+        """Show the choices near a point of the parent; another list that is open is abandoned."""
+        self.abandon()
+        self._choices = tuple(choices)
+        self.is_open = True
+        self.title.setText(title)
+        self.field.setAccessibleName(title)
+        self.list.setAccessibleName(title)
+        self.field.clear()
+        self._filter("")
+        self.setGeometry(self._place(pos))
+        self.show()
+        self.raise_()
+        self.field.setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def abandon(self) -> None:
+        if self.dismiss():
+            self.abandoned.emit()
+
+    def choose(self) -> None:
+        item = self.list.currentItem()
+        if item is not None:
+            self._choose_item(item)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is self.field and self.is_open:
+            if isinstance(event, QKeyEvent) and event.type() in _KEYS:
+                if event.type() == QEvent.Type.ShortcutOverride:
+                    if QKeySequence(event.keyCombination()) == self.passed_on:
+                        return False
+                    event.accept()  # the window's other shortcuts do not reach in here
+                    return True
+                return self._key(event)
+            if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusOut:
+                left = event.reason()
+                if left not in (_WINDOW_LEFT, Qt.FocusReason.PopupFocusReason):
+                    self.abandon()
+        return bool(super().eventFilter(watched, event))
+
+    def _key(self, event: QKeyEvent) -> bool:
+        key = Qt.Key(event.key())
+        if key == Qt.Key.Key_Escape:
+            self.abandon()
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.choose()
+        elif key in _STEPS:
+            row = self.list.currentRow() + _STEPS[key]
+            self.list.setCurrentRow(min(max(row, 0), self.list.count() - 1))
+        else:
+            return False
+        return True
+
+    def _filter(self, typed: str) -> None:
+        self.list.clear()
+        for choice in matching(self._choices, typed):
+            item = QListWidgetItem(choice.text)
+            item.setData(_ROLE, choice)
+            item.setToolTip(choice.tip)
+            if choice.colour:
+                item.setData(Qt.ItemDataRole.DecorationRole, QColor(choice.colour))
+            self.list.addItem(item)
+        self.list.setCurrentRow(0)
+
+    def _choose_item(self, item: QListWidgetItem) -> None:
+        choice = item.data(_ROLE)
+        if self.dismiss():
+            self.chosen.emit(choice.value)
+
+    def dismiss(self) -> bool:
+        """Close without a signal; whether it was open."""
+        was, self.is_open = self.is_open, False
+        if was:
+            held = self.field.hasFocus()
+            self._choices = ()
+            self.hide()
+            if held:
+                self._ground.setFocus(Qt.FocusReason.PopupFocusReason)
+        return was
+
+    def _place(self, pos: QPoint) -> QRect:
+        room = self._ground.rect().adjusted(4, 4, -4, -4)
+        row = max(self.list.sizeHintForRow(0), 1)
+        others = self._layout.totalSizeHint().height() - self.list.height()
+        spare = room.height() - others - 2 * self.list.frameWidth()
+        rows = max(min(len(self._choices), _ROWS, spare // row), 1)
+        self.list.setFixedHeight(rows * row + 2 * self.list.frameWidth())
+        self._layout.activate()
+        letters = [len(choice.text) + len(choice.detail) + 8 for choice in self._choices]
+        wide = min(max([_NARROW, *letters]), _WIDE) * self.fontMetrics().averageCharWidth()
+        size = QSize(wide + 2 * _PADDING, self._layout.totalSizeHint().height())
+        place = QRect(pos, size.boundedTo(room.size()))
+        place.moveRight(min(place.right(), room.right()))
+        place.moveBottom(min(place.bottom(), room.bottom()))
+        return place
+
+
+class _Row(QStyledItemDelegate):
+    """An entry with its detail at the right, if there is room."""
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
+        super().paint(painter, option, index)
+        choice: Choice = index.data(_ROLE)
+        room = option.rect.adjusted(0, 0, -6, 0)
+        wide = option.fontMetrics.horizontalAdvance(f"MMM{choice.text}{choice.detail}")
+        if wide < room.width():
+            chosen = option.state & QStyle.StateFlag.State_Selected
+            role = QPalette.ColorRole.HighlightedText if chosen else FAINT
+            painter.setPen(option.palette.color(role))
+            painter.drawText(room, RIGHT, choice.detail)
+
+
+_WINDOW_LEFT = Qt.FocusReason.ActiveWindowFocusReason
+_KEYS = (QEvent.Type.KeyPress, QEvent.Type.ShortcutOverride)
+_STEPS = {
+    Qt.Key.Key_Down: 1,
+    Qt.Key.Key_Tab: 1,
+    Qt.Key.Key_Up: -1,
+    Qt.Key.Key_Backtab: -1,
+    Qt.Key.Key_PageDown: _ROWS,
+    Qt.Key.Key_PageUp: -_ROWS,
+}
 
 
 class Adding:
@@ -184,7 +393,7 @@ class Adding:
         self._wire(loose, lambda network, library: wired_to(network, library, end, candidate, at))
 
     def _wire_behind(self, end: End, bridge: Bridge, point: QPointF, loose: Link | None) -> None:
-        places = _two_places(self._surface, bridge, self._place(end, bridge[0], point))
+        places = two_places(self._surface, bridge, self._place(end, bridge[0], point))
         self._wire(
             loose, lambda network, library: wired_behind(network, library, end, bridge, places)
         )
@@ -266,183 +475,3 @@ def _ports(network: Network, library: Library, name: str, side: str) -> tuple[Po
     if known is None:
         return ()
     return known.inputs if side == "input" else known.outputs
-
-
-# New nodes: on free ground, behind the selected one, or in a wire whose ends make way.
-
-Size = tuple[float, float]
-
-
-def show_new(surface: Surface, name: str) -> None:
-    """Select a new node, and pan so that all of it is seen."""
-    surface.session.select([name])
-    surface.view.make_visible(surface.content.nodes[name].frame())
-
-
-def size_of(surface: Surface, module: str) -> Size:
-    known = declaration(surface.session.library[module])
-    geometry = geometry_of(face_of(Node(module, module), known, ()), surface.content.style)
-    return geometry.width, geometry.height
-
-
-def free_place(surface: Surface, module: str, at: Point) -> Point:
-    """The point, or the nearest at which a new node of the module stands on no other."""
-    network, sizes = surface.session.network, surface.content.sizes()
-    size = {"": size_of(surface, module)}
-    return whole(QPointF(*free_places({"": at}, size, network, sizes)[""]))
-
-
-def added(surface: Surface, module: str, at: Point) -> tuple[str, Operation]:
-    """A new node on free ground; with a node selected, wired on to it and beside it."""
-    session = surface.session
-    for selected in session.selection[-1:]:
-        frame = surface.content.nodes[selected].frame()
-        beside = (frame.right() + GAP_X, frame.top())
-        onward = continued(session.network, session.library, selected, module, beside)
-        if onward is not None:
-            return onward[0], _placed(surface, module, selected, *onward)
-        if (behind := _added_behind(surface, module, selected, beside)) is not None:
-            return behind
-    point = free_place(surface, module, at)
-    return new_node(session.network, session.library, module, point)
-
-
-def _added_behind(
-    surface: Surface, module: str, selected: str, at: Point
-) -> tuple[str, Operation] | None:
-    """A new node wired to the selected one by a transform; None where none leads to it."""
-    network, library = surface.session.network, surface.session.library
-    known = declared_node(network.nodes[selected], library)
-    for port in known.outputs if known is not None else ():
-        bridge = next((b for b in bridged(library, port.types) if b[2].module == module), None)
-        if bridge is None:
-            continue
-        end: End = (selected, port.name, "output")
-        if between := transform_behind(network, end, bridge[0]):
-            onward = continued(network, library, between, module, at)
-            return onward and (onward[0], _placed(surface, module, between, *onward))
-        places = _two_places(surface, bridge, free_place(surface, bridge[0].module, at))
-        return wired_behind(network, library, end, bridge, places)
-    return None
-
-
-def _two_places(surface: Surface, bridge: Bridge, first: Point) -> tuple[Point, Point]:
-    """Of a transform, and of the node behind it."""
-    transform, _, candidate = bridge
-    beside = first[0] + size_of(surface, transform.module)[0] + GAP_X, first[1]
-    return first, free_place(surface, candidate.module, beside)
-
-
-def with_way_made(
-    surface: Surface, operation: Operation, name: str, size: Size | None = None
-) -> Operation:
-    """Put a node into a wire, neighbours out of its way; `size`: of one not there yet."""
-    network = operation.apply(surface.session.network)
-    sizes = surface.content.sizes() | ({name: size} if size is not None else {})
-    behind = reached(network.followers, {name}) - {name}
-    places = made_way(network, sizes, name, network.layout[name], behind)
-    pushed = {node: whole(QPointF(*at)) for node, at in places.items()}
-    if not pushed:
-        return operation
-    grounds = following(network, pushed, sizes)  # else what is pushed leaves its backdrop
-    parts = (operation, move_nodes(pushed), *(() if grounds is None else (grounds,)))
-    return together(parts, operation.text)
-
-
-def _placed(
-    surface: Surface, module: str, selected: str, name: str, operation: Operation
-) -> Operation:
-    grown: Network = operation.apply(surface.session.network)
-    size = size_of(surface, module)
-    feeding = any(link.target == selected and link.source == name for link in grown.links)
-    if grown.followers[name] and not feeding:
-        return with_way_made(surface, operation, name, size)
-    frame = surface.content.nodes[selected].frame()
-    left = frame.left() - GAP_X - size[0] if feeding else frame.right() + GAP_X
-    at = free_place(surface, module, (left, frame.top()))
-    return together((operation, move_nodes({name: at})), operation.text)
-
-
-class Dropping:
-    """Takes modules, which become nodes, and files and presets, which the window opens."""
-
-    def __init__(self, surface: Surface) -> None:
-        self._surface = surface
-        self._over: Link | None = None
-
-    def over(self, event: QDropEvent) -> bool:
-        module = dragged_module(event.mimeData())
-        if module in self._surface.session.library:
-            wire, *_ = added_at(self._surface, module, self._point(event))
-            self._mark(wire.link if wire is not None else None)
-            return True
-        return module.startswith(KEY) or bool(local_files(event.mimeData()))
-
-    def left(self) -> None:
-        self._mark(None)
-
-    def drop(self, event: QDropEvent) -> bool:
-        self._mark(None)
-        session, point = self._surface.session, self._point(event)
-        module = dragged_module(event.mimeData())
-        if module in session.library:
-            _, name, operation = added_at(self._surface, module, point)
-            if session.do(operation):
-                show_new(self._surface, name)
-                self._surface.view.setFocus()
-            return True
-        if module.startswith(KEY):
-            self._surface.preset_dropped.emit(module, point)
-            return True
-        paths = local_files(event.mimeData())
-        if paths:
-            self._surface.files_dropped.emit(paths, point)
-        return bool(paths)
-
-    def _point(self, event: QDropEvent) -> QPointF:
-        return self._surface.view.scene_point(event.position())
-
-    def _mark(self, link: Link | None) -> None:
-        wires = self._surface.content.wires
-        for marked, on in ((self._over, False), (link, True)):
-            if marked is not None and marked in wires:
-                wires[marked].set_state(target=on)
-        self._over = link
-
-
-_REACH_PX = 12.0
-
-
-Insertion = tuple[WireItem, Operation]
-
-
-def insertion_at(surface: Surface, name: str, point: QPointF) -> Insertion | None:
-    """The wire under the pointer, or under the node's middle, and what leads the node in."""
-    middle = surface.content.nodes[name].frame().center()
-    return _insertion(surface, surface.session.network, name, (point, middle))
-
-
-def added_at(
-    surface: Surface, module: str, point: QPointF
-) -> tuple[WireItem | None, str, Operation]:
-    """A new node, in the wire at the point if it fits into one, else on free ground."""
-    network, library = surface.session.network, surface.session.library
-    name, adding = new_node(network, library, module, whole(point))
-    insertion = _insertion(surface, adding.apply(network), name, (point,))
-    if insertion is None:
-        at = free_place(surface, module, whole(point))
-        return None, *new_node(network, library, module, at)
-    wire, leading = insertion
-    inserting = together((adding, leading), adding.text)
-    return wire, name, with_way_made(surface, inserting, name, size_of(surface, module))
-
-
-def _insertion(
-    surface: Surface, network: Network, name: str, places: Iterable[QPointF]
-) -> Insertion | None:
-    for place in places:
-        for wire in wires_near(surface.content, place, _REACH_PX / surface.view.zoom):
-            operation = inserted(network, surface.session.library, wire.link, name)
-            if operation is not None:
-                return wire, operation
-    return None

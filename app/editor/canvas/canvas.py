@@ -1,27 +1,30 @@
 """The canvas: the picture of the document's network, its menus and its keys."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
-from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
-from app.editor.canvas.adding import Adding, Dropping
+from app.editor.canvas.adding import Adding, ChoicePopup
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
 from app.editor.canvas.canvas_view import GraphView, Minimap
 from app.editor.canvas.content import Content, Hit, Marks, node_at
-from app.editor.canvas.gestures import Surface
 from app.editor.canvas.mouse import Dots, Mouse, backdrop_at, moved_together
 from app.editor.canvas.node_item import BackdropItem
 from app.editor.canvas.node_thumbnails import NodeThumbnails
-from app.editor.canvas.overlays import ChoicePopup, TitleEditor
+from app.editor.canvas.placing import Dropping, Surface
+from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Level, Session
-from app.editor.theme import FAINT, raised_palette, theme_of
-from app.editor.widgets import Menu, filled, labelled
+from app.editor.theme import FAINT, RAISED, raised_palette, theme_of
+from app.editor.widgets import Menu, filled, labelled, plain_label, tool_button, without_argument
 from core.editing.backdrops import backdrops_of, change, moved_with_dots, nodes_on, remove
 from core.editing.operations import ABSENT, named, rewire, set_node_field, together
 from core.records import replace
@@ -427,3 +430,111 @@ class Keys:
             session.select(())
             marks.choose(None, content.backdrops[nearest])
             surface.view.make_visible(content.backdrops[nearest].frame())
+
+
+class Crumbs(QWidget):
+    """Buttons for the network and each macro on the way, and one that leads back by one."""
+
+    def __init__(self, level: Level, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        labelled(self, "crumbs", "path to the open macro")
+        self._level = level
+        self._row = filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
+        about = "Leave this macro and show the network around it (Alt+PgUp)"
+        self.up = self._button("crumbs.up", "↑ Up", about)
+        self.up.clicked.connect(level.leave)
+        self._row.addWidget(self.up)
+        self.steps: list[QToolButton] = []
+        self._shown: list[QWidget] = []
+        self._names: tuple[str, ...] = ()
+        for signal in (level.opened, level.changed, level.session.state_changed):
+            signal.connect(self._fill)
+        self.setBackgroundRole(RAISED)
+        self.setAutoFillBackground(True)
+        self._fill()
+
+    def _fill(self, *_: object) -> None:
+        document, path = self._level.session.document, self._level.path
+        name = document.network.name or (document.path.stem if document.path else "network")
+        self.setVisible(bool(path))
+        if (name, *path) == self._names:  # as after most edits
+            return
+        self._names = (name, *path)
+        for old in self._shown:
+            self._row.removeWidget(old)
+            old.hide()
+            old.deleteLater()
+        self._shown = []
+        self.steps = []
+        for depth, text in enumerate((name, *path)):
+            if depth:
+                self._shown.append(plain_label("", self, "›", role=FAINT))
+            button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
+            button.setEnabled(depth < len(path))
+            going = partial(self._level.go_to, path[:depth])
+            button.clicked.connect(partial(without_argument, going))
+            self.steps.append(button)
+            self._shown.append(button)
+        for widget in self._shown:
+            self._row.addWidget(widget)
+            widget.show()
+        self._row.activate()
+        self.resize(self.sizeHint())
+        self.raise_()
+
+    def _button(self, name: str, text: str, about: str) -> QToolButton:
+        button = tool_button(name, text.replace("&", "&&"), about, self)
+        button.setAutoRaise(True)
+        button.setToolTip(tip(about))
+        return button
+
+
+_NARROWEST = 160
+
+
+class TitleEditor(TypeIn):
+    """A field over a backdrop's title; Enter and leaving it take the text, Esc does not."""
+
+    # (index, text): the backdrop of that place in the document's list gets this title
+    edited = Signal(int, str)
+
+    def __init__(self, view: GraphView) -> None:
+        super().__init__(view.viewport())
+        self._view = view
+        self._index: int | None = None
+        self.hide()
+        self.editingFinished.connect(self.finish)
+        self.given_up.connect(self.dismiss)
+
+    def edit(self, backdrop: BackdropItem) -> None:
+        head, view = backdrop.head(self._view.zoom), self._view
+        place = QRect(view.pixel(head.topLeft()), view.pixel(head.bottomRight()))
+        line = self.sizeHint().height()
+        place.setWidth(max(place.width(), _NARROWEST))
+        place.setHeight(line if backdrop.shown.note else max(place.height(), line))
+        self.setGeometry(place)
+        self._index = backdrop.index
+        about = "Text of the note" if backdrop.shown.note else "Title of the backdrop"
+        labelled(self, "canvas.title", about)
+        self.show_text(backdrop.title)
+        self.setModified(True)  # so that Esc is its own, and no shortcut
+        self.selectAll()
+        self.show()
+        self.raise_()
+        self.setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        super().keyPressEvent(event)
+        event.accept()  # no key is also the canvas's
+
+    def finish(self) -> None:
+        index = self._index
+        self.dismiss()
+        if index is not None:
+            self.edited.emit(index, self.text().strip())
+
+    def dismiss(self) -> None:
+        self._index = None
+        if self.isVisible():
+            self.hide()
+            self._view.setFocus(Qt.FocusReason.PopupFocusReason)

@@ -29,8 +29,7 @@ from app.editor.canvas.canvas_style import CanvasStyle
 from app.editor.canvas.content import Content
 from app.editor.canvas.node_item import head_colour
 from app.editor.canvas.nodegraphqt import NodeViewer
-from app.editor.gestures import accept_copy, is_escape
-from app.editor.widgets import labelled
+from app.editor.widgets import accept_copy, is_escape, labelled
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
 _SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150 pixels wide

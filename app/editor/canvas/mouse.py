@@ -1,17 +1,25 @@
-"""What the mouse does on the canvas: which gesture begins where, and what the pointer marks."""
+"""What the mouse does: which gesture begins where; none touches the document before it ends."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 
-from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF, Qt
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QToolTip
 
-from app.editor.canvas.adding import insertion_at, with_way_made
-from app.editor.canvas.content import Hit, Marks, node_at, place_on_wire, port_near, wires_near
-from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
+from app.editor.canvas.content import (
+    Hit,
+    Marks,
+    node_at,
+    place_on_wire,
+    port_near,
+    wires_crossed,
+    wires_near,
+)
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
+from app.editor.canvas.placing import Surface, insertion_at, whole, with_way_made
 from app.editor.canvas.wires import WireItem
 from core.editing import backdrops
 from core.editing.backdrops import Backdrop
@@ -19,6 +27,104 @@ from core.editing.operations import Operation, rewire, together
 from core.editing.wiring import refusal
 from core.network.network import Link, Network
 from core.records import replace
+
+DRAG_PX = 4  # what is moved less is a click
+
+
+class Gesture(ABC):
+    """One drag, from the press at a pixel of the view to the release."""
+
+    def __init__(self, surface: Surface, pos: QPoint) -> None:
+        self.surface = surface
+        self.pressed = pos
+        self.start = surface.view.scene_point(pos)
+        self.dragging = False
+
+    def to(self, pos: QPoint) -> None:
+        if not self.dragging and (pos - self.pressed).manhattanLength() >= DRAG_PX:
+            self.dragging = True
+        if self.dragging:
+            self.drag(pos, self.surface.view.scene_point(pos))
+
+    def release(self, pos: QPoint) -> None:
+        self.to(pos)
+        point = self.surface.view.scene_point(pos)
+        self.leave()
+        if self.dragging:
+            self.drop(pos, point)
+        else:
+            self.click()
+
+    @abstractmethod
+    def drag(self, pos: QPoint, point: QPointF) -> None:
+        """Show its present position."""
+
+    def drop(self, pos: QPoint, point: QPointF) -> None:  # noqa: B027 - a pan has moved the view
+        """Do it."""
+
+    @abstractmethod
+    def leave(self) -> None:
+        """Take away what was only shown; alone, it gives the gesture up."""
+
+    def click(self) -> None:  # noqa: B027 - most gestures have no click
+        """It was no drag."""
+
+
+class Pan(Gesture):
+    def __init__(self, surface: Surface, pos: QPoint) -> None:
+        super().__init__(surface, pos)
+        self._last = pos
+        surface.view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+
+    def drag(self, pos: QPoint, _point: QPointF) -> None:
+        self.surface.view.pan(QPointF(pos - self._last))
+        self._last = pos
+
+    def leave(self) -> None:
+        self.surface.view.viewport().unsetCursor()
+
+
+class RubberBand(Gesture):
+    """Select what lies in a frame, in addition to those `already_selected`."""
+
+    def __init__(self, surface: Surface, pos: QPoint, already_selected: Iterable[str] = ()) -> None:
+        super().__init__(surface, pos)
+        self._already_selected = tuple(already_selected)
+        self._inside: tuple[str, ...] = ()
+
+    def drag(self, pos: QPoint, point: QPointF) -> None:
+        band = self.surface.view.rubber_band
+        band.setGeometry(QRect(self.pressed, pos).normalized())
+        band.show()
+        area = QRectF(self.start, point).normalized()
+        nodes = self.surface.content.nodes
+        self._inside = tuple(name for name, item in nodes.items() if item.frame().intersects(area))
+        self.surface.content.mark_selected((*self._already_selected, *self._inside))
+
+    def drop(self, _pos: QPoint, _point: QPointF) -> None:
+        self.surface.session.select((*self._already_selected, *self._inside))
+
+    def click(self) -> None:
+        self.surface.session.select(self._already_selected)
+
+    def leave(self) -> None:
+        self.surface.view.rubber_band.hide()
+        self.surface.content.mark_selected(self.surface.session.selection)
+
+
+class Cut(Gesture):
+    def drag(self, _pos: QPoint, point: QPointF) -> None:
+        self.surface.live.show_cut(self.start, point, self.surface.content.style.error)
+
+    def drop(self, _pos: QPoint, point: QPointF) -> None:
+        links = tuple(wire.link for wire in wires_crossed(self.surface.content, self.start, point))
+        if links:
+            label = f"Cut {links[0]}" if len(links) == 1 else f"Cut {len(links)} wires"
+            self.surface.session.do(rewire(remove=links, label=label))
+
+    def leave(self) -> None:
+        self.surface.live.setVisible(False)
+
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 _ALT, _SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier

@@ -24,8 +24,8 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
-from app.editor.dialogs import choose_pictures
-from app.editor.docks.background_work import (
+from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
+from app.editor.docks.measure_view import (
     Pictures,
     Report,
     ViewerPicture,
@@ -35,8 +35,7 @@ from app.editor.docks.background_work import (
     pictures_text,
     split,
 )
-from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
-from app.editor.notices import NoticeList, Severity, sentence
+from app.editor.messages import NoticeList, Severity, choose_pictures, sentence
 from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu

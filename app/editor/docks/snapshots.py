@@ -1,22 +1,45 @@
-"""Snapshots of the open document: what was shown of a state, A, beside the present one, B."""
+"""The states of the open document: its history, and snapshots, one of which stands beside it."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHBoxLayout,
+    QHeaderView,
+    QListWidget,
+    QListWidgetItem,
+    QSplitter,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.editor.declared_text import error_text, label_of
 from app.editor.docks.tradeoff_view import SideWork
 from app.editor.evaluation.changes import content
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Passing, Query
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer, KeptSide, Way
 from app.editor.viewers.picture.picture_query import KeptPicture, PictureQuery
 from app.editor.viewers.plot.figures_strip import NONE, figure_text
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.viewers.viewer import Viewer
+from app.editor.widgets import (
+    ElidedLabel,
+    filled,
+    labelled,
+    toggle_button,
+    tool_button,
+    without_argument,
+)
 from app.run.terminal import number_text, without_rounding
 from core.chain.engine import Plan
 from core.editing.operations import restored
@@ -286,3 +309,200 @@ def _texts(figure: tuple[Any, str] | None) -> tuple[str, str]:
         return NONE, NONE
     exact = f"{number_text(without_rounding(value, unit))} {unit}".rstrip()
     return exact, number_text(value) if isinstance(value, bool) else figure_text(value, unit)
+
+
+_STATE = Qt.ItemDataRole.UserRole
+
+
+class SnapshotsView(Viewer):
+    def __init__(self, session: Session, evaluator: Evaluator, snapshots: Snapshots) -> None:
+        super().__init__(session, evaluator, "snapshots")
+        self.setAccessibleName("Snapshots")
+        self._snapshots = snapshots
+        self._now: Figures | None = None
+        self._build()
+        snapshots.changed.connect(self._follow_snapshots)
+        self.keep.clicked.connect(snapshots.keep)
+        self.flip.clicked.connect(lambda: snapshots.compare("flip"))
+        self.wipe.clicked.connect(lambda: snapshots.compare("wipe"))
+        self.back.clicked.connect(partial(without_argument, snapshots.go_back))
+        self.remove.clicked.connect(lambda: snapshots.remove(snapshots.chosen))
+        self._follow_snapshots()
+
+    def queries(self) -> Sequence[Query]:
+        return () if self._snapshots.chosen is None else (AllFiguresQuery(),)
+
+    def take(self, answer: Answer) -> None:
+        self._now = answer.value
+        self._fill_figures()
+
+    def follow_opening(self) -> None:
+        self._now = None
+        self._follow_snapshots()
+
+    def sizeHint(self) -> QSize:
+        width, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
+        return QSize(75 * width, 20 * line)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self._follow_snapshots()
+
+    def _build(self) -> None:
+        self.keep = tool_button(
+            "snapshots.keep", "Keep", "Keep the current state as a snapshot (Ctrl+K)", self
+        )
+        self.flip = toggle_button("snapshots.flip", "Flip", "Switch between A and B (K)", self)
+        self.wipe = toggle_button(
+            "snapshots.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
+        )
+        self.back = tool_button(
+            "snapshots.back", "Go Back", "Restore the network to A; you can undo this", self
+        )
+        self.remove = tool_button("snapshots.remove", "Remove", "Delete A (Del)", self)
+        self.list = SnapshotList(self._snapshots)
+        self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)
+        self.title.setContentsMargins(6, 0, 2, 0)
+        self.figures = labelled(
+            QListWidget(self), "snapshots.figures",
+            "Figures that differ; Ctrl+C copies the selected figure",
+            "Figures in the snapshot (A) → current figures (B)",
+        )  # fmt: skip
+        self.figures.setWordWrap(True)
+        buttons = (self.keep, self.flip, self.wipe, self.back, self.remove)
+        bar = filled(QHBoxLayout(), *buttons, None, margins=(2, 2, 2, 0), spacing=3)
+        line = self.fontMetrics().height()
+        self.list.setMinimumHeight(4 * line)
+        parts = QSplitter(Qt.Orientation.Vertical, self, childrenCollapsible=False)
+        parts.addWidget(self.list)
+        parts.addWidget(self.figures)
+        parts.setSizes([5 * line, 15 * line])
+        margins = (0, 0, 0, 4)  # the line keeps off the ring of focus
+        filled(QVBoxLayout(self), bar, (parts, 1), self.title, margins=margins, spacing=1)
+
+    def _follow_snapshots(self) -> None:
+        way, chosen = self._snapshots.way, self._snapshots.chosen
+        self.flip.setChecked(way == "flip")
+        self.wipe.setChecked(way == "wipe")
+        for button in (self.flip, self.wipe, self.back, self.remove):
+            button.setEnabled(chosen is not None)
+        self.list.fill()
+        self._fill_figures()
+        self.ask()
+
+    def _fill_figures(self) -> None:
+        state, then, now = self._snapshots.chosen, self._snapshots.figures, self._now
+        if not self.isVisible():
+            return
+        self.figures.clear()
+        if state is None:
+            self.title.show_text(NOTHING_KEPT)
+        elif then is None or now is None:
+            self.title.show_text(f"computing figures: A {state.name}, B now")
+        else:
+            lines, count = changed_figures(then, now)
+            self.figures.addItems(lines)
+            self.title.show_text(f"A: {state.name}, B: now; {len(lines)} of {count} figures differ")
+
+
+class SnapshotList(QTreeWidget):
+    """The newest first, the current row is A; F2 renames, Del removes, Enter goes back."""
+
+    def __init__(self, snapshots: Snapshots) -> None:
+        super().__init__()
+        self._snapshots = snapshots
+        labelled(
+            self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
+            "The selected snapshot is A. Press F2 to rename this snapshot, Del to delete it or "
+            "Enter to restore it",
+        )  # fmt: skip
+        self.setHeaderLabels(["Snapshot", "Kept"])
+        self.setRootIsDecorated(False)
+        triggers = QAbstractItemView.EditTrigger
+        self.setEditTriggers(triggers.EditKeyPressed | triggers.DoubleClicked)
+        self.header().setSectionResizeMode(0, QHeaderView.ResizeMode.ResizeToContents)
+        self.currentItemChanged.connect(self._current_changed)
+        self.itemChanged.connect(self._renamed)
+
+    def fill(self) -> None:
+        states, chosen = self._snapshots.states[::-1], self._snapshots.chosen
+        with QSignalBlocker(self):
+            rows = range(self.topLevelItemCount())
+            if states != [_state_of(self.topLevelItem(row)) for row in rows]:
+                self.clear()
+                self.addTopLevelItems([QTreeWidgetItem() for _ in states])
+            for row, state in enumerate(states):
+                item = self.topLevelItem(row)
+                assert item is not None
+                item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
+                item.setData(0, _STATE, state)
+                item.setText(0, state.name)
+                item.setText(1, f"{state.taken:%H:%M:%S}")
+                if state is chosen:
+                    self.setCurrentItem(item)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        item, key = self.currentItem(), event.key()
+        if item is None or self.state() is QAbstractItemView.State.EditingState:
+            super().keyPressEvent(event)
+        elif key in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
+            self._snapshots.remove(_state_of(item))
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self._snapshots.go_back(_state_of(item))
+        else:
+            super().keyPressEvent(event)
+
+    def keyboardSearch(self, search: str) -> None:
+        """Letters are shortcuts here, and look nothing up."""
+
+    def _current_changed(self, item: QTreeWidgetItem | None, _before: object) -> None:
+        if item is not None:
+            self._snapshots.choose(_state_of(item))
+
+    def _renamed(self, item: QTreeWidgetItem, _column: int) -> None:
+        self._snapshots.rename(_state_of(item), item.text(0))
+
+
+def _state_of(item: Any) -> Any:
+    return item.data(0, _STATE)
+
+
+class HistoryList(QListWidget):
+    """The present step is bold, undone ones are italic; a click or Enter goes to a step."""
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        tip = "Edits of this network; click an edit or press Enter to go back or forward to it"
+        labelled(self, "history", "History", tip)
+        self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._session = session
+        self.itemClicked.connect(self._go)
+        self.itemActivated.connect(self._go)
+        session.opened.connect(self._follow)
+        session.state_changed.connect(self._follow)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self._follow()
+
+    def sizeHint(self) -> QSize:
+        return QSize(45, 40) * self.fontMetrics().averageCharWidth()
+
+    def _go(self, item: QListWidgetItem) -> None:
+        self._session.go_to(self.row(item))
+
+    def _follow(self) -> None:
+        if not self.isVisible():
+            return
+        document = self._session.document
+        font = self.font()
+        self.clear()
+        for row in range(document.last + 1):
+            saved = row == document.saved and document.path is not None
+            item = QListWidgetItem((document.line(row) or "Start") + ("  (saved)" if saved else ""))
+            font.setBold(row == document.position)
+            font.setItalic(row > document.position)
+            item.setFont(font)
+            self.addItem(item)
+        self.setCurrentRow(document.position)

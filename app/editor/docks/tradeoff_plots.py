@@ -24,12 +24,12 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
 
 from app.editor.declared_text import label_of, shown_number, tip, titled
-from app.editor.gestures import is_escape
 from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
-from app.editor.widgets import centred_hint, filled, labelled, show_or_hide
+from app.editor.widgets import centred_hint, filled, is_escape, labelled, show_or_hide
+from app.fit.fit_page import MOST
 from app.run.overrides import MOST, OPTION, Variation, is_number, spaced, variation
 from app.run.transfer_chain import ANALYSIS
 from core.editing.operations import set_parameter

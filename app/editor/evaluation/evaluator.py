@@ -12,7 +12,6 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QGuiApplication
 
-from app.editor.evaluation.badges import with_macros
 from app.editor.evaluation.changes import computes_alike
 from app.editor.evaluation.queries import (
     Badge,
@@ -23,6 +22,7 @@ from app.editor.evaluation.queries import (
     Query,
     Request,
     Snapshot,
+    with_macros,
 )
 from app.editor.evaluation.runner import PAUSE_S, Runner
 from app.editor.session import Session

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from app.editor.declared_text import error_text
-from app.editor.evaluation.badges import as_error, badges, skip_texts
 from app.editor.evaluation.changes import (
     Change,
     Planned,
@@ -32,6 +31,9 @@ from app.editor.evaluation.queries import (
     Passing,
     Request,
     Snapshot,
+    as_error,
+    badges,
+    skip_texts,
 )
 from core.chain.engine import Engine, Plan
 from core.chain.skipped import skips

@@ -9,7 +9,6 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWi
 
 from app.editor.declared_text import flowing, says_more, tip
 from app.editor.evaluation.queries import Badge
-from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.preview_view import PreviewView
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
@@ -23,6 +22,7 @@ from app.editor.widgets import (
     show_or_hide,
     toggle_button,
     tool_button,
+    without_argument,
 )
 from core.network.network import Node
 

@@ -22,7 +22,6 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import label_of, shown_figure, tip
 from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
-from app.editor.gestures import without_argument
 from app.editor.panels.fields.field import (
     MOST_BUTTONS,
     ButtonsField,
@@ -50,6 +49,7 @@ from app.editor.widgets import (
     make_bold,
     plain_label,
     tool_button,
+    without_argument,
 )
 from core.chain.engine import Plan
 from core.editing.operations import ABSENT

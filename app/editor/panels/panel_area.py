@@ -24,7 +24,6 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
-from app.editor.gestures import without_argument
 from app.editor.panels.fields.field import PanelNode, Requests, copy_values, paste_values
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
@@ -33,7 +32,15 @@ from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import ERROR, FAINT, RAISED
-from app.editor.widgets import Menu, WheelScrollArea, filled, labelled, plain_label, show_or_hide
+from app.editor.widgets import (
+    Menu,
+    WheelScrollArea,
+    filled,
+    labelled,
+    plain_label,
+    show_or_hide,
+    without_argument,
+)
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,

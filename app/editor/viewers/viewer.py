@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QSizePolicy, QWidget
 from app.editor.declared_text import titled
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
-from app.editor.notices import Mark, close_button
+from app.editor.messages import Mark, close_button
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel

@@ -10,11 +10,10 @@ from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.gestures import without_argument
 from app.editor.panels.fields.field import copy_values, paste_values
 from app.editor.session import Level
 from app.editor.viewers.viewer import VIEWER_NUMBERS
-from app.editor.widgets import Menu
+from app.editor.widgets import Menu, without_argument
 from core.editing.backdrops import (
     Backdrop,
     add,
@@ -25,7 +24,6 @@ from core.editing.backdrops import (
     straighten,
 )
 from core.editing.clipboard import copied, duplicated, pasted
-from core.editing.document import Document
 from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
 from core.editing.macros import group, ungroup
 from core.editing.operations import (
@@ -266,15 +264,6 @@ class Actions(dict[str, QAction]):
         for spec in ACTIONS:
             if spec.selected:
                 self[spec.name].setEnabled(selected)
-
-    def follow_history(self, document: Document) -> None:
-        for name, verb, step in (
-            ("undo", "&Undo", document.undo_text),
-            ("redo", "&Redo", document.redo_text),
-        ):
-            action = self[name]
-            action.setEnabled(bool(step))
-            action.setText(f"{verb} {step.replace('&', '&&')}".strip())
 
 
 def _made(spec: ActionSpec, parent: QWidget) -> QAction:

@@ -20,7 +20,9 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
-from app.editor.dialogs import (
+from app.editor.docks.runs import Run, RunQueue, RunsView, failures_text, job_of, proposed_folder
+from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
+from app.editor.messages import (
     ROLE,
     FileDialog,
     Question,
@@ -29,9 +31,6 @@ from app.editor.dialogs import (
     drop_dialogs,
     show_beside,
 )
-from app.editor.docks.run_queue import Run, RunQueue, job_of, proposed_folder
-from app.editor.docks.runs_view import RunsView, failures_text
-from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
 from app.editor.session import Session
 from app.editor.theme import ERROR
 from app.editor.widgets import Check, filled, labelled, plain_label, show_or_hide, tool_button

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
-from os.path import realpath
 from pathlib import Path
-from secrets import token_hex
 
-from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QPointF, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
-from app.editor.gestures import accept_copy, local_files
 from app.editor.library_view import LibraryView
-from app.editor.recovery_files import LOCK_SUFFIX
+from app.editor.messages import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.session import Level, Session
-from app.editor.widgets import labelled
+from app.editor.widgets import accept_copy, labelled, local_files
 from app.editor.window.recent_files import Settings
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from app.run.preset_files import (
@@ -31,9 +26,8 @@ from app.run.preset_files import (
     shipped_presets,
 )
 from app.run.shipped import every_network, find_network
-from core.atomic import FileLock, is_held, take
 from core.chain.engine import Engine
-from core.editing.document import Document, mark, mark_of, rebased
+from core.editing.document import Document, mark, rebased
 from core.editing.operations import Operation, restored, set_parameter, together
 from core.editing.wiring import new_node
 from core.errors import ImagechainError, ParameterError
@@ -47,7 +41,6 @@ from core.records import dataclass, replace
 NETWORK_SUFFIX = ".json"
 _FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"
 _DIALOG = "file_dialog"
-_OF_NAME = 16  # letters of a lock that stand for its file
 Next = Callable[[], object]
 
 
@@ -220,77 +213,6 @@ def changed_file(parent: QWidget, file: str, done: str) -> Question:
     box.offer("overwrite", "&Overwrite", ROLE.DestructiveRole)
     box.offer("cancel", "Cancel", ROLE.RejectRole)
     return box
-
-
-# What others do to the document's file, said when it happens.
-
-_WATCH_MS = 200
-
-
-class FileWatch(QObject):
-    """Says when the document's file is open in another window, or another program changes it.
-
-    A window holds a lock, named after the file, in the folder that all windows watch.
-    """
-
-    def __init__(self, session: Session, folder: Path, parent: QObject) -> None:
-        super().__init__(parent)
-        self._session, self._folder = session, folder
-        self._document, self._path = session.document, session.document.path
-        self._lock: FileLock | None = None
-        self._own = self._said = ""  # name of the lock, mark of the file that was said last
-        self._shared = self._warned = False
-        self._watcher = QFileSystemWatcher(self)
-        self._soon = QTimer(self, singleShot=True, interval=_WATCH_MS)
-        self._soon.timeout.connect(self._look)
-        for changed in (self._watcher.fileChanged, self._watcher.directoryChanged):
-            changed.connect(lambda _: self._soon.start())
-        session.opened.connect(self._follow)
-        session.state_changed.connect(self._follow)
-
-    def close(self) -> None:
-        self._soon.stop()
-        if self._lock is not None:
-            self._lock.let_go()
-        self._lock = None
-
-    def _follow(self) -> None:
-        document, before = self._session.document, (self._document, self._path)
-        if before == (document, document.path):
-            if self._warned:  # it may have been saved over
-                self._soon.start()
-            return
-        self.close()
-        self._document, self._path = document, document.path
-        self._said, self._shared, self._warned = document.stored, False, False
-        watched = (*self._watcher.files(), *self._watcher.directories())
-        if watched:
-            self._watcher.removePaths(watched)
-        if self._path is not None:
-            name = mark(realpath(self._path).encode("utf-8", "surrogateescape"))[:_OF_NAME]
-            self._own = f"{name}{token_hex(8)}{LOCK_SUFFIX}"
-            with suppress(OSError):
-                self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-                self._lock = take(self._folder / self._own)
-            self._watcher.addPaths([str(self._folder), str(self._path.parent)])
-            self._soon.start()
-
-    def _look(self) -> None:
-        path, document, say = self._path, self._document, self._session.message.emit
-        if path is None:
-            return
-        self._watcher.addPath(str(path))  # one that was written anew is another file
-        locks = self._folder.glob(f"{self._own[:_OF_NAME]}*{LOCK_SUFFIX}")
-        shared = any(is_held(lock) for lock in locks if lock.name != self._own)
-        if shared and not self._shared:
-            say("warning", f"{path.name} is also open in another window")
-        self._shared = shared
-        if (now := mark_of(path)) != self._said:
-            self._said, done = now, document.disagreement()
-            if done or self._warned:
-                text = f"another program has {done} {path.name}: Save will ask you what to do"
-                say("warning", text if done else "")
-            self._warned = bool(done)
 
 
 # Turning a file into a document that can be worked on.

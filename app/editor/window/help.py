@@ -17,9 +17,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.dialogs import SaveDialog, show_beside
-from app.editor.docks.run_queue import python_environment
+from app.editor.docks.runs import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
+from app.editor.messages import SaveDialog, show_beside
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export

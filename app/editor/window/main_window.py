@@ -9,17 +9,15 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QMenu, QVBoxLayout, QWidget
 
-from app.editor.canvas.canvas import Canvas
-from app.editor.canvas.overlays import Crumbs
+from app.editor.canvas.canvas import Canvas, Crumbs
 from app.editor.docks.fit_view import FitView
 from app.editor.docks.measure_view import MeasureView
-from app.editor.docks.snapshots import Snapshots
-from app.editor.docks.snapshots_view import SnapshotsView
+from app.editor.docks.snapshots import HistoryList, Snapshots, SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
-from app.editor.notices import StatusBar
+from app.editor.messages import StatusBar
 from app.editor.panels.panel_area import PanelArea
-from app.editor.recovery_files import Autosaver, Recovered, recoverable
+from app.editor.recovery_files import Autosaver, FileWatch, Recovered, recoverable
 from app.editor.session import Level, Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.plot.figures_strip import FiguresStrip
@@ -27,9 +25,8 @@ from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.widgets import filled
 from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
 from app.editor.window.background_runs import BackgroundRuns
-from app.editor.window.files import Drops, Files, FileWatch, Opened, PresetShelf
+from app.editor.window.files import Drops, Files, Opened, PresetShelf
 from app.editor.window.help import Help
-from app.editor.window.history_list import HistoryList
 from app.editor.window.recent_files import DOCKS_VERSION, RecentMenu, Settings
 from app.editor.window.viewer_docks import (
     FirstViews,
@@ -414,7 +411,10 @@ class MainWindow(QMainWindow):
         self.setWindowTitle(f"{name}[*] — Imagechain")
         if document.modified != self.isWindowModified():  # Qt signals it in any case
             self.setWindowModified(document.modified)
-        self.actions_by_name.follow_history(document)
+        for name, step in (("undo", document.undo_text), ("redo", document.redo_text)):
+            action = self.actions_by_name[name]
+            action.setEnabled(bool(step))
+            action.setText(f"&{name.capitalize()} {step.replace('&', '&&')}".strip())
 
     def _badges_changed(self, badges: Any) -> None:
         head = self.level.head

@@ -10,9 +10,8 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtWidgets import QWidget
 
-from app.editor.gestures import without_argument
 from app.editor.theme import Look
-from app.editor.widgets import Menu
+from app.editor.widgets import Menu, without_argument
 from app.user_folders import FOLDERS
 
 MOST_RECENT = 10  # files that are offered

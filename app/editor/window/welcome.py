@@ -18,10 +18,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT
-from app.editor.widgets import FlowLayout, filled, labelled
+from app.editor.widgets import FlowLayout, filled, labelled, without_argument
 from app.editor.window.recent_files import folder_text
 from app.run.shipped import shipped_networks
 from core.network.file import read_network

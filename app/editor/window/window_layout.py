@@ -19,9 +19,8 @@ from PySide6.QtWidgets import (
     QTabBar,
 )
 
-from app.editor.gestures import without_argument
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.widgets import Menu
+from app.editor.widgets import Menu, without_argument
 from app.editor.window.recent_files import DOCKS_VERSION, Settings
 
 Sizes = dict[str, tuple[int, int]]

@@ -22,11 +22,7 @@ from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import chebyshev_sum, gauss_legendre, positive
 from core.physics.optics.overlap_area import annular_otf
-from core.physics.optics.polychromatic import (
-    SpectralWeighting,
-    Spectrum,
-    panel_wavelengths,
-)
+from core.physics.optics.polychromatic import SpectralWeighting, Spectrum, panel_wavelengths
 from core.records import dataclass
 
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)

@@ -8,9 +8,8 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMenu, QWidget, QWidgetAction
 
 from app.editor.declared_text import FreeNumber, choice_text, shown_number, shown_value
-from app.editor.gestures import without_argument
 from app.editor.session import Session
-from app.editor.widgets import filled
+from app.editor.widgets import filled, without_argument
 from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.macros import expose, hide, rename_exposed
 from core.editing.operations import Operation, exposed_as

@@ -11,12 +11,11 @@ from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWhee
 from PySide6.QtWidgets import QCompleter, QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_number, tip, typed_number
-from app.editor.gestures import is_escape
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.type_in import step_factor
 from app.editor.theme import CHANGED
-from app.editor.widgets import filled, plain_label, takes_wheel
+from app.editor.widgets import filled, is_escape, plain_label, takes_wheel
 from core.editing.operations import set_parameter
 from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter

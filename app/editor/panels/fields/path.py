@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QToolButton, QWidget
 
 from app.editor.declared_text import about, tip
-from app.editor.dialogs import FileDialog
+from app.editor.messages import FileDialog
 from app.editor.panels.fields.field import PanelNode, TypedField
 from app.editor.widgets import filled, labelled
 from core.modules.parameters import Parameter

@@ -10,13 +10,13 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, Qt, 
 from PySide6.QtGui import QContextMenuEvent, QImage, QKeyEvent, QPainter, QTransform
 from PySide6.QtWidgets import QWidget
 
-from app.editor.gestures import is_escape
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
 from app.editor.viewers.picture.picture_facts import Table, colour_table
 from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.picture.plots_below import PlotBelow
 from app.editor.viewers.plot.plot_looks import PlotAxis, bare, paint_axes
+from app.editor.widgets import is_escape
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]

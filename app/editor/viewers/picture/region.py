@@ -9,12 +9,12 @@ from PySide6.QtGui import QTransform
 from PySide6.QtWidgets import QGraphicsRectItem, QToolButton
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.gestures import is_escape
 from app.editor.session import Session
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
+from app.editor.widgets import is_escape
 from core.chain.wires import Image
 from core.editing.operations import set_parameter, together
 from core.errors import ImagechainError, ParameterError, thaw

@@ -10,7 +10,7 @@ from PySide6.QtGui import QGuiApplication, QImage, QPainter, QPixmap
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
-from app.editor.dialogs import SaveDialog, show_beside
+from app.editor.messages import SaveDialog, show_beside
 from app.editor.panels.fields.field_menu import offer
 from app.editor.viewers.plot.plotted_lines import TransferCurves
 from app.editor.widgets import Menu, labelled

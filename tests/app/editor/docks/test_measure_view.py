@@ -12,9 +12,8 @@ from PySide6.QtWidgets import QApplication
 from scipy.ndimage import gaussian_filter
 from scipy.special import erf
 
-from app.editor.docks.background_work import check_stop
 from app.editor.docks.edges import edge_look
-from app.editor.docks.measure_view import MeasureView
+from app.editor.docks.measure_view import MeasureView, check_stop
 from app.measure.measurement_text import REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field

@@ -3,7 +3,7 @@
 import pytest
 from PySide6.QtCore import QObject
 
-from app.editor.docks.run_queue import RunQueue, job_of, proposed_folder
+from app.editor.docks.runs import RunQueue, job_of, proposed_folder
 from core.editing.document import Document
 from core.editing.operations import set_parameter
 

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from app.editor.docks.run_queue import Run
-from app.editor.docks.runs_view import duration, state_text, whole_text
+from app.editor.docks.runs import Run, duration, state_text, whole_text
 from app.run.job import Job, Result, Step
 
 

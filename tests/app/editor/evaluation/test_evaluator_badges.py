@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from app.editor.evaluation.badges import STALE
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Badge
+from app.editor.evaluation.queries import STALE, Badge
 from app.editor.session import Session
 from core.editing.document import Document
 from core.editing.operations import set_node_field, set_parameter

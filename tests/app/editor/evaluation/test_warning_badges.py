@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from app.editor.evaluation.badges import STALE, badges
-from app.editor.evaluation.queries import Badge
+from app.editor.evaluation.queries import STALE, Badge, badges
 from core.chain.engine import Engine
 from core.editing.operations import add_nodes, set_parameter
 from core.errors import DataError

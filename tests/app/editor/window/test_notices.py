@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMainWindow, QStatusBar, QWidget
 
-from app.editor.notices import ROLES, Mark, Notice, NoticeList
+from app.editor.messages import ROLES, Mark, Notice, NoticeList
 from app.editor.theme import THEMES
 from core.editing.document import Document
 from core.editing.operations import set_parameter
