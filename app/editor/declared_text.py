@@ -18,8 +18,6 @@ _UNITS = re.compile(
     r"_(um|mm|cm|m|km|s|K|mK|Hz|W|deg|mrad|waves|dB|px|percent|per_km|m_per_s|mrad_per_s|cyc_per_mrad"
     r"|e|e_per_s|e_per_K|e_per_dn|dn|photons_per_cm2|A_per_W|A_per_cm2|per_um|lux|photons)$"
 )
-_LONG_WORD, _PIECE = re.compile(r"\w{40,}"), re.compile(r"\w{1,16}")  # of names of files
-_BREAK = "\u200b"  # of no width
 _ACRONYMS = """
     fov ifov gsd mtf mtf10 mtf50 ptf snr nep ner netd rer nei tdi psd prnu dsnu emva dn rms
     fwhm rmse psnr mrtd mdtd ttp flir92
@@ -148,11 +146,6 @@ def about(parameter: Parameter) -> str:
 def tip(text: str) -> str:
     """Plain text as a tooltip, broken into lines where it is long."""
     return f"<p>{html.escape(text)}</p>".replace("\n", "<br>")
-
-
-def breakable(text: str) -> str:
-    """Text with places to break its lines at in words that are longer than any panel is wide."""
-    return _LONG_WORD.sub(lambda word: _BREAK.join(_PIECE.findall(word[0])), text)
 
 
 def flowing(text: str) -> str:

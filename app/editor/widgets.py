@@ -48,6 +48,7 @@ RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 W = TypeVar("W", bound=QWidget)
 L = TypeVar("L", bound=QLayout)
 B = TypeVar("B", bound=QToolButton)
+Act = Callable[[], object]
 
 
 class Toggle(QToolButton):
@@ -148,18 +149,24 @@ def filled(
     return layout
 
 
-def tool_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
+def tool_button(
+    name: str, text: str, description: str, parent: QWidget, act: Act | None = None
+) -> QToolButton:
     """A button that the keyboard reaches."""
-    return _worded(QToolButton(parent), name, text, description)
+    return _worded(QToolButton(parent), name, text, description, act)
 
 
-def toggle_button(name: str, text: str, description: str, parent: QWidget) -> Toggle:
-    return _worded(Toggle(parent), name, text, description)
+def toggle_button(
+    name: str, text: str, description: str, parent: QWidget, act: Act | None = None
+) -> Toggle:
+    return _worded(Toggle(parent), name, text, description, act)
 
 
-def _worded(button: B, name: str, text: str, description: str) -> B:
+def _worded(button: B, name: str, text: str, description: str, act: Act | None) -> B:
     button.setText(text)
     button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    if act is not None:
+        button.clicked.connect(act)
     return labelled(button, name, description, description)
 
 
@@ -409,8 +416,8 @@ def centred_hint(text: str, parent: QWidget) -> Hint:
 class CopiedTable(QTableWidget):
     """Ctrl+C copies the marked rows; lines are broken anew when its width changes."""
 
-    def list_figures(self, heads: Sequence[str]) -> None:
-        """Look as a list of figures that is only read: whole rows, the first column the widest."""
+    def list_figures(self, heads: Sequence[str], widest: int = 0) -> None:
+        """Look as a list of figures that is only read: whole rows, one column the widest."""
         self.setHorizontalHeaderLabels(list(heads))
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
@@ -421,12 +428,13 @@ class CopiedTable(QTableWidget):
         self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 4)
         head = self.horizontalHeader()
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        head.setSectionResizeMode(widest, QHeaderView.ResizeMode.Stretch)
         head.setHighlightSections(False)
 
     def cells(self, row: int) -> Sequence[str]:
         """The texts of a row that are copied; none of a heading."""
-        raise NotImplementedError
+        items = (self.item(row, column) for column in range(self.columnCount()))
+        return [item.text() for item in items if item is not None]
 
     def copy(self) -> None:
         marked = sorted({index.row() for index in self.selectedIndexes()})

@@ -9,7 +9,7 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QToolButton, QVBoxLayout, QWidget
 
 from app.editor.canvas.adding import Adding, ChoicePopup
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
@@ -24,7 +24,15 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Level, Session
 from app.editor.theme import FAINT, RAISED, raised_palette, theme_of
-from app.editor.widgets import Menu, filled, labelled, plain_label, tool_button, without_argument
+from app.editor.widgets import (
+    Menu,
+    centred_hint,
+    filled,
+    labelled,
+    plain_label,
+    tool_button,
+    without_argument,
+)
 from core.editing.backdrops import backdrops_of, change, moved_with_dots, nodes_on, remove
 from core.editing.operations import ABSENT, named, rewire, set_node_field, together
 from core.records import replace
@@ -45,7 +53,10 @@ class Canvas(QWidget):
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
         self.surface = surface = Surface(session, self.view, self.content, self)
-        self.empty_hint = EmptyHint(session, self.view)
+        self._hint = labelled(centred_hint(TEXT, self.view.viewport()), "canvas.empty_hint")
+        self._hint.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self._hint.setForegroundRole(FAINT)
+        filled(QVBoxLayout(self.view.viewport()), self._hint)
         self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content)
         self.popup = ChoicePopup(self.view)
@@ -77,19 +88,9 @@ class Canvas(QWidget):
             whole = whole.united(self.thumbnails.bounds())
         self.view.frame(whole)
 
-    def show_nodes(self) -> None:
-        """Pan, as little as needed, so that the nodes are seen."""
-        self.view.make_visible(self.content.bounds())
-
-    def frame_selection(self) -> None:
-        self.view.frame(self.content.bounds(self._session.selection))
-
     def zoom_by(self, factor: float) -> None:
         pos = self.surface.pointer
         self.view.zoom_at(factor, None if pos is None else QPointF(pos))
-
-    def sizes(self) -> dict[str, tuple[float, float]]:
-        return self.content.sizes()
 
     def node_or_thumbnail_at(self, point: QPointF) -> str | None:
         node = node_at(self.content, point)
@@ -101,17 +102,14 @@ class Canvas(QWidget):
         below = self.thumbnails.heights() if self.thumbnails is not None else {}
         return {
             name: (width, height + below.get(name, 0.0))
-            for name, (width, height) in self.sizes().items()
+            for name, (width, height) in self.content.sizes().items()
         }
 
-    def cursor_point(self) -> tuple[float, float]:
-        return self.surface.cursor_point()
-
     def add_module(self, key: str) -> None:
-        self.adding.add(key, self.cursor_point())
+        self.adding.add(key, self.surface.cursor_point())
 
     def open_search(self) -> None:
-        self.adding.search(self.cursor_point())
+        self.adding.search(self.surface.cursor_point())
 
     def toggle_thumbnails(self) -> None:
         if self.thumbnails is not None:
@@ -149,22 +147,20 @@ class Canvas(QWidget):
         self.title_editor.edited.connect(self._retitle)
 
     def _opened(self) -> None:
-        self._let_go()
-        self.content.clear()
-        self.content.follow(self._session.network)
+        self._changed(opened=True)
         self.content.mark_selected(self._session.selection)
         self.frame_all()
 
-    def _changed(self, *_: object) -> None:
-        self._let_go()
-        self.content.follow(self._session.network)
-        self.minimap.follow()
-
-    def _let_go(self) -> None:
-        """What is under way was about a network that is no more."""
+    def _changed(self, *_: object, opened: bool = False) -> None:
+        # What is under way was about a network that is no more.
         self.mouse.cancel()
         self.adding.dismiss()
         self.title_editor.dismiss()
+        if opened:
+            self.content.clear()
+        self.content.follow(self._session.network)
+        self._hint.setVisible(not self._session.network.nodes)
+        self.minimap.follow()
 
     def _selection_changed(self, names: tuple[str, ...]) -> None:
         if names:
@@ -181,26 +177,6 @@ class Canvas(QWidget):
         self._session.do(change(network, index, backdrop))
 
 
-class EmptyHint(QLabel):
-    """What to do on a canvas with nothing on it. Through it the mouse reaches the canvas."""
-
-    def __init__(self, session: Session | Level, view: GraphView) -> None:
-        super().__init__(TEXT, view.viewport())
-        self.setObjectName("canvas.empty_hint")
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.setWordWrap(True)
-        self.setForegroundRole(FAINT)
-        self._session, self._view = session, view
-        for signal in (session.opened, session.changed, view.looked_elsewhere):
-            signal.connect(self._follow)
-        self._follow()
-
-    def _follow(self, *_: object) -> None:
-        self.setGeometry(self._view.viewport().rect().adjusted(24, 0, -24, 0))
-        self.setVisible(not self._session.network.nodes)
-
-
 TEXT = "Press Tab or double-click to add a module, drag one from the library, or drop a file"
 
 
@@ -211,8 +187,7 @@ class Menus:
         self.canvas_menu = _menu("canvas.menu.canvas", parent)
         self.wire_menu = _menu("canvas.menu.wire", parent)
         self.backdrop_menu = _menu("canvas.menu.backdrop", parent)
-        self._colours = _menu("canvas.menu.colours", parent)
-        self._colours.setTitle("Co&lour")
+        self._colours = _menu("canvas.menu.colours", parent, "Co&lour")
         for name in ("", *TINTS):
             action = self._colours.addAction(name.capitalize() or "&As its group")
             action.triggered.connect(partial(self._colour, name))
@@ -299,9 +274,8 @@ class Menus:
             self._surface.title_wanted.emit(self._marks.backdrop.index)
 
 
-def _menu(name: str, parent: QWidget) -> QMenu:
-    menu = Menu(parent)
-    menu.setObjectName(name)
+def _menu(name: str, parent: QWidget, title: str = "") -> QMenu:
+    menu = labelled(Menu(title, parent), name)
     menu.setToolTipsVisible(True)
     return menu
 
@@ -443,9 +417,9 @@ class Crumbs(QWidget):
         about = "Leave this macro and show the network around it (Alt+PgUp)"
         self.up = self._button("crumbs.up", "↑ Up", about)
         self.up.clicked.connect(level.leave)
-        self._row.addWidget(self.up)
+        filled(self._row, self.up, margins=None)
         self.steps: list[QToolButton] = []
-        self._shown: list[QWidget] = []
+        self._arrows: list[QWidget] = []
         self._names: tuple[str, ...] = ()
         for signal in (level.opened, level.changed, level.session.state_changed):
             signal.connect(self._fill)
@@ -460,23 +434,22 @@ class Crumbs(QWidget):
         if (name, *path) == self._names:  # as after most edits
             return
         self._names = (name, *path)
-        for old in self._shown:
+        for old in (*self.steps, *self._arrows):
             self._row.removeWidget(old)
             old.hide()
             old.deleteLater()
-        self._shown = []
-        self.steps = []
+        self.steps, self._arrows = [], []
         for depth, text in enumerate((name, *path)):
-            if depth:
-                self._shown.append(plain_label("", self, "›", role=FAINT))
             button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
             button.setEnabled(depth < len(path))
             going = partial(self._level.go_to, path[:depth])
             button.clicked.connect(partial(without_argument, going))
+            if depth:
+                self._arrows.append(plain_label("", self, "›", role=FAINT))
+                filled(self._row, self._arrows[-1], margins=None)
+            filled(self._row, button, margins=None)
             self.steps.append(button)
-            self._shown.append(button)
-        for widget in self._shown:
-            self._row.addWidget(widget)
+        for widget in (*self.steps, *self._arrows):
             widget.show()
         self._row.activate()
         self.resize(self.sizeHint())

@@ -42,12 +42,6 @@ _EIGHTHS_A_PIXEL = 2.0  # where a touchpad gives no pixels
 _LEAST_PINCH = 0.2  # one event makes nothing smaller than that
 
 
-def by_fingers(event: QWheelEvent) -> bool:
-    """Whether a touchpad scrolls: it has phases, or its system gives its kind."""
-    touchpad = event.device().type() == QInputDevice.DeviceType.TouchPad
-    return touchpad or event.phase() != Qt.ScrollPhase.NoScrollPhase
-
-
 class GraphView(NodeViewer):
     """Shows a part of the scene; mouse and keys go to others, nothing of its base acts itself."""
 
@@ -77,10 +71,6 @@ class GraphView(NodeViewer):
         self.resize(640, 420)
         self._take_out_the_bases()
         self._show()
-
-    @property
-    def relative_zoom(self) -> float:
-        return self.zoom / self.style_of_canvas.natural_zoom
 
     @property
     def rubber_band(self) -> QWidget:
@@ -128,10 +118,6 @@ class GraphView(NodeViewer):
         self._centre += fixed - (self.visible_rect().topLeft() + where / zoom)
         self._show()
 
-    def zoom_by_wheel(self, event: QWheelEvent, pos: QPointF | None = None) -> None:
-        angle = event.angleDelta()
-        self.zoom_at(_STEP ** (angle.y() or angle.x()), pos)
-
     def frame(self, rect: QRectF) -> None:
         """Show this part of the scene, no larger than natural; also once the view is resized."""
         self._framed = QRectF(rect)
@@ -175,11 +161,10 @@ class GraphView(NodeViewer):
     def _take_out_the_bases(self) -> None:
         for item in (self._cursor_text, self._LIVE_PIPE, self._SLICER_PIPE):
             self.scene().removeItem(item)
-        for widget in (self._search_widget, self._ctx_graph_menu, self._ctx_node_menu):
+        menus = (self._ctx_graph_menu, self._ctx_node_menu, self._ctx_menu_bar)
+        for widget in (self._search_widget, *menus):
             widget.setParent(None)
             widget.deleteLater()
-        self._ctx_menu_bar.setParent(None)
-        self._ctx_menu_bar.deleteLater()
 
     # Qt's events
 
@@ -261,13 +246,17 @@ class GraphView(NodeViewer):
         self.mouse.leave()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom at the pointer; two fingers on a touchpad pan, and zoom with Ctrl."""
-        angle = event.angleDelta()
-        if by_fingers(event) and not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
-            pixels = event.pixelDelta()
+        """Zoom at the pointer; two fingers on a touchpad pan, and zoom with Ctrl.
+
+        A touchpad has phases, or its system gives its kind.
+        """
+        angle, pixels = event.angleDelta(), event.pixelDelta()
+        touchpad = event.device().type() == QInputDevice.DeviceType.TouchPad
+        by_fingers = touchpad or event.phase() != Qt.ScrollPhase.NoScrollPhase
+        if by_fingers and not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             self.pan(QPointF(pixels) if not pixels.isNull() else QPointF(angle) / _EIGHTHS_A_PIXEL)
         else:
-            self.zoom_by_wheel(event, event.position())
+            self.zoom_at(_STEP ** (angle.y() or angle.x()), event.position())
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -274,7 +274,10 @@ def points_of(network: Network) -> dict[str, Point]:
     lost = [name for name in network.nodes if name not in points]
     if not lost:
         return points
-    depths = _depths(network)
+    depths: dict[str, int] = {}
+    for name in topological(network.followers):
+        for follower in network.followers[name]:
+            depths[follower] = max(depths.get(follower, 0), depths.get(name, 0) + 1)
     top = max((y for _, y in points.values()), default=-ROW) + ROW
     rows: dict[int, int] = {}
     for name in lost:
@@ -282,14 +285,6 @@ def points_of(network: Network) -> dict[str, Point]:
         row = rows[depth] = rows.get(depth, -1) + 1
         points[name] = (depth * COLUMN, top + row * ROW)
     return points
-
-
-def _depths(network: Network) -> dict[str, int]:
-    depths: dict[str, int] = {}
-    for name in topological(network.followers):
-        for follower in network.followers[name]:
-            depths[follower] = max(depths.get(follower, 0), depths.get(name, 0) + 1)
-    return depths
 
 
 _AWAY = 60.0  # of the plates from the nodes, for their wires
@@ -345,8 +340,9 @@ class MacroEnds(QGraphicsItem):
         wires = []
         for port in ports:
             start, end = (at, port.centre()) if side == INPUT else (port.centre(), at)
-            course = course_of(start.toTuple(), end.toTuple(), ground, self.style.lane(port.types))
-            wires.append(wire_path(start, end, course.lane))
+            beside = self.style.lane(port.types)
+            lane, _ = course_of(start.toTuple(), end.toTuple(), ground, beside)
+            wires.append(wire_path(start, end, lane))
         return End(name, side, plate, tuple(wires), ports[0].types)
 
     def boundingRect(self) -> QRectF:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSizeF, Qt
@@ -31,7 +30,7 @@ from core.records import replace
 DRAG_PX = 4  # what is moved less is a click
 
 
-class Gesture(ABC):
+class Gesture:
     """One drag, from the press at a pixel of the view to the release."""
 
     def __init__(self, surface: Surface, pos: QPoint) -> None:
@@ -55,18 +54,16 @@ class Gesture(ABC):
         else:
             self.click()
 
-    @abstractmethod
     def drag(self, pos: QPoint, point: QPointF) -> None:
         """Show its present position."""
 
-    def drop(self, pos: QPoint, point: QPointF) -> None:  # noqa: B027 - a pan has moved the view
+    def drop(self, pos: QPoint, point: QPointF) -> None:
         """Do it."""
 
-    @abstractmethod
     def leave(self) -> None:
         """Take away what was only shown; alone, it gives the gesture up."""
 
-    def click(self) -> None:  # noqa: B027 - most gestures have no click
+    def click(self) -> None:
         """It was no drag."""
 
 
@@ -365,7 +362,10 @@ class DragNodes(Gesture):
         self.surface.content.place({name: at + by for name, at in self._from.items()})
         if self._backdrop is not None:
             self._backdrop.place(self._frame.translated(by))
-        self._look_for_wire(point)
+        elif len(self._from) == 1:
+            (name,) = self._from
+            wire, self._inserting = insertion_at(self.surface, name, point) or (None, None)
+            self._mark(wire)
 
     def drop(self, _pos: QPoint, point: QPointF) -> None:
         by = point - self.start
@@ -390,12 +390,6 @@ class DragNodes(Gesture):
     def leave(self) -> None:
         self._mark(None)
         self.surface.content.restore()
-
-    def _look_for_wire(self, point: QPointF) -> None:
-        if len(self._from) == 1 and self._backdrop is None:
-            (name,) = self._from
-            wire, self._inserting = insertion_at(self.surface, name, point) or (None, None)
-            self._mark(wire)
 
     def _mark(self, wire: WireItem | None) -> None:
         if self._target is not None:
@@ -491,10 +485,14 @@ class Dots:
             for wire in wires_near(surface.content, point, _REACH_PX / surface.view.zoom):
                 self.add_at(wire, point)
                 return
-        chosen = self._chosen_wire()
+        chosen = self._marks.wire
         if chosen is None:
-            session = surface.session
-            session.message.emit("note", "point at a wire or select one to bend it with a dot")
+            for name in surface.session.selection[-1:]:
+                wires = surface.content.wires_at(name)
+                chosen = min(wires, key=lambda wire: wire.link.source != name, default=None)
+        if chosen is None:
+            text = "point at a wire or select one to bend it with a dot"
+            surface.session.message.emit("note", text)
             return
         line = chosen.line()
         self.add_at(chosen, line[len(line) // 2])
@@ -514,11 +512,3 @@ class Dots:
             moving = backdrops.move_dot(session.network, wire.link, dot, whole(wire.dots[dot] + by))
             session.do(moving, gesture=("dot", wire.link, dot))
         return dot is not None
-
-    def _chosen_wire(self) -> WireItem | None:
-        if self._marks.wire is not None:
-            return self._marks.wire
-        for name in self._surface.session.selection[-1:]:
-            wires = self._surface.content.wires_at(name)
-            return min(wires, key=lambda wire: wire.link.source != name, default=None)
-        return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -252,20 +252,13 @@ def overlap(one: Box, other: Box) -> bool:
     return one[0] < other[2] and one[2] > other[0] and one[1] < other[3] and one[3] > other[1]
 
 
-class Course(NamedTuple):
-    """A height past nodes, None for straight; what comes or goes outside of `reach` leaves it."""
+def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> tuple[float | None, Box]:
+    """The lane of a wire past the boxes in its way, None for straight; and its reach.
 
-    lane: float | None
-    reach: Box
-
-
-def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
-    """The course of a wire past the boxes in its way.
-
-    The lane is the free height above the boxes, `beside` away from them, or the one below where
-    that is much nearer: so that wires from one port run along one lane. A wire that goes back to
-    the left, as to the next row, has its lane between the two rows: below the row of the end
-    further up, where no title of a backdrop is in the way.
+    What comes or goes outside of the reach leaves the lane: the free height above the boxes,
+    `beside` away from them, or the one below where that is much nearer, so that wires from one port
+    run along one lane. A wire that goes back to the left, as to the next row, has its lane between
+    the two rows: below the row of the end further up, where no title of a backdrop is in the way.
     """
     left, right = start[0] + _LEAVE, end[0] - _LEAVE
     top, bottom = min(start[1], end[1]), max(start[1], end[1])
@@ -275,12 +268,12 @@ def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
         near = ground.within(reach)
         below_rows = np.unique(near[:, 3]) + _BELOW + beside if _meets(start, end, near) else ()
         free = (lane for lane in below_rows if low < lane < bottom and not _on(near, lane).size)
-        return Course(next(free, None), reach)
+        return next(free, None), reach
     # A cubic with level ends stays near its ends' heights: that of the end met first.
     reach = left, top - 4, right, bottom + 4
     near = ground.within(reach)
     if not _meets(start, end, near):
-        return Course(None, reach)
+        return None, reach
     above, highest = _free(near[:, 1].min() - beside, left, right, ground, -beside)
     below, lowest = _free(near[:, 3].max() + beside, left, right, ground, beside)
     reach = left, min(top, highest) - 4, right, max(bottom, lowest) + 4
@@ -289,7 +282,7 @@ def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
     def cost(lane: float) -> float:
         return abs(lane - start[1]) + abs(lane - end[1]) - _FAVOUR * (lane == above)
 
-    return Course(min(lanes, key=cost, default=None), reach)
+    return min(lanes, key=cost, default=None), reach
 
 
 def _free(

@@ -106,20 +106,15 @@ class FigureTable(CopiedTable):
         super().__init__(0, len(_FIGURE_HEADS), parent)
         labelled(self, "measure.figures", "MTF and noise figures; Ctrl+C copies them")
         self.list_figures(_FIGURE_HEADS)
-        self._rows: list[tuple[str, str, str]] = []
-
-    def cells(self, row: int) -> Sequence[str]:
-        return self._rows[row]
 
     def show_rows(self, rows: Sequence[tuple[str, str, str, str]]) -> None:
-        self._rows = [(meaning, value, unit) for _, value, unit, meaning in rows]
         self.setRowCount(len(rows))
-        for row, texts in enumerate(self._rows):
-            for column, text in enumerate(texts):
+        for row, (name, value, unit, meaning) in enumerate(rows):
+            for column, text in enumerate((meaning, value, unit)):
                 item = QTableWidgetItem(text)
                 if column == 1:
                     item.setTextAlignment(RIGHT)
-                item.setToolTip(rows[row][0])
+                item.setToolTip(name)
                 self.setItem(row, column, item)
         self.resizeRowsToContents()
 

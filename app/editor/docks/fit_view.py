@@ -15,7 +15,6 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
-    QHeaderView,
     QLabel,
     QTableWidget,
     QTableWidgetItem,
@@ -40,7 +39,7 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, tool_button
+from app.editor.widgets import RIGHT, CopiedTable, FlowLayout, filled, labelled, tool_button
 from core.editing.operations import Operation, set_parameter, together
 from core.errors import ParameterError, UsageError
 from core.evaluation.store import Store
@@ -145,11 +144,11 @@ class FitView(WorkerView):
         self._show_outcome(None)
         self._fits = [self._given]
         self._say(f"Fitting to {pictures_name(pictures)} …")
-        self.worker.start(job)
+        self.start(job)
         self._show_buttons()
 
     def forget(self) -> None:
-        self.worker.drop()
+        self.drop()
         self._show_outcome(None)
         self._fits = []
         self.show_state()
@@ -178,21 +177,21 @@ class FitView(WorkerView):
     # --- the widget --------------------------------------------------------------------------
 
     def _build(self) -> None:
-        self.file = tool_button(
-            "fit.file",
-            "Pictures…",
+        about = (
             "Choose pictures to fit to, or drop them here; otherwise the last measured pictures "
-            "are used",
-            self,
+            "are used"
         )
+        self.file = tool_button("fit.file", "Pictures…", about, self, self._choose_file)
         self.name = labelled(QLabel(_NO_PICTURE, self), "fit.picture")
         self.name.setTextFormat(Qt.TextFormat.PlainText)
         self.name.setMinimumHeight(self.file.sizeHint().height())  # level with the buttons' texts
-        self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
-        self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
-        self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
+        about = "Fit the free parameters to the picture"
+        self.fit = tool_button("fit.begin", "Fit", about, self, self.begin)
+        self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self, self.cancel)
+        self.taking = tool_button("fit.take", "Take Values", _TAKE, self, self.take)
         about = "Hold the selected parameter fixed again (Del)"
-        self.remove = tool_button("fit.remove", "Remove", about, self)
+        self.table = FreeTable(self._session, self)
+        self.remove = tool_button("fit.remove", "Remove", about, self, self.table.remove_marked)
         about = "Choose which edge of the picture to plot"
         self.which = labelled(QComboBox(self), "fit.edges", "Edge to plot", about)
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
@@ -201,25 +200,15 @@ class FitView(WorkerView):
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("fit.notices", "Warnings and notes from the fit", self)
-        self.table = FreeTable(self._session, self)
         self.chart = SpreadChart(self)
         halves = split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))
         self.status = StatusLine("fit", "Status of the fit, or why no fit is possible", "", self)
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
-        self.file.clicked.connect(self._choose_file)
-        self.fit.clicked.connect(self.begin)
-        self.stop.clicked.connect(self.cancel)
-        self.taking.clicked.connect(self.take)
-        self.remove.clicked.connect(self.table.remove_marked)
         self.table.refused.connect(lambda text: self._say(text, failed=True))
         self.table.itemSelectionChanged.connect(self._show_buttons)
         self.which.currentIndexChanged.connect(self._show_edge)
-        self.worker.progressed.connect(self._progress)
-        self.worker.done.connect(self._done)
-        self.worker.failed.connect(self._fail)
-        self.worker.cancelled.connect(self._stopped)
         self._session.free.changed.connect(self.show_state)
         self._session.opened.connect(self.forget)
         self._session.changed.connect(self.show_state)
@@ -232,7 +221,7 @@ class FitView(WorkerView):
         count = len(self._session.free.all)
         self.table.setVisible(bool(count))
         self._show_buttons()
-        if self.worker.busy:
+        if self.busy:
             return
         old = self._given not in self._fits
         if self.outcome is not None:
@@ -266,7 +255,7 @@ class FitView(WorkerView):
         )
 
     def _show_buttons(self) -> None:
-        busy, free = self.worker.busy, self._session.free.all
+        busy, free = self.busy, self._session.free.all
         self.fit.setEnabled(not busy and bool(free) and self.pictures is not None)
         self.stop.setEnabled(busy)
         self.taking.setEnabled(not busy and bool(self._determined))
@@ -284,10 +273,9 @@ class FitView(WorkerView):
 
     def _show_edges(self, edges: tuple[DrawnEdge, ...]) -> None:
         self._edges = {one.name: one for one in edges}
-        self.which.blockSignals(True)
-        self.which.clear()
-        self.which.addItems(list(self._edges))
-        self.which.blockSignals(False)
+        with QSignalBlocker(self.which):
+            self.which.clear()
+            self.which.addItems(list(self._edges))
         if self._edges:
             most = max(self._edges.values(), key=lambda one: len(one.distance))
             self.which.setCurrentText(most.name)
@@ -296,7 +284,7 @@ class FitView(WorkerView):
     def _show_edge(self, _index: int = 0) -> None:
         self.chart.show_edge(self._edges.get(self.which.currentText()))
 
-    def _progress(self, what: Any) -> None:
+    def show_progress(self, what: Any) -> None:
         """The name of what is done next, or edges as the values change."""
         if isinstance(what, str):
             self._say(f"Fitting: {what} …")
@@ -306,17 +294,9 @@ class FitView(WorkerView):
         else:
             self._show_edges(what)
 
-    def _done(self, outcome: Any) -> None:
-        self._show_outcome(outcome)
+    def show_result(self, result: Any) -> None:
+        self._show_outcome(result)
         self.show_state()
-
-    def _fail(self, text: str) -> None:
-        self._say(text, failed=True)
-        self._show_buttons()
-
-    def _stopped(self) -> None:
-        self._say("Stopped")
-        self._show_buttons()
 
 
 def parameter_of(session: Session, node: str, name: str) -> Parameter | None:
@@ -382,31 +362,23 @@ _LIMITS = (_LOW, _HIGH)
 _UNDETERMINED = "not determined"
 
 
-class FreeTable(QTableWidget):
+class FreeTable(CopiedTable):
     refused = Signal(str)  # (text): why a limit is not taken
 
     def __init__(self, session: Session, parent: QWidget) -> None:
         super().__init__(0, len(_HEADS), parent)
         self._session = session
         self._fitted: tuple[FittedParameter, ...] = ()
-        self.setObjectName("fit.free")
-        self.setAccessibleName(
-            "Free parameters, limits and fitted values; Del fixes the selected parameter"
-        )
-        self.setToolTip(
+        labelled(
+            self, "fit.free",
+            "Free parameters, limits and fitted values; Del fixes the selected parameter",
             "Parameters that the fit determines. You can type limits; they are not saved with the "
-            "network"
-        )
-        self.setHorizontalHeaderLabels(list(_HEADS))
-        self.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
+            "network",
+        )  # fmt: skip
+        triggers = self.editTriggers()
+        self.list_figures(_HEADS)
+        self.setEditTriggers(triggers)
         self.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
-        self.setTabKeyNavigation(False)
-        self.setShowGrid(False)
-        self.verticalHeader().hide()
-        head = self.horizontalHeader()
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        head.setHighlightSections(False)
         self.itemChanged.connect(self._typed)
 
     def show_fitted(self, fitted: tuple[FittedParameter, ...]) -> None:

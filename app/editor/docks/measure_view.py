@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QMimeData, QObject, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QApplication,
@@ -105,20 +105,37 @@ def check_stop(stop: threading.Event) -> None:
         raise Cancelled("stopped on request")
 
 
-class MeasureWorker(QObject):
-    """One job at a time in a thread of its own; a new one stops the one before."""
+class WorkerView(QWidget):
+    """Works on pictures, also on files that are dropped; networks are left to its window.
 
-    progressed = Signal(object)  # what the job has come to
-    done = Signal(object)  # (result): it has ended
-    failed = Signal(str)  # (text): it could not be carried out
-    cancelled = Signal()  # it was stopped
-    _said = Signal(object, str, object)
+    One job at a time is carried out in a thread of its own; a new one stops the one before.
+    """
 
-    def __init__(self, parent: QObject | None = None) -> None:
-        super().__init__(parent)
+    status: StatusLine
+    _said = Signal(object, object, object)
+
+    def __init__(self, name: str, words: str) -> None:
+        super().__init__()
+        labelled(self, name, words)
+        self.setAcceptDrops(True)
         self._stop: threading.Event | None = None
         self._thread: threading.Thread | None = None
         self._said.connect(self._pass_on)
+
+    def take_files(self, paths: tuple[Path, ...]) -> None:
+        raise NotImplementedError
+
+    def show_progress(self, what: Any) -> None:
+        """Show what the job has come to."""
+        raise NotImplementedError
+
+    def show_result(self, result: Any) -> None:
+        raise NotImplementedError
+
+    def show_end(self, text: str, *, failed: bool = False) -> None:
+        """Say why there is no result."""
+        self._say(text, failed=failed)
+        self._show_buttons()
 
     @property
     def busy(self) -> bool:
@@ -132,9 +149,9 @@ class MeasureWorker(QObject):
         self._thread.start()
 
     def cancel(self) -> None:
-        if self._stop is not None:
+        if self.busy:
             self.drop()
-            self.cancelled.emit()
+            self.show_end("Stopped")
 
     def drop(self) -> None:
         """Stop the job, and show nothing of it."""
@@ -142,55 +159,37 @@ class MeasureWorker(QObject):
             self._stop.set()
             self._stop = None
 
-    def close(self) -> None:
+    def end_work(self) -> None:
         self.drop()
         if self._thread is not None:
             self._thread.join(_LONGEST_END_S)
             self._thread = None
 
     def _carry_out(self, job: Job, stop: threading.Event) -> None:
-        def say(signal: str, what: Any) -> None:
+        def say(shown: Callable[[Any], None], what: Any) -> None:
             if not stop.is_set():
-                self._said.emit(stop, signal, what)
+                self._said.emit(stop, shown, what)
 
         try:
-            result = job(stop, partial(say, "progressed"))
+            result = job(stop, partial(say, self.show_progress))
         except Exception as raised:
-            say("failed", error_text(as_error(raised)))
+            say(partial(self.show_end, failed=True), error_text(as_error(raised)))
         else:
-            say("done", result)
+            say(self.show_result, result)
 
-    def _pass_on(self, stop: object, signal: str, what: Any) -> None:
+    def _pass_on(self, stop: object, shown: Any, what: Any) -> None:
         if stop is not self._stop:  # another one has begun since
             return
-        if signal != "progressed":
+        if shown != self.show_progress:
             self._stop = None
-        getattr(self, signal).emit(what)
-
-
-class WorkerView(QWidget):
-    """Works on pictures, also on files that are dropped; networks are left to its window."""
-
-    status: StatusLine
-
-    def __init__(self, name: str, words: str) -> None:
-        super().__init__()
-        labelled(self, name, words)
-        self.setAcceptDrops(True)
-        self.worker = MeasureWorker(self)
-
-    def take_files(self, paths: tuple[Path, ...]) -> None:
-        raise NotImplementedError
-
-    def cancel(self) -> None:
-        self.worker.cancel()
+        shown(what)
 
     def sizeHint(self) -> QSize:
         line = self.fontMetrics().height()
         return QSize(48 * line, 21 * line)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and self.worker.busy:
+        if event.key() == Qt.Key.Key_Escape and self.busy:
             self.cancel()
             event.accept()
         else:
@@ -210,6 +209,10 @@ class WorkerView(QWidget):
 
     def _say(self, text: str, *, failed: bool = False) -> None:
         self.status.show_text(text, failed=failed)
+
+    def _show_buttons(self) -> None:
+        """Enable what can be done now."""
+        raise NotImplementedError
 
 
 def split(across: Qt.Orientation, *parts: tuple[QWidget, int]) -> QSplitter:
@@ -380,7 +383,7 @@ class MeasureView(WorkerView):
             return path
 
         self._say(f"Writing {path.name} …")
-        self.worker.start(job)
+        self.start(job)
         self._show_buttons()
 
     # --- edges -------------------------------------------------------------------------------
@@ -420,7 +423,7 @@ class MeasureView(WorkerView):
 
     def _forget_network(self) -> None:
         if self._coming is not None and self._coming.network is not None:
-            self.worker.drop()
+            self.drop()
             self._coming = None
         if self._shown is not None and self._shown.network is not None:
             self._shown, self.measured, self.current = None, None, -1
@@ -437,17 +440,18 @@ class MeasureView(WorkerView):
         about = (
             "Measure one picture or several from the same camera; you can also drop pictures here"
         )
-        self.file = tool_button("measure.file", "Files…", about, self)
-        self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
+        self.file = tool_button("measure.file", "Files…", about, self, self._choose_files)
+        about = "Stop measuring (Esc)"
+        self.stop = tool_button("measure.cancel", "Cancel", about, self, self.cancel)
         about = "Exclude the selected edge from the pooled MTF, or include it again (Del)"
-        self.remove = tool_button("measure.remove", "Remove Edge", about, self)
+        self.remove = tool_button("measure.remove", "Remove Edge", about, self, self.switch)
         self.fit = tool_button("measure.fit", "Fit", "Show the whole picture (F)", self)
         self.unused = toggle_button(
             "measure.unused", "Not Used", "Also draw the edges that cannot be used", self
         )
         self.unused.setChecked(True)
         about = "Save all results (.json), the MTF (.csv) or a report (.html)"
-        self.write = tool_button("measure.export", "Export…", about, self)
+        self.write = tool_button("measure.export", "Export…", about, self, self._choose_target)
         about = "Picture to show"
         self.pictures = labelled(QComboBox(self), "measure.pictures", about, about)
         self.band = labelled(QSpinBox(self), "measure.band", _BAND, _BAND)
@@ -478,12 +482,8 @@ class MeasureView(WorkerView):
         filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
-        self.file.clicked.connect(self._choose_files)
         self.viewer.menu().aboutToShow.connect(self._list_viewers)
         self.band.valueChanged.connect(self._measure_band)
-        self.write.clicked.connect(self._choose_target)
-        self.stop.clicked.connect(self.cancel)
-        self.remove.clicked.connect(self.switch)
         self.fit.clicked.connect(self.canvas.fit)
         self.unused.toggled.connect(self.canvas.show_unused)
         self.canvas.chosen.connect(self.choose)
@@ -493,10 +493,6 @@ class MeasureView(WorkerView):
         self.table.switched.connect(self.switch)
         self.chart.read.connect(self.status.show_more)
         self.pictures.currentIndexChanged.connect(self._show_picture)
-        self.worker.progressed.connect(lambda text: self._say(f"Measuring {text} …"))
-        self.worker.done.connect(self._take)
-        self.worker.failed.connect(partial(self._end, failed=True))
-        self.worker.cancelled.connect(partial(self._end, "Stopped"))
         self._session.changed.connect(self._say_shown)
         self._session.opened.connect(self._forget_network)
 
@@ -510,11 +506,14 @@ class MeasureView(WorkerView):
 
     def _begin(self, measuring: _Measuring, job: Job) -> None:
         self._say(f"Measuring {measuring.title} …")
-        self.worker.start(job)
+        self.start(job)
         self._coming = measuring
         self._show_buttons()
 
-    def _take(self, result: Any) -> None:
+    def show_progress(self, what: Any) -> None:
+        self._say(f"Measuring {what} …")
+
+    def show_result(self, result: Any) -> None:
         if isinstance(result, Path):
             self._session.message.emit("note", f"wrote {result}")
             self._say_shown()
@@ -526,23 +525,18 @@ class MeasureView(WorkerView):
         self.choose(next((place for place, one in enumerate(result.edges) if one.used), -1))
         self.source_changed.emit()
 
-    def _end(self, text: str, *, failed: bool = False) -> None:
-        """Say why nothing new is shown."""
+    def show_end(self, text: str, *, failed: bool = False) -> None:
         measuring, self._coming = self._coming, None
         still = measuring is not None and self._shown is not None
-        self._say(f"{text}; still showing {self._title}" if still else text, failed=failed)
-        self._show_buttons()
+        super().show_end(f"{text}; still showing {self._title}" if still else text, failed=failed)
 
     def _show_picture(self, _index: int) -> None:
         self.canvas.show_measured(self.measured, max(0, self.pictures.currentIndex()))
 
     def _show_all(self) -> None:
         measured = self.measured
-        names = (
-            []
-            if measured is None
-            else [measured.picture_name(p.picture) for p in measured.previews]
-        )
+        previews = () if measured is None else measured.previews
+        names = [measured.picture_name(one.picture) for one in previews] if measured else []
         shown = self.pictures.currentIndex()
         with QSignalBlocker(self.pictures):
             self.pictures.clear()
@@ -569,7 +563,7 @@ class MeasureView(WorkerView):
 
     def _say_shown(self, *_: object) -> None:
         measured, edge = self.measured, self.edge
-        if self.worker.busy:
+        if self.busy:
             return
         if measured is None:
             self._say("")
@@ -580,7 +574,7 @@ class MeasureView(WorkerView):
             self._say(f"{self._title}: {edge_words(self.current, edge)}")
 
     def _show_buttons(self) -> None:
-        edge, busy = self.edge, self.worker.busy
+        edge, busy = self.edge, self.busy
         self.stop.setEnabled(busy)
         self.canvas.show_busy(busy)
         self.band.setEnabled(bool(self._files))

@@ -268,14 +268,14 @@ class RunsView(QWidget):
 
     def _build(self) -> None:
         self.add = tool_button("runs.add", "Add…", "Add a run to the queue", self)
-        self.stop = tool_button("runs.cancel", "Cancel", "Stop the selected run (Del)", self)
-        self.clear = tool_button("runs.clear", "Clear", "Remove finished runs from the list", self)
-        self.folder = tool_button(
-            "runs.folder", "Open Folder", "Open the folder with the selected run's files", self
-        )
-        self.page = tool_button(
-            "runs.page", "Open Report", "Open the selected run's report or trade-off", self
-        )
+        about = "Stop the selected run (Del)"
+        self.stop = tool_button("runs.cancel", "Cancel", about, self, self._stop)
+        about = "Remove finished runs from the list"
+        self.clear = tool_button("runs.clear", "Clear", about, self, self._queue.clear)
+        about = "Open the folder with the selected run's files"
+        self.folder = tool_button("runs.folder", "Open Folder", about, self, self._open_folder)
+        about = "Open the selected run's report or trade-off"
+        self.page = tool_button("runs.page", "Open Report", about, self, self._open_page)
         bar = QWidget(self)
         buttons = (self.add, self.stop, self.clear, self.folder, self.page)
         filled(FlowLayout(bar, across=4, down=2), *buttons, margins=(4, 4, 4, 2))
@@ -295,10 +295,6 @@ class RunsView(QWidget):
         parts = (bar, (self.hint, 1), (self.list, 2), (self.previews, 3))
         filled(QVBoxLayout(self), *parts, spacing=2)
         self.add.clicked.connect(self.add_wanted)
-        self.stop.clicked.connect(self._stop)
-        self.clear.clicked.connect(self._queue.clear)
-        self.folder.clicked.connect(self._open_folder)
-        self.page.clicked.connect(self._open_page)
         self.list.itemActivated.connect(lambda *_: self._open_page() or self._open_folder())
         self.list.currentItemChanged.connect(self._show_current)
         delete, context = QKeySequence.StandardKey.Delete, Qt.ShortcutContext.WidgetShortcut

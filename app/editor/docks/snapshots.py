@@ -322,11 +322,6 @@ class SnapshotsView(Viewer):
         self._now: Figures | None = None
         self._build()
         snapshots.changed.connect(self._follow_snapshots)
-        self.keep.clicked.connect(snapshots.keep)
-        self.flip.clicked.connect(lambda: snapshots.compare("flip"))
-        self.wipe.clicked.connect(lambda: snapshots.compare("wipe"))
-        self.back.clicked.connect(partial(without_argument, snapshots.go_back))
-        self.remove.clicked.connect(lambda: snapshots.remove(snapshots.chosen))
         self._follow_snapshots()
 
     def queries(self) -> Sequence[Query]:
@@ -349,17 +344,18 @@ class SnapshotsView(Viewer):
         self._follow_snapshots()
 
     def _build(self) -> None:
-        self.keep = tool_button(
-            "snapshots.keep", "Keep", "Keep the current state as a snapshot (Ctrl+K)", self
-        )
+        kept, about = self._snapshots, "Keep the current state as a snapshot (Ctrl+K)"
+        self.keep = tool_button("snapshots.keep", "Keep", about, self, kept.keep)
         self.flip = toggle_button("snapshots.flip", "Flip", "Switch between A and B (K)", self)
-        self.wipe = toggle_button(
-            "snapshots.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
-        )
-        self.back = tool_button(
-            "snapshots.back", "Go Back", "Restore the network to A; you can undo this", self
-        )
+        about = "Show A on the left and B on the right of a divider (W)"
+        self.wipe = toggle_button("snapshots.wipe", "Wipe", about, self)
+        about = "Restore the network to A; you can undo this"
+        self.back = tool_button("snapshots.back", "Go Back", about, self)
         self.remove = tool_button("snapshots.remove", "Remove", "Delete A (Del)", self)
+        self.flip.clicked.connect(lambda: kept.compare("flip"))
+        self.wipe.clicked.connect(lambda: kept.compare("wipe"))
+        self.back.clicked.connect(partial(without_argument, kept.go_back))
+        self.remove.clicked.connect(lambda: kept.remove(kept.chosen))
         self.list = SnapshotList(self._snapshots)
         self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)
         self.title.setContentsMargins(6, 0, 2, 0)

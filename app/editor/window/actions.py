@@ -313,7 +313,7 @@ class EditCommands(QObject):
     def paste(self) -> None:
         session, canvas = self._session, self._canvas
         text = QGuiApplication.clipboard().text()
-        at, sizes = canvas.cursor_point(), canvas.sizes()
+        at, sizes = canvas.surface.cursor_point(), canvas.content.sizes()
         with self._refusals("nothing was pasted: "):
             self._do(*pasted(text, session.network, library=session.library, at=at, sizes=sizes))
 
@@ -327,7 +327,7 @@ class EditCommands(QObject):
             paste_values(whole, whole.selection)
 
     def duplicate(self) -> None:
-        session, sizes = self._session, self._canvas.sizes()
+        session, sizes = self._session, self._canvas.content.sizes()
         if names := session.selection:
             self._do(*duplicated(session.network, names, library=session.library, sizes=sizes))
 
@@ -394,15 +394,15 @@ class EditCommands(QObject):
     def backdrop(self) -> None:
         session = self._session
         if session.selection:
-            operation = around(session.network, session.selection, self._canvas.sizes())
+            operation = around(session.network, session.selection, self._canvas.content.sizes())
         else:
-            x, y = self._canvas.cursor_point()
+            x, y = self._canvas.surface.cursor_point()
             operation = add(session.network, Backdrop("Backdrop", x, y, *_NEW_BACKDROP))
         if session.do(operation):
             self._canvas.edit_last_title()
 
     def note(self) -> None:
-        x, y = self._canvas.cursor_point()
+        x, y = self._canvas.surface.cursor_point()
         operation = add(self._session.network, Backdrop("Note", x, y, *_NEW_NOTE, note=True))
         if self._session.do(operation):
             self._canvas.edit_last_title()
@@ -415,7 +415,7 @@ class EditCommands(QObject):
             places = arranged(session.network, drawn, only=session.selection, room=room)
             session.do(self._without_dots(move_nodes(places, "Lay out"), session.selection))
         elif session.network.nodes:
-            moving = laid_out(session.network, canvas.sizes(), room, drawn)
+            moving = laid_out(session.network, canvas.content.sizes(), room, drawn)
             session.do(self._without_dots(moving, session.network.nodes))
         self._canvas.frame_all()
 
@@ -433,14 +433,14 @@ class EditCommands(QObject):
 
     def _arranged(self, places: Callable[..., dict[str, Point]], how: str, label: str) -> None:
         session = self._session
-        points = places(session.network, session.selection, self._canvas.sizes(), how)
+        points = places(session.network, session.selection, self._canvas.content.sizes(), how)
         if points:
             session.do(moved_with_dots(session.network, dict(points), label))
         else:
             session.message.emit("note", f"{label.lower()}: select two or more nodes")
 
     def frame(self) -> None:
-        if self._session.selection:
-            self._canvas.frame_selection()
+        if names := self._session.selection:
+            self._canvas.view.frame(self._canvas.content.bounds(names))
         else:
             self._canvas.frame_all()

@@ -1,6 +1,7 @@
 """Runs beside the window: what lists and reports them, and the dialog that adds one."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
-from app.editor.docks.runs import Run, RunQueue, RunsView, failures_text, job_of, proposed_folder
+from app.editor.docks.runs import RunQueue, RunsView, failures_text, job_of, proposed_folder
 from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
 from app.editor.messages import (
     ROLE,
@@ -59,12 +60,11 @@ class BackgroundRuns(QObject):
         self._question: Question | None = None
         self.queue = RunQueue(self)
         self.view = RunsView(self.queue)
-        area = Qt.DockWidgetArea.BottomDockWidgetArea
-        self.dock = add_dock(window, "Runs", "dock.runs", self.view, area)
-        self.dock.hide()
+        self.dock = add_dock(window, "Runs", "runs", self.view, hidden=True)
         self.view.add_wanted.connect(self.add)
         self.queue.changed.connect(self._say_end)
-        session.opened.connect(self._drop_dialogs)
+        for name in ("add_run", "report_dialog"):
+            session.opened.connect(partial(drop_dialogs, window, name))
 
     def report(self) -> None:
         path = self._session.document.path
@@ -105,9 +105,14 @@ class BackgroundRuns(QObject):
         """Ask whether to end what runs, then go on; False where nothing runs."""
         unfinished = self.queue.unfinished
         if unfinished and self._question is None:
-            self._question = runs_go_on(self._window, unfinished)
-            self._question.finished.connect(lambda _: self._answered(following))
-            self._question.open()
+            self._question = box = Question(self._window, "runs_go_on", "Stop the runs?")
+            box.setText(f"Unfinished runs: {', '.join(run.title for run in unfinished)}")
+            box.setTextFormat(Qt.TextFormat.PlainText)
+            box.setInformativeText("Results not yet written will be lost.")
+            box.offer("cancel", "&Keep Running", ROLE.RejectRole)
+            box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
+            box.finished.connect(lambda _: self._answered(following))
+            box.open()
         elif self._question is not None:
             self._question.raise_()
             self._question.activateWindow()
@@ -137,20 +142,6 @@ class BackgroundRuns(QObject):
 
     def _say(self, kind: str, text: str) -> None:
         self._session.message.emit(kind, text)
-
-    def _drop_dialogs(self) -> None:
-        for name in ("add_run", "report_dialog"):
-            drop_dialogs(self._window, name)
-
-
-def runs_go_on(parent: QWidget, runs: list[Run]) -> Question:
-    box = Question(parent, "runs_go_on", "Stop the runs?")
-    box.setText(f"Unfinished runs: {', '.join(run.title for run in runs)}")
-    box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setInformativeText("Results not yet written will be lost.")
-    box.offer("cancel", "&Keep Running", ROLE.RejectRole)
-    box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
-    return box
 
 
 KINDS: tuple[tuple[Kind, str], ...] = (
@@ -295,7 +286,8 @@ class AddRun(QDialog):
         field: QWidget = self.folder
         try:
             output = self._output()
-            field = self._main_field()
+            fields = {"sweep": self.values, "frames": self.frames, "files": self.files}
+            field = fields.get(self.kind, self.kinds)  # which says most of a kind of run
             what, choices = self._choices()
             choices.setdefault("report", self.report.isChecked())
             job = job_of(self._session, self.kind, output, **choices)
@@ -307,15 +299,6 @@ class AddRun(QDialog):
         name = path.stem if path else self._session.network.name or "untitled"
         self.accept()
         self.added.emit(f"{name}: {what}", job)
-
-    def _main_field(self) -> QWidget:
-        """The field that says most of a kind of run."""
-        fields: dict[Kind, QWidget] = {
-            "sweep": self.values,
-            "frames": self.frames,
-            "files": self.files,
-        }
-        return fields.get(self.kind, self.kinds)
 
     def _choices(self) -> tuple[str, dict[str, Any]]:
         """What is run, in words, and as a job has it."""

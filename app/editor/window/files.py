@@ -302,7 +302,7 @@ class Drops(QObject):
         if paths:
             accept_copy(event)
             if event.type() == QEvent.Type.Drop:
-                self._add(paths, QPointF(*self._canvas.cursor_point()))
+                self._add(paths, QPointF(*self._canvas.surface.cursor_point()))
         return bool(paths)
 
     def files(self, paths: list[str], point: QPointF) -> None:

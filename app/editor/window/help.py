@@ -8,10 +8,8 @@ from PySide6.QtGui import QDesktopServices, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
     QDialog,
-    QHeaderView,
     QLineEdit,
     QMessageBox,
-    QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
     QWidget,
@@ -24,7 +22,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.widgets import filled, labelled
+from app.editor.widgets import CopiedTable, filled, labelled
 from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
 from app.run.terminal import command, version
@@ -136,19 +134,12 @@ class HandbookOpening(QObject):
 # The list of shortcuts.
 
 # What keys and the mouse do without being an action: where, what, how, and more of it.
+# fmt: off
 BESIDE_ACTIONS = (
-    (
-        "Canvas",
-        "Move the selection",
-        "arrow keys",
-        "Shift: by one unit, or resize the selected backdrop",
-    ),
-    (
-        "Canvas",
-        "Go to the next node",
-        "Ctrl with arrow keys",
-        "Shift: add the node to the selection",
-    ),
+    ("Canvas", "Move the selection", "arrow keys",
+     "Shift: by one unit, or resize the selected backdrop"),
+    ("Canvas", "Go to the next node", "Ctrl with arrow keys",
+     "Shift: add the node to the selection"),
     ("Canvas", "Open", "Return", "The panel of the selected node, or a backdrop's title"),
     ("Mouse", "Pan", "middle button", "Drag the canvas"),
     ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
@@ -156,26 +147,19 @@ BESIDE_ACTIONS = (
     ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
     ("Mouse", "View", "Ctrl+Shift+click", "Show the node in viewer 1"),
     ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
-    (
-        "Mouse",
-        "Bend a wire",
-        "double-click on the wire",
-        "Add a dot; drag to move it, Del to delete it",
-    ),
+    ("Mouse", "Bend a wire", "double-click on the wire",
+     "Add a dot; drag to move it, Del to delete it"),
     ("Mouse", "Cut wires", "Alt+Shift+drag", "Disconnect the wires that the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes a Read Image node; a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Show the region of the selected module"),
     ("Mouse", "Move a region", "drag the region or a corner", "Esc cancels the drag"),
-    (
-        *("Mouse", "Move a wipe", "drag, or Ctrl+arrow"),
-        "The divider between A and B, or between two wires; Shift: larger steps",
-    ),
-    (
-        *("Mouse", "Show another band", "drag the band's line, or PgUp"),
-        "In a picture with bands; PgDown goes back",
-    ),
+    ("Mouse", "Move a wipe", "drag, or Ctrl+arrow",
+     "The divider between A and B, or between two wires; Shift: larger steps"),
+    ("Mouse", "Show another band", "drag the band's line, or PgUp",
+     "In a picture with bands; PgDown goes back"),
     ("Mouse", "Default", "right-click on a value", "Reset the value to its default"),
 )
+# fmt: on
 OR = "  or  "
 
 
@@ -191,20 +175,12 @@ class ShortcutList(QDialog):
         self.search.setClearButtonEnabled(True)
         rows = (*shortcuts_of(actions), *BESIDE_ACTIONS)
         self._rows = [" ".join(row).casefold() for row in rows]
-        self.table = table = labelled(
-            QTableWidget(len(rows), 4, self), "shortcuts.table", "Shortcuts"
-        )
+        table = labelled(CopiedTable(len(rows), 4, self), "shortcuts.table", "Shortcuts")
+        self.table = table
         for number, row in enumerate(rows):
             for column, text in enumerate(row):
                 table.setItem(number, column, QTableWidgetItem(text))
-        table.setHorizontalHeaderLabels(["Menu", "Action", "Keys", "What it does"])
-        table.verticalHeader().hide()
-        table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
-        table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
-        table.setShowGrid(False)
-        table.setTabKeyNavigation(False)
-        table.resizeColumnsToContents()
-        table.horizontalHeader().setSectionResizeMode(3, QHeaderView.ResizeMode.Stretch)
+        table.list_figures(("Menu", "Action", "Keys", "What it does"), widest=3)
         filled(QVBoxLayout(self), self.search, (table, 1), margins=None)
         metrics = self.fontMetrics()
         self.resize(metrics.averageCharWidth() * 110, metrics.height() * 28)

@@ -44,7 +44,6 @@ from core.errors import ImagechainError
 from core.modules.declaration import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
-_BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 _LAID_OUT_MS = 50  # until docks that come back have their places
 _LEAST_CANVAS = 8  # lines of text, in which a chain can still be followed
 
@@ -208,8 +207,8 @@ class MainWindow(QMainWindow):
             if other.isWindow():
                 other.hide()
         self.runs.queue.close()
-        self.measuring.worker.close()
-        self.fitting.worker.close()
+        self.measuring.end_work()
+        self.fitting.end_work()
         self.help.handbook.close()
         self.autosaver.close()
         self.file_watch.close()
@@ -236,29 +235,28 @@ class MainWindow(QMainWindow):
         self.pages.addWidget(self.welcome)
         self.pages.addWidget(workbench)
         self.setCentralWidget(self.pages)
-        self.library_dock = add_dock(workbench, "Library", "dock.library", self.library_view, _LEFT)
-        self.panel_dock = add_dock(workbench, "Control panels", "dock.panels", self.panels, _RIGHT)
+        self.library_dock = add_dock(workbench, "Library", "library", self.library_view, _LEFT)
+        self.panel_dock = add_dock(workbench, "Control panels", "panels", self.panels, _RIGHT)
         self.viewers = ViewerDocks(self.session, self.evaluator, workbench)
+        hidden_dock = partial(add_dock, workbench, hidden=True)
         self.history = HistoryList(self.session)
-        self.history_dock = add_dock(workbench, "History", "dock.history", self.history, _RIGHT)
-        self.history_dock.hide()
+        self.history_dock = hidden_dock("History", "history", self.history, _RIGHT)
         self.snapshots = Snapshots(
             self.session, self.evaluator, self.viewers.images, self.viewers.plot, self
         )
         self.viewers.made.connect(lambda _: self.snapshots.follow())
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
-        self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
+        self.snapshots_dock = hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, workbench, self.finish_typing)
-        self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
         self.measuring = measuring = MeasureView(self.session, self.viewers.images)
-        self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
+        self.measure_dock = hidden_dock("Measure", "measure", measuring)
         self.fitting = FitView(self.session, lambda: measuring.source, self.finish_typing)
-        self.fit_dock = self._hidden_dock("Fit", "fit", self.fitting)
+        self.fit_dock = hidden_dock("Fit", "fit", self.fitting)
         self.fit_dock.visibilityChanged.connect(self.fitting.show_state)
         measuring.source_changed.connect(self.fitting.show_state)
         self.layout_in_use = WindowLayout(workbench)
         for dock in workbench.findChildren(QDockWidget):
-            self.layout_in_use.follow(dock)
+            self._follow_dock(dock)
         # Docks that an action shows and hides, and what in them gets the keyboard.
         self.tools: dict[str, tuple[QDockWidget, QWidget]] = {
             "trade_off": (self.viewers.tradeoff_dock, self.viewers.tradeoff.parameter),
@@ -267,13 +265,11 @@ class MainWindow(QMainWindow):
             "runs": (self.runs.dock, self.runs.view),
             "snapshots": (self.snapshots_dock, self.snapshots_view.list),
         }
-        self.viewers.made.connect(self.layout_in_use.follow)
+        self.viewers.made.connect(self._follow_dock)
 
-    def _hidden_dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
-        dock = add_dock(self.workbench, title, f"dock.{name}", widget, _BOTTOM)
-        dock.hide()
+    def _follow_dock(self, dock: Any) -> None:
+        self.layout_in_use.follow(dock)
         dock.visibilityChanged.connect(self.viewers.name_tabs)
-        return dock
 
     def _targets(self) -> dict[str, Callable[..., object]]:
         session, files, edits, canvas = self.session, self.files, self.edits, self.canvas
@@ -401,7 +397,8 @@ class MainWindow(QMainWindow):
 
     def _make_room(self, *, empty: bool) -> None:
         if not empty and self.layout_in_use.lacks_docks:  # the first node stays in sight
-            QTimer.singleShot(_LAID_OUT_MS, self.canvas.show_nodes)
+            view, content = self.canvas.view, self.canvas.content
+            QTimer.singleShot(_LAID_OUT_MS, lambda: view.make_visible(content.bounds()))
         self.layout_in_use.make_room(empty=empty)
         self.figures.setHidden(empty)
 
@@ -446,7 +443,7 @@ class MainWindow(QMainWindow):
         self.panel_dock.raise_()
 
     def _chosen_in_library(self, key: str) -> None:
-        if not self.shelf.add(key, self.canvas.cursor_point()):
+        if not self.shelf.add(key, self.canvas.surface.cursor_point()):
             self.canvas.add_module(key)
 
     def _view_requested(self, node: str, port: str, number: int) -> None:

@@ -46,11 +46,10 @@ class ViewerDocks(QObject):
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator)
-        self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
+        self.plot_dock = add_dock(window, "Curves", "curves", self.plot)
         self._viewer(1)
         self.tradeoff = TradeOffView(session, evaluator)
-        self.tradeoff_dock = self._dock("Trade-off", "dock.tradeoff", self.tradeoff)
-        self.tradeoff_dock.hide()
+        self.tradeoff_dock = add_dock(window, "Trade-off", "tradeoff", self.tradeoff, hidden=True)
 
     def set_picture_actions(self, *actions: QAction) -> None:
         self.picture_actions = actions
@@ -111,7 +110,7 @@ class ViewerDocks(QObject):
             viewer = ImageViewer(self._session, self._evaluator, number)
             viewer.window_actions = self.picture_actions
             viewer.add_compare_actions(self._compare_actions)
-            dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
+            dock = add_dock(self._window, f"Viewer {number}", f"viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
             self._window.restoreDockWidget(dock)  # to where it was the last time, if anywhere
@@ -119,11 +118,6 @@ class ViewerDocks(QObject):
             self.docks[number] = dock
             self.made.emit(dock)
         return viewer
-
-    def _dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
-        dock = add_dock(self._window, title, name, widget, _BOTTOM)
-        dock.visibilityChanged.connect(self.name_tabs)
-        return dock
 
     def name_tabs(self, _visible: bool) -> None:
         """Tabs of docks behind one another are Qt's own, made when needed."""
@@ -137,12 +131,19 @@ class ViewerDocks(QObject):
 
 
 def add_dock(
-    window: QMainWindow, title: str, name: str, widget: QWidget, area: Qt.DockWidgetArea
+    window: QMainWindow,
+    title: str,
+    name: str,
+    widget: QWidget,
+    area: Qt.DockWidgetArea = _BOTTOM,
+    *,
+    hidden: bool = False,
 ) -> QDockWidget:
     """Put a widget in a dock of that title; `name` is what its place is remembered under."""
-    dock = labelled(QDockWidget(title, window), name)
+    dock = labelled(QDockWidget(title, window), f"dock.{name}")
     dock.setWidget(widget)
     window.addDockWidget(area, dock)
+    dock.setHidden(hidden)
     return dock
 
 

@@ -15,7 +15,7 @@ CTRL = Qt.KeyboardModifier.ControlModifier
 def grounded(session, canvas, library):
     """A backdrop behind the first two nodes."""
     session.open(Document(chain_and_free_blur(), library=library))
-    session.do(around(session.network, ["scene", "init"], canvas.sizes(), "Front end"))
+    session.do(around(session.network, ["scene", "init"], canvas.content.sizes(), "Front end"))
     return session
 
 

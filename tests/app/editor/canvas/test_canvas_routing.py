@@ -15,7 +15,7 @@ BESIDE = 10.0
 
 
 def lane_for(start, end, boxes, beside):
-    return course_of(start, end, Ground(boxes), beside).lane
+    return course_of(start, end, Ground(boxes), beside)[0]
 
 
 def met(start, end, lane, box):

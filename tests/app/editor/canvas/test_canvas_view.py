@@ -40,7 +40,7 @@ def test_the_wheel_zooms_at_the_pointer_and_the_middle_button_pans(opened, canva
         canvas.frame_all()
         seen = canvas.view.mapToScene(canvas.view.viewport().rect()).boundingRect()
         assert seen.contains(canvas.content.bounds())
-        assert canvas.view.relative_zoom <= 1.0
+        assert (canvas.view.zoom / canvas.view.style_of_canvas.natural_zoom) <= 1.0
 
 
 def test_menus_pop_up_for_what_is_under_the_pointer(opened, canvas, hand):
@@ -78,7 +78,7 @@ def test_it_draws_at_every_zoom(opened, canvas, theme):
     opened("kodak_kir310")
     canvas.setPalette(theme.palette())
     for zoom in (0.1, 4.0):
-        canvas.view.zoom_at(zoom / canvas.view.relative_zoom)
+        canvas.view.zoom_at(zoom / (canvas.view.zoom / canvas.view.style_of_canvas.natural_zoom))
         picture = canvas.view.grab().toImage()
         across, down = range(0, picture.width(), 4), range(0, picture.height(), 4)
         colours = {picture.pixelColor(x, y).name() for x in across for y in down}

@@ -78,7 +78,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert view.table.isVisible()
     view.choose_pictures((files / "edge.npy",))
     seen = []
-    view.worker.progressed.connect(seen.append)
+    view._said.connect(lambda _stop, _shown, what: seen.append(what))
     before = window.session.document.network
     steps = window.session.document.position
     qtbot.mouseClick(view.fit, Qt.MouseButton.LeftButton)
@@ -123,7 +123,7 @@ def test_buttons_warn_of_another_camera_and_offer_no_value_that_may_be_another(
         choose_file(view.file, files / name)
         assert view.name.text() == name
         QTest.mouseClick(view.fit, LEFT)
-        qtbot.waitUntil(lambda: not view.worker.busy)
+        qtbot.waitUntil(lambda: not view.busy)
         return " ".join(text for _, text in view.notices.left)
 
     said = fit("lwir.img")
@@ -174,7 +174,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     assert session.free.has("smear", "sigma_x_mrad")
     view.begin()
     window.files.open_now(str(files / "net.json"))
-    assert not view.worker.busy
+    assert not view.busy
     assert session.free.all == ()
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()

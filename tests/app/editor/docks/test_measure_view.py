@@ -44,7 +44,7 @@ def view(qtbot, session):
     made.show()
     qtbot.waitExposed(made)
     yield made
-    made.worker.close()
+    made.end_work()
 
 
 @pytest.fixture
@@ -148,7 +148,7 @@ def test_work_is_stopped_and_shows_nothing(view, qtbot):
         finally:
             ended.set()
 
-    view.worker.start(job)
+    view.start(job)
     assert begun.wait(20)
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert ended.wait(20)
@@ -164,7 +164,7 @@ def test_work_is_stopped_and_shows_nothing(view, qtbot):
                  if any(image.pixel(x, y) != ground for y in range(image.height()))]  # fmt: skip
         assert min(inked[0], image.width() - 1 - inked[-1]) >= 4 * letter
         assert inked[-1] - inked[0] <= 73 * letter
-    assert not view.worker.busy
+    assert not view.busy
     assert view.measured is None
 
 

@@ -33,7 +33,7 @@ def test_ends_are_said_in_one_line(run):
     run.result = Result(4, (("a", "no file"), ("b", "no picture")), ("blur: noisy",))
     assert whole_text(run, 0.0).splitlines() == [
         "Small: 4 values",
-        "done · 12 s · 2 of 4 failed: a: no file",
+        "done · 12 s · 2 of 4 runs failed; the first, a: no file",
         "Output: /out",
         "b: no picture",
         "blur: noisy",

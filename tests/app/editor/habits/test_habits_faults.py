@@ -59,7 +59,8 @@ def test_files_dropped_together_spread_out(window, hand, idle, tmp_path):
     frames = [QRectF(*layout[n], *size) for n, size in canvas.sizes_with_thumbnails().items()]
     assert len(frames) == 3
     assert all(
-        frame.height() > canvas.sizes()[n][1] for n, frame in zip(layout, frames, strict=True)
+        frame.height() > canvas.content.sizes()[n][1]
+        for n, frame in zip(layout, frames, strict=True)
     )
     assert not any(one.intersects(two) for one, two in itertools.combinations(frames, 2))
 

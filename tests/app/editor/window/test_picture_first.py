@@ -98,7 +98,7 @@ def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened
     opened.canvas.frame_all()
     view, nodes = opened.canvas.view, opened.canvas.content.nodes
     assert len(nodes) == 15
-    assert view.relative_zoom < OVERVIEW
+    assert view.zoom / view.style_of_canvas.natural_zoom < OVERVIEW
     plates = []
     for name, node in nodes.items():
         title = node.title_at(view.zoom)
