@@ -236,9 +236,6 @@ _ALSO: Mapping[str, str] = MappingProxyType(
 )
 
 
-_FEWEST_LETTERS = 3
-
-
 def found_by(declared: Declaration) -> tuple[str, str, str]:
     """Texts in which a typed word is looked for, those that count most first."""
     readouts = " ".join(readout.name.replace("_", " ") for readout in declared.readouts)
@@ -254,8 +251,7 @@ def found_by(declared: Declaration) -> tuple[str, str, str]:
 def rank(texts: tuple[str, str, str], typed: str) -> int | None:
     """How well typed words fit, 1 the best; 0 where none is typed, None where one does not occur.
 
-    1 where they are the whole title or key, in any order; then in how many texts all are found;
-    last a word that is a title or key with letters left out.
+    1 where they are the whole title or key, in any order; then in how many texts all are found.
     """
     words = typed.casefold().split()
     if not words:
@@ -267,12 +263,4 @@ def rank(texts: tuple[str, str, str], typed: str) -> int | None:
         known = " ".join(texts[:count])
         if all(word in known for word in words):
             return count + 1
-    if len(words) == 1 and any(_abbreviates(words[0], line) for line in texts[0].splitlines()[:2]):
-        return len(texts) + 2
     return None
-
-
-def _abbreviates(word: str, name: str) -> bool:
-    """Whether a word is a name with letters left out, as `gsmtf` of Gaussian MTF."""
-    left = iter(name.replace("_", "").replace(" ", ""))
-    return len(word) >= _FEWEST_LETTERS and name[:1] == word[0] and all(c in left for c in word)

@@ -17,7 +17,6 @@ from PySide6.QtWidgets import (
     QMessageBox,
     QProgressBar,
     QPushButton,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -74,17 +73,13 @@ class Notice(QWidget):
             else plain_label(f"{name}.text", self)
         )
         self.away = close_button(f"{name}.close", self)
+        self.away.clicked.connect(self._close)
         row = filled(QHBoxLayout(self), spacing=5)
         top = Qt.AlignmentFlag.AlignVCenter if one_line else Qt.AlignmentFlag.AlignTop
         row.addWidget(self.mark, 0, top)
         row.addWidget(self.label, 1)
         row.addWidget(self.away, 0, top)
-        self.away.clicked.connect(self._close)
         self.hide()
-
-    @property
-    def severity(self) -> Severity:
-        return self.mark.severity
 
     def show_text(self, text: str, severity: Severity = "information") -> None:
         self.text = text
@@ -97,7 +92,7 @@ class Notice(QWidget):
         self.setVisible(bool(text))
 
     def _close(self) -> None:
-        self.show_text("", self.severity)
+        self.show_text("", self.mark.severity)
         self.closed.emit()
 
 
@@ -165,8 +160,7 @@ class StatusBar(QWidget):
         )
         self._progress.setTextVisible(False)
         self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
-        self._cancel = QPushButton("Cancel", self)
-        self._cancel.setObjectName("status.cancel")
+        self._cancel = labelled(QPushButton("Cancel", self), "status.cancel")
         self._cancel.setToolTip("Stop the computation (Esc)")
         self._cancel.clicked.connect(self.cancel_wanted)
         self._over = QTimer(self, singleShot=True, interval=NOTE_MS)
@@ -242,7 +236,7 @@ class StatusBar(QWidget):
 
     def _close(self) -> None:
         """The message that is seen is closed; the one below it comes into sight."""
-        self._drop(self._notice.severity)
+        self._drop(self._notice.mark.severity)
 
 
 ROLE = QMessageBox.ButtonRole
@@ -300,11 +294,11 @@ def choose_pictures(
 class Question(QMessageBox):
     """A question whose answers have names; Esc, or closing it, is to cancel."""
 
-    def __init__(self, parent: QWidget, name: str, title: str) -> None:
-        super().__init__(parent)
+    def __init__(self, parent: QWidget, name: str, title: str, text: str, more: str = "") -> None:
+        super().__init__(QMessageBox.Icon.Question, title, text, parent=parent)
         self.setObjectName(name)
-        self.setIcon(QMessageBox.Icon.Question)
-        self.setWindowTitle(title)
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setInformativeText(more)
         self.finished.connect(self.deleteLater)
 
     def offer(self, answer: str, text: str, role: QMessageBox.ButtonRole) -> QPushButton:
@@ -360,8 +354,8 @@ class SaveDialog(FileDialog):
         super().done(result)
 
     def _ask(self, file: str) -> None:
-        box = Question(self, "replace_file", "Replace file?")
-        box.setText(f"{Path(file).name} already exists. Replace it?")
+        text = f"{Path(file).name} already exists. Replace it?"
+        box = Question(self, "replace_file", "Replace file?", text)
         box.offer("cancel", "Cancel", ROLE.RejectRole)
         replace = box.offer("replace", "&Replace", ROLE.AcceptRole)
         replace.clicked.connect(lambda: self._agree(file))

@@ -163,9 +163,6 @@ class Session(QObject):
     def redo(self) -> None:
         self.document.redo()
 
-    def go_to(self, position: int) -> None:
-        self.document.go_to(position)
-
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
         """Save the document, `over` another program's changes too; whether that worked."""
         before = self.document.path

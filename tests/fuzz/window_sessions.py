@@ -244,7 +244,7 @@ class WindowSession(NewerActions):
 
     def check_undone(self):
         history = self.session.document
-        self.session.go_to(history.last)
+        self.session.document.go_to(history.last)
         end = self.text()
         for _ in range(100_000):
             if not history.undo_text:

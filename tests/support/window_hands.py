@@ -5,7 +5,7 @@ import time
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent, QWheelEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
 from app.editor.window.files import Opened, shipped_copy
 from canvas_hands import PLAIN, CanvasHands
@@ -111,7 +111,7 @@ def answer(qtbot, window, button):
     qtbot.waitUntil(lambda: window.findChild(QMessageBox, "save_changes") is not None)
     box = window.findChild(QMessageBox, "save_changes")
     box.setObjectName("answered")
-    QTest.mouseClick(box.button(button), Qt.MouseButton.LeftButton)
+    QTest.mouseClick(box.findChild(QPushButton, button), Qt.MouseButton.LeftButton)
 
 
 def turn(widget, place=None, keys=PLAIN):

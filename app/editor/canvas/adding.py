@@ -257,7 +257,7 @@ class Adding:
         self._popup = popup
         self._loose: Link | None = None
         popup.chosen.connect(self._chosen)
-        popup.abandoned.connect(self._abandoned)
+        popup.abandoned.connect(lambda: self._chosen(self._disconnect_loose))
 
     def dismiss(self) -> None:
         self._popup.dismiss()
@@ -388,17 +388,15 @@ class Adding:
             show_new(self._surface, name)
 
     def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
-        """Wire a new node to an end, so that its port is where the wire was drawn to."""
         at = self._place(end, candidate, point)
-        self._wire(loose, lambda network, library: wired_to(network, library, end, candidate, at))
+        self._wire(loose, partial(wired_to, end=end, candidate=candidate, at=at))
 
     def _wire_behind(self, end: End, bridge: Bridge, point: QPointF, loose: Link | None) -> None:
         places = two_places(self._surface, bridge, self._place(end, bridge[0], point))
-        self._wire(
-            loose, lambda network, library: wired_behind(network, library, end, bridge, places)
-        )
+        self._wire(loose, partial(wired_behind, end=end, bridge=bridge, places=places))
 
     def _place(self, end: End, candidate: Candidate, point: QPointF) -> Point:
+        """Where a new node's port is at the end of the wire that was drawn."""
         surface = self._surface
         node = Node(local_key(candidate.module), candidate.module)
         face = face_of(node, declaration(surface.session.library[candidate.module]), ())
@@ -425,10 +423,6 @@ class Adding:
 
     def _chosen(self, value: Any) -> None:
         value()
-        self._forget_wire()
-
-    def _abandoned(self) -> None:
-        self._disconnect_loose()
         self._forget_wire()
 
     def _forget_wire(self) -> None:

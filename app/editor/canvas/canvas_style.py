@@ -5,14 +5,14 @@ Sizes are in units of the scene, in which networks store their layout: a node st
 large as that of the window.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QFontInfo, QFontMetricsF, QPen
 
 from app.editor.declared_text import says_more
-from app.editor.theme import Look, Theme
+from app.editor.theme import Theme
 from core.modules.declaration import Declaration, Port, package_of
 from core.network.network import Link, Node
 from core.records import dataclass
@@ -74,6 +74,7 @@ def face_of(
     absent = f"The library has no module {node.module}{of_package}."
     coming = (link.input for link in links if link.target == node.id)
     going = (link.output for link in links if link.source == node.id)
+    colour = node.extra.get(COLOUR)
     return NodeFace(
         id=node.id,
         module=declared.title if declared else node.module,
@@ -84,14 +85,9 @@ def face_of(
         known=declared is not None,
         disabled=node.disabled,
         output=output,
-        colour=colour_of(node),
+        colour=colour if isinstance(colour, str) else "",
         macro=node.macro is not None,
     )
-
-
-def colour_of(node: Node) -> str:
-    colour = node.extra.get(COLOUR)
-    return colour if isinstance(colour, str) else ""
 
 
 def _missing(known: tuple[Port, ...], names: Iterable[str]) -> tuple[Port, ...]:
@@ -106,27 +102,16 @@ _SIZES: dict[TextRole, int] = {"title": 13, "id": 12, "port": 12}
 
 
 # Chosen so that the theme's text is read on them, contrast 4.5 or more; the tests measure it.
-_TINTS: Mapping[Look, Mapping[str, str]] = {
-    "dark": {
-        "red": "#7a2e35",
-        "orange": "#7a4a1e",
-        "yellow": "#665a17",
-        "green": "#2c6138",
-        "blue": "#28538a",
-        "violet": "#5d3f86",
-        "grey": "#555b63",
-    },
-    "light": {
-        "red": "#f3c1c3",
-        "orange": "#f5d0a9",
-        "yellow": "#efe3a0",
-        "green": "#c3e5c5",
-        "blue": "#bfd7f5",
-        "violet": "#ddcbf2",
-        "grey": "#d3d6da",
-    },
+_TINTS = {  # of the dark theme, and of the light one
+    "red": ("#7a2e35", "#f3c1c3"),
+    "orange": ("#7a4a1e", "#f5d0a9"),
+    "yellow": ("#665a17", "#efe3a0"),
+    "green": ("#2c6138", "#c3e5c5"),
+    "blue": ("#28538a", "#bfd7f5"),
+    "violet": ("#5d3f86", "#ddcbf2"),
+    "grey": ("#555b63", "#d3d6da"),
 }
-TINTS: tuple[str, ...] = tuple(_TINTS["dark"])
+TINTS = tuple(_TINTS)
 
 
 class CanvasStyle:
@@ -189,8 +174,7 @@ class CanvasStyle:
         return 9.0 + 5.0 * (order.index(types[0]) if types and types[0] in order else len(order))
 
     def tint(self, name: str) -> QColor | None:
-        tints = _TINTS[self.theme.look]
-        return QColor(tints[name]) if name in tints else None
+        return QColor(_TINTS[name][self.theme.look == "light"]) if name in _TINTS else None
 
     def head(self, group: str) -> QColor:
         return QColor(self.theme.groups.get(group, self.theme.raised))
@@ -224,8 +208,11 @@ def geometry_of(face: NodeFace, style: CanvasStyle) -> NodeGeometry:
     head = HEAD_WITH_ID if face.subtitle else HEAD
     title = style.width("title", face.id) + 2 * _PADDING + BADGE_ROOM
     rows = max(len(face.inputs), len(face.outputs))
-    labels = [_row_width(face, row, style) for row in range(rows)]
-    width = min(max([NARROWEST, title, *labels]), WIDEST)
+    width = max(NARROWEST, title)
+    for row in range(rows):
+        texts = [ports[row].name for ports in (face.inputs, face.outputs) if row < len(ports)]
+        width = max(width, sum(style.width("port", one) + _PADDING for one in texts) + _PADDING)
+    width = min(width, WIDEST)
     height = head + rows * PORT_ROW + 2 * _FOOT
     ports: dict[tuple[Side, str], QPointF] = {}
     for x, side in ((0.0, INPUT), (width, OUTPUT)):
@@ -233,11 +220,6 @@ def geometry_of(face: NodeFace, style: CanvasStyle) -> NodeGeometry:
             y = head + _FOOT + (row + 0.5) * PORT_ROW
             ports[side, port.name] = QPointF(x, y)
     return NodeGeometry(width, height, head, ports)
-
-
-def _row_width(face: NodeFace, row: int, style: CanvasStyle) -> float:
-    texts = [ports[row].name for ports in (face.inputs, face.outputs) if row < len(ports)]
-    return sum(style.width("port", text) + _PADDING for text in texts) + _PADDING
 
 
 def label_room(geometry: NodeGeometry, row: int, others: Sequence[Port]) -> float:

@@ -226,7 +226,8 @@ class Content:
         while len(self.backdrops) > len(wanted):
             self._scene.removeItem(self.backdrops.pop())
         for item, backdrop in zip(self.backdrops, wanted, strict=False):
-            item.show_backdrop(backdrop)
+            item.shown = backdrop
+            item.place(rect_of(backdrop))
         for index in range(len(self.backdrops), len(wanted)):
             self.backdrops.append(BackdropItem(index, wanted[index], self.style))
             self._scene.addItem(self.backdrops[-1])

@@ -462,10 +462,6 @@ class BackdropItem(AbstractNodeItem):
     def title(self) -> str:
         return self.shown.title
 
-    def show_backdrop(self, shown: Backdrop) -> None:
-        self.shown = shown
-        self.place(rect_of(shown))
-
     def place(self, rect: QRectF) -> None:
         self.prepareGeometryChange()
         self.setPos(rect.topLeft())

@@ -486,7 +486,7 @@ class HistoryList(QListWidget):
         return QSize(45, 40) * self.fontMetrics().averageCharWidth()
 
     def _go(self, item: QListWidgetItem) -> None:
-        self._session.go_to(self.row(item))
+        self._session.document.go_to(self.row(item))
 
     def _follow(self) -> None:
         if not self.isVisible():

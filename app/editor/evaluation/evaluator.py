@@ -85,13 +85,9 @@ class Evaluator(QObject):
         )
         self._drawing.timeout.connect(self._rung)
         self._outbox = Outbox(bell.ring)
-        self._runner = Runner(
-            session.library,
-            policy or Policy(),
-            Store() if store is None else store,
-            self._inbox,
-            self._outbox,
-        )
+        store = Store() if store is None else store
+        boxes = (self._inbox, self._outbox)
+        self._runner = Runner(session.library, policy or Policy(), store, *boxes)
         self._thread: threading.Thread | None = None
         self._requests: dict[str, tuple[Request, ...]] = {}
         self._least: dict[str, int] = {}  # generation of an answer that is still of use
@@ -173,19 +169,16 @@ class Evaluator(QObject):
 
     def _follow_change(self, before: Any, after: Any) -> None:
         if not computes_alike(before, after):
-            self._note_edit()
+            now = time.perf_counter()
+            self._gestures += now - self._edited_at > PAUSE_S
+            self._edits += 1
+            self._edited_at = now
             self._post()
 
     def _follow_opening(self) -> None:
         self._document += 1
         self._edits += 1
         self._post_soon()  # the views post their queries on it first
-
-    def _note_edit(self) -> None:
-        now = time.perf_counter()
-        self._gestures += now - self._edited_at > PAUSE_S
-        self._edits += 1
-        self._edited_at = now
 
     def _post_soon(self) -> None:
         if not self._closed:
@@ -360,7 +353,7 @@ class Freshness(QObject):
         self._late = QTimer(self, singleShot=True, interval=OLD_AFTER_MS)
         self._late.timeout.connect(lambda: self._set(True))
         session.changed.connect(self._edited)
-        session.opened.connect(self._opened)
+        session.opened.connect(lambda: self.catch_up(self._edit))
         evaluator.pass_done.connect(self._pass_done)
 
     def catch_up(self, generation: int) -> None:
@@ -375,10 +368,6 @@ class Freshness(QObject):
         self._edit = self._evaluator.generation
         if not self._late.isActive() and not self.is_old:
             self._late.start()
-
-    def _opened(self) -> None:
-        self._late.stop()
-        self._set(False)
 
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.reduced == 1 and not done.cancelled:

@@ -367,11 +367,8 @@ def _unconnected(network: Network, library: Library, name: str) -> str:
     linked = {link.input for link in network.links_into(name)}
     ports = declaration(library[network.nodes[name].module]).inputs
     missing = [port for port in ports if port.required and port.name not in linked]
-    return ", ".join(f"{port.name} needs {_article(' or '.join(port.types))}" for port in missing)
-
-
-def _article(noun: str) -> str:
-    return f"an {noun}" if noun[:1] in "aeiou" else f"a {noun}"
+    kinds = [(port.name, " or ".join(port.types)) for port in missing]
+    return ", ".join(f"{name} needs a{'n' * (of[:1] in 'aeiou')} {of}" for name, of in kinds)
 
 
 def _fails(badge: Badge | None) -> bool:

@@ -262,10 +262,16 @@ class Runner:
                 if pictures and not self._is_cancelled(snapshot):
                     known = task.expected if position.stopped else 0.0
                     self._pace.took(task.change, max(position.seconds, known), reduced)
-            if pictures and rest and self._pace.rest_may_wait() and self._rest_waits(snapshot):
-                return False
+            if pictures and rest and self._pace.rest_may_wait():
+                until = min(self._pace.rest_again, snapshot.edited_at + PAUSE_S)
+                if not self._inbox.quiet_until(until) and self._inbox.waiting:
+                    return False  # an edit has come before its time
             if rest:
-                self._answer_rest(rest, task, position)
+                start = time.perf_counter()
+                try:
+                    self._answer(rest, task, position)
+                finally:
+                    self._pace.rest_took(time.perf_counter() - start)
         except Cancelled:
             if reduced > 1 or not self._is_cancelled(snapshot):
                 self._pace.gave_way(position.seconds)
@@ -278,18 +284,6 @@ class Runner:
             how = (position.seconds, reduced, position.stopped, follows)
             self._outbox.done(PassDone(snapshot.generation, *how))
         return True
-
-    def _rest_waits(self, snapshot: Snapshot) -> bool:
-        """Hold all but pictures back between edits; whether one has come before its time."""
-        until = min(self._pace.rest_again, snapshot.edited_at + PAUSE_S)
-        return not self._inbox.quiet_until(until) and self._inbox.waiting
-
-    def _answer_rest(self, rest: list[Due], task: Task, position: Position) -> None:
-        start = time.perf_counter()
-        try:
-            self._answer(rest, task, position)
-        finally:
-            self._pace.rest_took(time.perf_counter() - start)
 
     def _answer(self, dues: list[Due], task: Task, position: Position) -> None:
         for due in dues:
@@ -391,18 +385,13 @@ class Runner:
     def _send_badges(self) -> None:
         assert self._planned is not None
         plan = self._planned.shown
-        known = [
-            self._warned.get(check.recipe.key)
-            for check in plan.checks()
-            if isinstance(check, PendingCheck)
-        ]
+        pending = [check for check in plan.checks() if isinstance(check, PendingCheck)]
+        known = [self._warned.get(check.recipe.key) for check in pending]
+        warned = [warning for warning in known if warning is not None]
+        met = [sent.error for sent in self._sent.values() if sent.error is not None]
+        stale, skipped = self._stale, self._skipped
         shown = badges(
-            plan,
-            self._engine.library,
-            stale=self._stale,
-            met=[sent.error for sent in self._sent.values() if sent.error is not None],
-            skipped=self._skipped,
-            warned=[warning for warning in known if warning is not None],
+            plan, self._engine.library, stale=stale, met=met, skipped=skipped, warned=warned
         )
         if shown != self._badges:
             self._badges = shown

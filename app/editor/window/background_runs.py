@@ -105,10 +105,10 @@ class BackgroundRuns(QObject):
         """Ask whether to end what runs, then go on; False where nothing runs."""
         unfinished = self.queue.unfinished
         if unfinished and self._question is None:
-            self._question = box = Question(self._window, "runs_go_on", "Stop the runs?")
-            box.setText(f"Unfinished runs: {', '.join(run.title for run in unfinished)}")
-            box.setTextFormat(Qt.TextFormat.PlainText)
-            box.setInformativeText("Results not yet written will be lost.")
+            text = f"Unfinished runs: {', '.join(run.title for run in unfinished)}"
+            more = "Results not yet written will be lost."
+            box = Question(self._window, "runs_go_on", "Stop the runs?", text, more)
+            self._question = box
             box.offer("cancel", "&Keep Running", ROLE.RejectRole)
             box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
             box.finished.connect(lambda _: self._answered(following))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Signal
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QMessageBox, QWidget
+from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.library_view import LibraryView
@@ -186,29 +186,25 @@ class Files(QObject):
 
 
 def save_changes(parent: QWidget, network: str) -> Question:
-    box = Question(parent, "save_changes", "Save changes?")
-    box.setText(f"Save the changes to {network or 'this network'}?")
-    box.setInformativeText("Unsaved changes will be lost.")
-    for answer, text, standard in (
-        ("save", "&Save", QMessageBox.StandardButton.Save),
-        ("discard", "&Discard", QMessageBox.StandardButton.Discard),
-        ("cancel", "Cancel", QMessageBox.StandardButton.Cancel),
-    ):
-        button = labelled(box.addButton(standard), answer)
-        button.setText(text)  # with a key to each on every desktop
-    box.setDefaultButton(QMessageBox.StandardButton.Save)
+    text, more = (
+        f"Save the changes to {network or 'this network'}?",
+        "Unsaved changes will be lost.",
+    )
+    box = Question(parent, "save_changes", "Save changes?", text, more)
+    box.offer("save", "&Save", ROLE.AcceptRole)
+    box.offer("discard", "&Discard", ROLE.DestructiveRole)
+    box.offer("cancel", "Cancel", ROLE.RejectRole)
     return box
 
 
 def changed_file(parent: QWidget, file: str, done: str) -> Question:
-    box = Question(parent, "changed_file", "Overwrite it?")
-    box.setText(f"Another program has {done} {file} since you opened or saved it here.")
-    box.offer("save_as", "Save &As…", ROLE.AcceptRole)
+    text = f"Another program has {done} {file} since you opened or saved it here."
+    more = "Overwrite discards the other program's changes; Reload discards yours."
     if done == "removed":
-        box.setInformativeText("Overwrite saves the file again.")
-    else:
-        consequence = "Overwrite discards the other program's changes; Reload discards yours."
-        box.setInformativeText(consequence)
+        more = "Overwrite saves the file again."
+    box = Question(parent, "changed_file", "Overwrite it?", text, more)
+    box.offer("save_as", "Save &As…", ROLE.AcceptRole)
+    if done != "removed":
         box.offer("reload", "&Reload", ROLE.DestructiveRole)
     box.offer("overwrite", "&Overwrite", ROLE.DestructiveRole)
     box.offer("cancel", "Cancel", ROLE.RejectRole)

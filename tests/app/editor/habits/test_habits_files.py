@@ -9,14 +9,12 @@ import pytest
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QPushButton
 
 from app.editor.recovery_files import Autosave
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, drag_event, give_focus
-
-_BUTTON = QMessageBox.StandardButton
 
 
 def dialog_of(window):
@@ -75,11 +73,11 @@ def test_ctrl_shift_s_saves_to_another_file(window, hand, files):
 def test_ctrl_n_asks_for_unsaved_work_and_begins_anew(window, hand, qtbot):
     add(window, "test_scene")
     hand.key(KEY.Key_N, CTRL)
-    answer(qtbot, window, _BUTTON.Cancel)
+    answer(qtbot, window, "cancel")
     assert window.session.network.nodes
     hand.focus()
     hand.key(KEY.Key_N, CTRL)
-    answer(qtbot, window, _BUTTON.Discard)
+    answer(qtbot, window, "discard")
     qtbot.waitUntil(lambda: not window.session.network.nodes)
 
 
@@ -97,7 +95,7 @@ def test_a_picture_dropped_on_the_canvas_becomes_read_image_there(window, hand, 
 def test_a_network_dropped_asks_for_unsaved_work(window, hand, files, qtbot):
     add(window, "test_scene")
     hand.drop_files(window.canvas.view.viewport(), hand.at(0, 0), [files / "mine.json"])
-    answer(qtbot, window, _BUTTON.Cancel)
+    answer(qtbot, window, "cancel")
     assert "test_scene" in window.session.network.nodes
 
 

@@ -75,7 +75,7 @@ def test_the_second_to_save_is_asked_and_nothing_is_written_before_the_answer(tw
     for reply in ("cancel", "overwrite"):
         assert not one.close()
         box = next(b for b in one.findChildren(QMessageBox, "save_changes") if b.isVisible())
-        box.button(QMessageBox.StandardButton.Save).click()
+        box.findChild(QPushButton, "save").click()
         qtbot.waitUntil(lambda: question(one) is not None)
         assert one.isVisible()
         assert file.read_bytes() == before

@@ -8,8 +8,6 @@ from core.editing.document import Document
 from core.editing.operations import set_parameter
 from window_hands import CTRL, KEY, SHIFT, add, answer, give_focus
 
-_BUTTON = QMessageBox.StandardButton
-
 
 def questions(window):
     return [box for box in window.findChildren(QMessageBox, "save_changes") if box.isVisible()]
@@ -51,7 +49,7 @@ def test_work_is_asked_for_until_it_is_saved(window, hand, qtbot, idle, tmp_path
     edit.selectAll()
     QTest.keyClicks(edit, "0.75")
     assert not window.close()
-    answer(qtbot, window, _BUTTON.Cancel)
+    answer(qtbot, window, "cancel")
     assert window.isVisible()
     assert_alive(window, qtbot, tmp_path / "recovery")
     assert not window.close()
@@ -61,7 +59,7 @@ def test_work_is_asked_for_until_it_is_saved(window, hand, qtbot, idle, tmp_path
     box.setObjectName("answered")
     assert window.isVisible()
     window.close()
-    answer(qtbot, window, _BUTTON.Save)
+    answer(qtbot, window, "save")
     qtbot.waitUntil(lambda: bool(dialogs(window)))
     (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
     dialog.fileSelected.emit(str(tmp_path / "mine.json"))
@@ -85,7 +83,7 @@ def test_no_dialog_is_in_the_way(window, hand, qtbot, tmp_path, action, name, mo
     assert QApplication.activeModalWidget() is None
     assert window.close() is not modified
     if modified:
-        answer(qtbot, window, _BUTTON.Discard)
+        answer(qtbot, window, "discard")
     qtbot.waitUntil(lambda: not window.isVisible())
     assert not dialogs(window)
 
