@@ -29,7 +29,6 @@ from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
 from app.editor.widgets import centred_hint, filled, is_escape, labelled, show_or_hide
-from app.fit.fit_page import MOST
 from app.run.overrides import MOST, OPTION, Variation, is_number, spaced, variation
 from app.run.transfer_chain import ANALYSIS
 from core.editing.operations import set_parameter

@@ -358,13 +358,13 @@ def _within_surroundings(
         first, last = _longest_run(np.asarray(within.all(axis=1)) & in_frame)
         piece_length = (last - first) * length / cells
         if piece_length < _LEAST_LENGTH:
-            near = (beside > _STEEP) & (beside <= reach_now)
+            shoulders = (beside > _STEEP) & (beside <= reach_now)
             reasons[reach_now] = (
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
                     "brightness or contrast varies along the edge: the largest deviation is "
-                    f"{percent(off[:, near].max() / contrast)} of the edge's contrast"
+                    f"{percent(off[:, shoulders].max() / contrast)} of the edge's contrast"
                 )
             )
             continue

@@ -4,7 +4,6 @@ import pytest
 
 from app.editor.canvas.node_item import NodeItem
 from app.editor.canvas.wires import WireItem
-from app.editor.evaluation.queries import Badge
 from core.editing.document import Document
 from core.editing.operations import add_nodes, move_nodes, remove_nodes, rename_node, rewire
 from core.network.network import Link, Network, Node
@@ -24,28 +23,6 @@ def drawn_items(canvas):
     """Nodes and wires in the scene, whatever the canvas's lists say."""
     items = canvas.view.scene().items()
     return tuple(sum(isinstance(item, kind) for item in items) for kind in (NodeItem, WireItem))
-
-
-def test_a_network_is_shown_as_its_file_says(opened, canvas):
-    opened("first_steps")
-    nodes, links, places = shown(canvas)
-    assert nodes == {
-        "scene": "Test Scene",
-        "init": "Init & Trans",
-        "blur": "Gaussian MTF",
-        "back": "Back Transform",
-        "picture": "Examine Image",
-    }
-    assert links == {
-        Link.between("scene.image", "init.image"),
-        Link.between("init.context", "blur.context"),
-        Link.between("init.magnitude", "blur.magnitude"),
-        Link.between("blur.magnitude", "back.magnitude"),
-        Link.between("init.phase", "back.phase"),
-        Link.between("back.image", "picture.image"),
-    }
-    assert places["blur"] == (480.0, 0.0)
-    assert drawn_items(canvas) == (5, 6)
 
 
 def test_ports_are_the_modules_from_top_to_bottom(opened, canvas):
@@ -118,20 +95,3 @@ def test_nodes_without_a_point_stand_beside_each_other(session, canvas, library)
     assert not any(one.intersects(other) for one in frames for other in frames if one is not other)
     assert canvas.content.nodes["init"].x() > canvas.content.nodes["scene"].x()
     assert not session.document.modified
-
-
-def test_badges_come_change_and_go(opened, canvas):
-    opened("first_steps")
-    nodes = canvas.content.nodes
-    canvas.set_badges({"blur": Badge("stale", "waits for its turn")})
-    assert nodes["blur"].badge == Badge("stale", "waits for its turn")
-    assert [child.toolTip() for child in nodes["blur"].childItems()].count(
-        "waits for its turn"
-    ) == 1
-    canvas.set_badges(
-        {"blur": Badge("error", "sigma: give a number"), "scene": Badge("skipped", "")}
-    )
-    assert nodes["blur"].badge.kind == "error"
-    canvas.set_badges({})
-    assert all(item.badge is None for item in nodes.values())
-    assert all(child.toolTip() != "sigma: give a number" for child in nodes["blur"].childItems())

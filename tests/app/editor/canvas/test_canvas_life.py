@@ -3,35 +3,18 @@
 import gc
 import weakref
 
-from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.node_item import NodeItem
 from app.editor.evaluation.queries import Badge
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
-from core.editing.operations import remove_nodes
 from core.network.file import load_network
 
 
 def collect():
     QApplication.processEvents()
     gc.collect()
-
-
-def test_removed_items_are_gone(opened, canvas, hand):
-    session = opened("kodak_kir310")
-    canvas.set_badges({"optics": Badge("error", "no")})
-    hand.drag(hand.head("optics"), hand.head("optics") + QPoint(9, 40))
-    hand.click(hand.port("optics", "magnitude", "output"))
-    content = canvas.content
-    items = [content.nodes["optics"], *content.nodes["optics"].ports.values()]
-    items += content.wires_at("optics")
-    gone = [weakref.ref(item) for item in items]
-    del items
-    session.do(remove_nodes(("optics",)))
-    collect()
-    assert [ref() for ref in gone if ref() is not None] == []
 
 
 def test_twenty_networks_leave_no_more_items_than_one(session, canvas, library):

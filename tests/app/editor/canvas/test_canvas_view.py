@@ -1,10 +1,8 @@
 """Panning, zooming, framing, the menus of the right button, and where things are on the screen."""
 
-import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QAction
 
-from app.editor.theme import DARK, LIGHT
 from core.network.network import Link
 
 MIDDLE = Qt.MouseButton.MiddleButton
@@ -70,17 +68,3 @@ def test_menus_pop_up_for_what_is_under_the_pointer(opened, canvas, hand):
     action.trigger()
     canvas.menus.wire_menu.close()
     assert link not in session.network.links
-
-
-@pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
-def test_it_draws_at_every_zoom(opened, canvas, theme):
-    """Nothing complains, the ground has the theme's colour, and the nodes are there."""
-    opened("kodak_kir310")
-    canvas.setPalette(theme.palette())
-    for zoom in (0.1, 4.0):
-        canvas.view.zoom_at(zoom / (canvas.view.zoom / canvas.view.style_of_canvas.natural_zoom))
-        picture = canvas.view.grab().toImage()
-        across, down = range(0, picture.width(), 4), range(0, picture.height(), 4)
-        colours = {picture.pixelColor(x, y).name() for x in across for y in down}
-        assert theme.canvas in colours
-        assert len(colours) > 3

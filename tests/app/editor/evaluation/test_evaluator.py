@@ -109,6 +109,20 @@ def test_edits_that_come_while_a_pass_runs_make_one_more(evaluator, answers, sma
     assert len(done) <= 2
 
 
+class Waiting(Asking):
+    """Asked once edits pause."""
+
+    waits = True
+
+
+def test_what_waits_is_answered_last(evaluator, answers, small, settled):
+    evaluator.ask("late", [Waiting(lambda _: 1, urgency=0)])
+    evaluator.ask("figures", [Readouts("electronics")])
+    evaluator.ask("picture", [FINAL])
+    settled()
+    assert [answer.owner for answer in answers] == ["picture", "figures", "late"]
+
+
 def test_an_answer_older_than_the_newest_is_dropped(evaluator, answers, small, settled):
     evaluator.ask("viewer", [FINAL])
     settled()

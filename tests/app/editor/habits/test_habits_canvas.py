@@ -45,14 +45,6 @@ def test_escape_closes_the_search_before_it_cancels_anything(window, hand):
 # --- deleting, copying, undoing ----------------------------------------------------------------
 
 
-def test_delete_takes_a_selected_wire(hand, chain):
-    wire = Link.between("init.magnitude", "back.magnitude")
-    hand.click(hand.wire(wire))
-    hand.key(KEY.Key_Delete)
-    assert wire not in chain.network.links
-    assert len(chain.network.nodes) == 4
-
-
 def test_copy_and_paste_bring_nodes_with_the_wires_among_them(hand, chain):
     hand.select("init", "back")
     hand.key(KEY.Key_C, CTRL)

@@ -92,13 +92,6 @@ def test_a_picture_dropped_on_the_canvas_becomes_read_image_there(window, hand, 
     assert window.session.network.layout[node.id] == (60.0, 40.0)
 
 
-def test_a_network_dropped_asks_for_unsaved_work(window, hand, files, qtbot):
-    add(window, "test_scene")
-    hand.drop_files(window.canvas.view.viewport(), hand.at(0, 0), [files / "mine.json"])
-    answer(qtbot, window, "cancel")
-    assert "test_scene" in window.session.network.nodes
-
-
 def test_a_picture_dropped_on_the_welcome_page_begins_a_network(window, files):
     hand = WindowHands(window)
     spot = window.welcome.viewport().rect().center()

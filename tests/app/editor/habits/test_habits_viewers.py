@@ -108,18 +108,6 @@ def test_a_deleted_node_leaves_its_input_and_errors_the_place_of_the_hint(window
     assert plot.canvas.isVisible()  # the chain's
 
 
-def test_enter_in_the_name_field_gives_the_keyboard_back(window, hand):
-    hand.select("blur")
-    name = window.panels.panels["blur"].head.name
-    QTest.mouseClick(name, Qt.MouseButton.LeftButton)
-    hand.key(KEY.Key_A, CTRL)
-    hand.type("shake")
-    hand.key(KEY.Key_Return)
-    assert window.canvas.isAncestorOf(QApplication.focusWidget())
-    hand.key(KEY.Key_D)  # a key of the canvas
-    assert window.session.network.nodes["shake"].disabled
-
-
 def test_a_node_that_gives_curves_is_shown_among_the_curves(window, hand, idle):
     name = add(window, "mtf_slices", (900, 300))
     window.canvas.frame_all()
@@ -155,14 +143,6 @@ def test_a_picture_is_exported(window, hand, idle, tmp_path):
         assert str(path) in window.status.note, suffix
     samples = window.viewers.images[1].picture.samples
     np.testing.assert_array_equal(np.load(tmp_path / "shown.npy"), samples)
-
-
-def test_curves_are_exported(window, hand, idle, tmp_path):
-    for suffix in (".png", ".svg", ".csv"):
-        give_focus(window.viewers.plot.canvas)
-        path = tmp_path / f"curves{suffix}"
-        export(window, hand, path)
-        assert path.stat().st_size > 0, suffix
 
 
 # --- panels ------------------------------------------------------------------------------------
