@@ -2,7 +2,7 @@
 
     import imagechain as ic
 
-    chain = ic.open("kodak_kir310")                 # a shipped network by name, or a file
+    chain = ic.open("kodak_kir310")                 # an example network by name, or a file
     chain.set("electronics.amplifier_snr", 40)
     result = chain.run()
     result.image()                                  # the picture, a numpy array

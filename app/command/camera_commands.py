@@ -247,8 +247,8 @@ def photon_transfer(
 @options.argument(
     "fields", "FILE=TEMPERATURE...",
     "two or more frames of a black body and its temperature, such as 293.15K or 20C. Correct "
-    "the temperature for emissivity and atmosphere first. The file formats are those of "
-    "photon-transfer",
+    "the temperature for emissivity and atmosphere first. The file formats are the same as "
+    "for photon-transfer",
     values.file_at_temperature, many=True)  # fmt: skip
 @options.written_outputs("write the figures, overall and at each temperature", values.TRANSFERS)
 @options.json_flag

@@ -38,8 +38,8 @@ _OF_PLUG_IN = re.compile(r"\ba fault in the (module \S+ of the )?plug-in ")
     "figure to compute: a read-out of a node, or an MTF of the chain. total.mtf_nyquist_x "
     "and total.mtf_half_nyquist_x (or _y) are the MTF at the samples' Nyquist frequency and at "
     "half of it; total.mtf_pixel_nyquist_x and total.mtf_half_pixel_nyquist_x use the pixels' "
-    "Nyquist frequency. May be repeated (default: the electronics' figures and the chain's MTFs, "
-    "if they change)",
+    "Nyquist frequency. May be repeated (default: the sensor's figures and the chain's MTFs, "
+    "without figures that do not change)",
     many=True, to="figures")  # fmt: skip
 @options.written_outputs("write the figures", values.OUTPUTS)
 @options.numerical_options
@@ -119,8 +119,8 @@ def tradeoff(
 @options.option("--points", "N", "number of points for --sample latin", values.whole_number)
 @options.option(
     "--figure", "NODE.READOUT",
-    "figure to compute at each point, as for tradeoff; may be repeated (default: figures of "
-    "the electronics and the chain's MTF; none if pictures are saved)",
+    "figure to compute at each point, as for tradeoff; may be repeated (default: the "
+    "sensor's figures and the chain's MTFs; none if pictures are saved)",
     many=True, to="figures")  # fmt: skip
 @options.save_option(
     "NODE.PORT=PATTERN",

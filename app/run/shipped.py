@@ -63,8 +63,10 @@ def find_network(text: str) -> Place:
             f"{text} is a preset (part of a chain), not a network: in Python, add "
             f"ic.preset({text!r}) after a scene; in the editor, take it from the library"
         )
-    hint = alike(text, every) or f"; shipped networks: {', '.join(shipped_networks()) or 'none'}"
-    raise FileError(f"{shown_path(text)} is neither a file nor the name of a shipped network{hint}")
+    hint = alike(text, every) or f"; example networks: {', '.join(shipped_networks()) or 'none'}"
+    raise FileError(
+        f"{shown_path(text)} is neither a file nor the name of an example network{hint}"
+    )
 
 
 def _is_picture(path: Path) -> bool:

@@ -499,7 +499,7 @@ class Chain:
 
 @plain_errors
 def open(network: str | PathLike[str]) -> Chain:
-    """Open a network file, or a shipped network by its name.
+    """Open a network file, or an example network by its name.
 
     Parameters
     ----------
@@ -515,5 +515,5 @@ def open(network: str | PathLike[str]) -> Chain:
 
 
 def networks() -> list[str]:
-    """Names of the shipped networks."""
+    """Names of the example networks."""
     return list(shipped_networks())

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 File = str | PathLike[str]
 Values = str | Sequence[Any] | NDArray[Any]
-_CHAIN = "a Chain, a network file, or the name of a shipped network"
+_CHAIN = "a Chain, a network file, or the name of an example network"
 _VARY = "{'NODE.PARAM': values}, or the points as sample='points.csv'"
 _TEXTS = "a mapping of strings, {'NODE.NAME': pattern}"
 _OUTPUT = "the name of a .csv, .parquet or .nc file"
@@ -61,7 +61,7 @@ def study(
     Parameters
     ----------
     chain : Chain or path
-        A chain, a file, or the name of a shipped network.
+        A chain, a file, or the name of an example network.
     vary : mapping
         Values by ``NODE.PARAM``: a sequence or an array, or a string as in the command
         (``"0:1:5"``, ``"1e10:1e12:7:log"``, ``"a,b"``; ``"0:1"`` for a Latin hypercube).

@@ -244,7 +244,7 @@ def fit(
     Parameters
     ----------
     chain : Chain or path
-        A chain, a file, or the name of a shipped network; your own chain does not change.
+        A chain, a file, or the name of an example network; your own chain does not change.
     to : path or array, or a sequence of them
         Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns). The
         samples must be proportional to the light, as the sensor delivers them, and correspond one

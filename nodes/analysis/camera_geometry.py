@@ -146,7 +146,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
     sample at equal steps in the focal plane. The flight direction is down the picture, and scan
     lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
     footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
-    choose samples smaller than the pixels, and combine pixels after the detector's MTF.
+    choose samples smaller than the pixels, apply Detector MTF, and then use Sample Pixels.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
@@ -395,7 +395,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
 
     @readout("m")
     def swath_m(self, image: Image) -> float:
-        """Ground covered by the middle line, from end to end."""
+        """Swath width: length of the middle line on the ground."""
         return swath_m(self.camera(image))
 
     @readout("m")

@@ -154,7 +154,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
     target_size_m: float = param(
         2.3,
-        "size of the target: the square root of its area",
+        "characteristic dimension of the target: the square root of its area",
         (0, 1e6),
         above=True,
         slider=(0.1, 10),
@@ -164,27 +164,27 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
     extinction_per_km: float = param(
         0.2,
-        "extinction of the air in the band, used if there is no Atmospheric Path",
+        "extinction coefficient of the air in the band, used if there is no Atmospheric Path",
         (0, 1e6),
         slider=(0, 2),
     )
     n50_detection: float = param(
         0.75,
-        "cycles across the target for 50 % detection; use 1 with the MRTD in one direction",
+        "cycles across the target for 50 % detection with the 2-D MRTD (1 with the 1-D MRTD)",
         (0, 1000),
         above=True,
         slider=(0.1, 10),
     )
     n50_recognition: float = param(
         3.0,
-        "cycles across the target for 50 % recognition; use 4 with the MRTD in one direction",
+        "cycles across the target for 50 % recognition with the 2-D MRTD (4 with the 1-D MRTD)",
         (0, 1000),
         above=True,
         slider=(0.1, 10),
     )
     n50_identification: float = param(
         6.0,
-        "cycles across the target for 50 % identification; use 6.4 with the MRTD in one direction",
+        "cycles across the target for 50 % identification with the 2-D MRTD (6.4 with the 1-D MRTD)",
         (0, 1000),
         above=True,
         slider=(0.1, 10),

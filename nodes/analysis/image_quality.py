@@ -35,11 +35,12 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     the GSD on the ground: GSD/√sin e, where e is the elevation of the line of sight seen from the
     target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
     edge response (RER) is the rise of the edge response from half a sample before the edge to half
-    a sample after it. The overshoot H is the height of the edge response 1 to 3 samples beyond the
-    edge. RER and H follow from the chain's transfer functions; the SNR follows from the chain's
-    signal and temporal noise. No noise is drawn or measured. GSD, RER and H are geometric means
-    of the horizontal and vertical values; in GIQE 5 the worse RER counts twice. Connect the picture
-    as the sensor samples it, before a frame grabber interpolates it.
+    a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
+    edge; if the response only rises there, H is its value at 1.25 samples. RER and H follow from
+    the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
+    noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
+    values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,
+    before a frame grabber interpolates it.
 
     With `snr_of` = `contrast`, the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts

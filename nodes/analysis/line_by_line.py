@@ -185,7 +185,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     spacing: Literal["frame", "flight", "typed"] = param(
         "frame",
         "line spacing at nadir; frame: the frame's interval; flight: from velocity "
-        "and scan rate on Init & Trans, one line per turn; typed: line_spacing_m",
+        "and scan velocity on Init & Trans, one line per 360° of scan; typed: line_spacing_m",
     )
     line_spacing_m: float | None = param(
         None, "distance between scan lines on the ground", low=0, slider=(0.1, 10)

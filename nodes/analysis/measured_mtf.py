@@ -411,8 +411,8 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Formula(
             r"\mathrm{MTF}(f)=\frac{1}{\mathrm{sinc}(f/4)\,\mathrm{sinc}(f/2)}\;\left|\frac{"
             r"\sum_j w_j\,\ell_j\,e^{-2\pi ifx_j}}{\sum_j w_j\,\ell_j}\right|",
-            where="ℓ: line spread, the central difference of the edge in quarter-sample steps; "
-            "w: window; f: cycles per sample along the edge's normal; the sincs correct "
+            where="ℓ: line spread function, the central difference of the edge in quarter-sample "
+            "steps; w: window; f: cycles per sample along the edge's normal; the sincs correct "
             "for the quarter-sample bins and the finite difference",
             when="slanted_edge",
         ),
@@ -453,7 +453,9 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         unit="px",
         slider=_PIXELS,
     )
-    window: Window = param("tukey", "window on the line spread; tukey: flat over its middle half")
+    window: Window = param(
+        "tukey", "window on the line spread function; tukey: flat over its middle half"
+    )
     samples: int = param(129, "number of points on the curve", (2, 4096), slider=(32, 1024))
     clip_left_px: int | None = param(
         None,

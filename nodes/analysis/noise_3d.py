@@ -38,12 +38,12 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     prediction is an average over all sensors of the same design; the measurement contains one
     sensor's pattern. With few rows or columns, the measured fixed components therefore scatter
     about the prediction. Noise correlated between neighbouring samples also appears in σ tv and σ
-    th. Rounding counts as noise. With `path`, the frames of a file, for example from a camera, are
-    measured instead of simulated frames; they are read one at a time. In a file, everything that
-    stays the same from frame to frame, including the scene, counts as fixed pattern. Use frames of
-    a uniform scene. If a picture is also connected, its predicted noise is shown beside the
-    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
-    Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    th. Quantization noise is included. With `path`, the frames of a file, for example from a
+    camera, are measured instead of simulated frames; they are read one at a time. In a file,
+    everything that stays the same from frame to frame, including the scene, counts as fixed
+    pattern. Use frames of a uniform scene. If a picture is also connected, its predicted noise is
+    shown beside the measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992
+    (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (

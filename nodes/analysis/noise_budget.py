@@ -312,12 +312,12 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
     propagated to the picture through all later filters, pixel combining and interpolation.
-    Variances of independent noises add, so each source has a share of the sum. `fixed` means the
-    patterns that stay the same from frame to frame, averaged over all sensors of the same design.
-    Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
-    of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
-    it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do
-    not count as blur.
+    Variances of independent noises add, so each source has a share of the sum. `fixed` means
+    fixed-pattern noise, the same in every frame, averaged over all sensors of the same design.
+    Quantization noise is included. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the
+    share of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative
+    share: it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur.
+    Phases do not count as blur.
     """
 
     formulas = (

@@ -125,7 +125,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
     absorption_per_km: float = param(
         0.0,
-        "absorption coefficient, which has no effect here: absorption dims the scene without "
+        "absorption coefficient, which has no effect here: absorption attenuates the scene without "
         "blurring it; use Atmospheric Path",
         low=0,
     )

@@ -81,8 +81,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         ),
         Formula(
             r"\tau=e^{-\beta R},\quad L_{path}=(1-\tau)\,L_B(T_{air})",
-            where="β: extinction, 1/km; R: range, km; T_air: air_K; with air_K empty, the air "
-            "adds no radiance",
+            where="β: extinction, 1/km; R: range, km; T_air: air_K; with air_K empty, there is "
+            "no path radiance",
             when="models without MODTRAN",
         ),
         Formula(
@@ -106,7 +106,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         "modtran: a tape7, JSON or CSV",
     )
     extinction_per_km: float = param(
-        0.2, "extinction: the sum of absorption and scattering", (0, 1e6), slider=(0, 2)
+        0.2, "extinction coefficient: absorption plus scattering", (0, 1e6), slider=(0, 2)
     )
     visibility_km: float = param(
         23.0, "visibility (2 % contrast)", (0, 1e6), above=True, slider=(1, 50)
@@ -134,7 +134,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         slider=(10, 20000),
     )
     air_K: float | None = param(
-        None, "temperature of the air; empty: the air adds no radiance", (0, 1e4), slider=(230, 320)
+        None, "temperature of the air; empty: no path radiance", (0, 1e4), slider=(230, 320)
     )
     source_K: WeightingSource = None
 
@@ -290,14 +290,14 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def dark_air(self, image: Image, outputs: PictureTable) -> Caution | None:
-        """The air dims a thermal scene but emits nothing."""
+        """The air attenuates a thermal scene but adds no path radiance."""
         if self.model in _TABLES or self.air_K is not None or image.band_um is None:
             return None
         if image.band_um[0] < SHORTEST_THERMAL_UM or outputs.image.air == image.air:
             return None
         return Caution(
             "the scene will look colder than it does through real air: air_K is empty, so the air "
-            "dims the thermal scene but emits nothing",
+            "attenuates the thermal scene but adds no path radiance",
             "give air_K, the temperature of the air",
         )
 

@@ -30,7 +30,7 @@ _AIRGLOW_UM = 0.8  # beyond it the night sky is brighter than the stars
 class ReflectedLight(Module, key="reflected_light", title="Reflected Light", group="Atmosphere"):
     """Convert a picture of reflectances to radiance under sun and sky.
 
-    For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
+    For horizontal Lambertian surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
     is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
     of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file.
@@ -53,7 +53,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     formulas = (
         Formula(
             r"L=\frac{\rho}{\pi}\left(E_\odot\,e^{-\tau m}\,\sin h+\pi L_{sky}\right)",
-            where="ρ: reflectance; E☉: the Sun's irradiance in the band above the air, W/m²; τ: "
+            where="ρ: reflectance; E☉: solar irradiance in the band above the atmosphere, W/m²; τ: "
             "zenith optical depth; m: air mass; h: elevation of the Sun; L_sky: "
             "radiance of the sky, W/m²/sr",
         ),
@@ -71,11 +71,11 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     sun: Literal["standard", "black_body"] = param(
         "standard",
-        "spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K",
+        "solar spectrum above the atmosphere: the standard ASTM G173, or a black body of 5800 K",
     )
     solar_irradiance: float | None = param(
         None,
-        "solar irradiance above the air at normal incidence, used instead of the spectrum; "
+        "solar irradiance above the atmosphere at normal incidence, used instead of the spectrum; "
         "empty: from `sun`",
         (0, 1e12),
         unit="W/m²/µm",

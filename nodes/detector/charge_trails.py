@@ -43,10 +43,10 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
     )
 
     serial_efficiency: float = param(
-        1.0, "fraction of the charge that each transfer along a row passes on", (0.5, 1)
+        1.0, "serial charge transfer efficiency, per transfer along a row", (0.5, 1)
     )
     parallel_efficiency: float = param(
-        1.0, "fraction of the charge that each transfer along a column passes on", (0.5, 1)
+        1.0, "parallel charge transfer efficiency, per transfer along a column", (0.5, 1)
     )
     amplifier: Literal["bottom_left", "bottom_right", "top_left", "top_right"] = param(
         "bottom_left", "corner where the amplifier is"
@@ -74,7 +74,7 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
 
     @warning
     def twice(self, image: Image) -> Caution | None:
-        """Incomplete transfer along the rows has already blurred the picture."""
+        """Incomplete charge transfer along the rows has already blurred the picture."""
         for factor in passed_factors(image) if self.serial_efficiency < 1.0 else ():
             along = factor.x if isinstance(factor, Separable) else None
             if along is not None and "efficiency" in dict(along.parameters):

@@ -15,7 +15,9 @@ class ChargeTransfer(Module):
 
     detectors_per_line: int = param(640, "number of transfers", (0, 10**9), slider=(1, 4096))
     efficiency: float = param(
-        0.99999, "fraction of the charge that each transfer passes on", (0, 1)
+        0.99999,
+        "charge transfer efficiency: fraction of the charge that each transfer passes on",
+        (0, 1),
     )
     model: Literal["exact", "published", "leading"] = param(
         "exact",

@@ -157,10 +157,13 @@ class ElectronicsNoise(
         "none", "filter after the amplifier"
     )
     post_corner_Hz: float | None = param(
-        None, "corner frequency, or boost frequency, of the post filter", low=0
+        None,
+        "corner frequency of the low-pass or high-pass filter, or frequency at which the boost "
+        "reaches post_gain",
+        low=0,
     )
     post_poles: int = param(1, "number of poles of the post filter", (1, 100))
-    post_gain: float = param(2.0, "gain of the boost", (1, 1e6))
+    post_gain: float = param(2.0, "gain of the boost at post_corner_Hz and above", (1, 1e6))
     bits: int = param(
         0, "bits per pixel; 0: no quantization", unit="bit", choices=(0, *_CONVERTER_BITS)
     )

@@ -31,5 +31,5 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
 
     @readout("cyc/mrad")
     def half_contrast(self) -> float | None:
-        """Frequency at which the contrast is one half."""
+        """MTF50: frequency at which the MTF is 0.5."""
         return math.sqrt(math.log(2) / 2) / (math.pi * self.sigma_mrad) if self.sigma_mrad else None

@@ -42,7 +42,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     use pitch, focal length, F-number, fill factor and range. Diffraction MTF uses aperture and
     obscuration, and Sample Pixels uses the pitch. Init & Trans uses the data for parameters left
     empty there. Any two of focal length, F-number and aperture determine the third. An image
-    without a sampling interval gets one from the pixel angle on the axis. So does an image with the
+    without a sampling interval gets one from the IFOV on the axis. So does an image with the
     same field of view as the lens, 2·atan(Np/2f): a wide field must not be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
@@ -59,7 +59,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     the axis and usual in infrared work. `sine` (π/(4F²)) is exact for a lens corrected for coma,
     such as a fast photographic or infrared lens. The values of `disc` and `sine` differ by 25 % at
     F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical Imaging System Performance,
-    chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983, Optical System Design, chapter 6
+    chapters 2 and 10 (IFOV, F-number, GSD); Kingslake 1983, Optical System Design, chapter 6
     (sine condition, T-number); Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5
     (orbit).
     """
@@ -317,8 +317,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         return None
 
     figures = TableFigures(
-        ("pixel_x_mrad", "mrad", "Horizontal pixel angle: pitch over focal length."),
-        ("pixel_y_mrad", "mrad", "Vertical pixel angle: pitch over focal length."),
+        ("pixel_x_mrad", "mrad", "Horizontal IFOV: pitch over focal length."),
+        ("pixel_y_mrad", "mrad", "Vertical IFOV: pitch over focal length."),
         ("fov_x_deg", "deg", "Horizontal field of view."),
         ("fov_y_deg", "deg", "Vertical field of view."),
         ("nyquist_x", "cyc/mrad", "Horizontal Nyquist frequency of the pixels."),
@@ -417,8 +417,8 @@ def camera_figures(
         ("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
         ("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
         ("range_m", sheet.range_m, "m", "distance to the scene"),
-        ("pixel_x_mrad", x, "mrad", "horizontal pixel angle"),
-        ("pixel_y_mrad", y, "mrad", "vertical pixel angle"),
+        ("pixel_x_mrad", x, "mrad", "horizontal IFOV"),
+        ("pixel_y_mrad", y, "mrad", "vertical IFOV"),
         ("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "horizontal field of view"),
         ("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "vertical field of view"),
         ("nyquist_x", _over(0.5, x), "cyc/mrad", "horizontal Nyquist frequency"),

@@ -283,7 +283,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Number of wavelengths, spectral bands or integration panels (long response)."""
+        """Number of wavelengths, bands (spectral picture) or panels (response of many points)."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count
