@@ -184,7 +184,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
     n50_identification: float = param(
         6.0,
-        "cycles across the target for 50 % identification with the 2-D MRTD (6.4 with the 1-D MRTD)",
+        "cycles across the target for 50 % identification with the 2-D MRTD (6.4 with the 1-D "
+        "MRTD)",
         (0, 1000),
         above=True,
         slider=(0.1, 10),

@@ -46,8 +46,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
     it to radiance, the difference follows from the illumination and the atmosphere set in that
     module. If the scene is not in reflectance, the mean radiance is assumed to come from a surface
-    of 15 % reflectance: the SNR is 8/15 of the mean signal divided by the noise, and a warning is
-    shown. With `mean`, the SNR is the mean signal divided by the noise.
+    of 15 % reflectance, and a warning is shown. The SNR is then 8/15 of the mean signal divided by
+    the noise. With `mean`, the SNR is the mean signal divided by the noise.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
@@ -96,7 +96,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
     range_m: float | None = param(
-        None, "range to the ground along the line of sight; empty: from Init & Trans", low=0
+        None, "slant range to the ground; empty: from Init & Trans", low=0
     )
     gsd_m: float | None = param(
         None,

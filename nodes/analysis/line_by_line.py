@@ -172,7 +172,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
     scan: Scan = param("x", "axis of the frame along which a line is scanned")
     look_angle_deg: float = param(
-        0.0, "view angle from nadir at the middle of the frame", (-90, 90), above=True, below=True
+        0.0, "look angle from nadir at the middle of the frame", (-90, 90), above=True, below=True
     )
     nadir_column: float | None = param(
         None,

@@ -346,7 +346,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     )
     show: Show = param(
         "share",
-        "length of the bars: share in percent, or amount (standard deviation of the noise, "
+        "length of the bars: share in per cent, or amount (standard deviation of the noise, "
         "−ln of the MTF for the blur)",
     )
 

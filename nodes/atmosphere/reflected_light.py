@@ -32,12 +32,13 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     For horizontal Lambertian surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
-    is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
-    of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file.
+    is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body) or a black body
+    of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), as set by `sun`. The number in
+    `solar_irradiance` or the CSV file in `path` replaces this spectrum.
     The sky has the same radiance in all directions. The picture's unit, set on Read Image, must be
-    1, %, reflectance or albedo. A reflectance applies to all wavelengths. With `bands` above 1, the
-    radiance has that many bands; a cube of reflectances keeps its own bands. Add Atmospheric Path
-    for the path from the surface to the camera.
+    1, %, reflectance or albedo. A picture with one band has the same reflectance at all
+    wavelengths. With `bands` above 1, the radiance has that many bands; a cube of reflectances
+    keeps its own bands. Add Atmospheric Path for the path from the surface to the camera.
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in

@@ -23,7 +23,7 @@ class FocalPlanePanel(SeededModule):
     """Parameters of a focal plane; what they come to is made of the context too."""
 
     integration_time_s: float = param(
-        0.001, "integration time of one TDI stage", (0, 1e4), above=True, slider=(0, 0.05)
+        0.001, "integration time (with TDI: of each stage)", (0, 1e4), above=True, slider=(0, 0.05)
     )
     tdi_stages: int = param(
         1, "number of TDI stages (time delay and integration)", (1, 10000), slider=(1, 128)

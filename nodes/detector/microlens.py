@@ -20,12 +20,12 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     The detector's data sheet gives the chief ray angle (CRA) for which the microlenses at the
     corner are designed. The lens's data sheet gives the CRA of the lens. If the CRAs of lens and
     microlenses are equal, the picture does not change. A difference lowers the response: to half at
-    `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
-    picture, and the corner angles apply at the picture's corners. Only the chief ray counts: the
-    response is not averaged over the cone of a fast lens. Put this module before Focal Plane, which
-    then computes the shot noise of the darkened picture. Signal and SNR use the mean response over
-    the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt. Soc. Am.
-    A 19, 1610.
+    `half_response_deg` or, if `response` is file, according to a measured curve. The optical axis
+    is at the middle of the picture, and the corner angles apply at the picture's corners. Only the
+    chief ray counts: the response is not averaged over the cone of a fast lens. Put this module
+    before Focal Plane, which then computes the shot noise of the darkened picture. Signal and SNR
+    use the mean response over the field; transfer functions do not change. Source: Catrysse and
+    Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
     """
 
     formulas = (

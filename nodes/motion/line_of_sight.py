@@ -33,9 +33,9 @@ class LineOfSight(
     """Move the line of sight at random; the motion blurs each exposure and shifts each frame.
 
     The line-of-sight angle has the power spectral density S = rms²·(2/π)/(corner·(1 +
-    (f/corner)²)), or the density in `psd_path`; the two axes are independent. Motion about the mean
-    position of an exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean
-    position, with spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp,
+    (f/corner)²)), or the density in `psd_path` if given; the two axes are independent. Motion about
+    the mean position of an exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²).
+    The mean position, with spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp,
     −2π·ξ·shift. A single picture is frame 0 and is also shifted. 3-D Noise includes the pixel
     changes from this motion in its measurement, but not in its prediction. Sources: Papoulis 1991,
     chapter 10; Kopeika 1998, chapter 14.
@@ -67,14 +67,14 @@ class LineOfSight(
     rms_y_mrad: float = param(0.0, "vertical rms motion", (0, 1e6), slider=(0, 1))
     corner_Hz: float = param(
         5.0,
-        "frequency at which the power density has fallen to half its low-frequency value",
+        "frequency at which the power spectral density has fallen to half its low-frequency value",
         (1e-6, 1e9),
         slider=(0.1, 100),
     )
     psd_path: Path | None = param(
         None,
-        "CSV file of frequency (Hz) and one-sided power density (mrad²/Hz, horizontal and "
-        "vertical); empty: calculated from rms motion and corner frequency",
+        "CSV file of frequency (Hz) and one-sided power spectral density (mrad²/Hz, horizontal "
+        "and vertical); empty: calculated from rms motion and corner frequency",
     )
     integration_time_s: float = param(0.01, "exposure time", (0, 1e6), slider=(0, 0.05))
     frame_rate_Hz: float = param(30.0, "frame rate", (1e-6, 1e9), slider=(1, 120))

@@ -49,16 +49,16 @@ class DiffractionMTF(
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
     Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
-    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band, each
-    wavelength's OTF is weighted by the photons or the energy of a black body, or all wavelengths
-    are weighted equally, as in Tantalo 1996. The black body's temperature is `source_K`. If
-    `source_K` is empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm,
-    and otherwise the brightness temperature of the picture's mean radiance. `response`, and a
-    Spectral Response before this module, also weight the light, like a detector behind the optics.
-    With `wavelengths` set to auto, the module uses as many wavelengths as `tolerance` requires,
-    placed between the kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses
-    the band's middle. With auto, a spectral picture is blurred band by band, and the MTF shown is
-    the mean weighted by the picture's own light.
+    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band,
+    `weighting` weights each wavelength's OTF by the photons or the energy of a black body, or
+    equally, as in Tantalo 1996. The black body's temperature is `source_K`. If `source_K` is empty,
+    the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise the
+    brightness temperature of the picture's mean radiance. `response`, and a Spectral Response
+    before this module, also weight the light, like a detector behind the optics. With `wavelengths`
+    set to auto, the module uses as many wavelengths as `tolerance` requires, placed between the
+    kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle.
+    With auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by
+    the picture's own light.
 
     `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
     negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor

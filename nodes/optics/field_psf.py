@@ -53,7 +53,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
 
     The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
     blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
-    that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
+    that sample's own PSF, in per cent of the picture's range. In real scenes the error is about ten
     times smaller. Smaller tiles reduce the blending error. Around each tile, the blur uses a
     margin of half a tile, but at least 16 samples. If this margin would lose more than 0.5 % of a
     PSF's light, it is widened, up to 1024 samples. A tile is at least a quarter as wide as its
@@ -74,11 +74,13 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
         "gaussian", "source of the PSFs: Gaussians, MTF files or PSF files"
     )
     positions: Row = param(
-        (0.0, 0.5, 1.0), "positions in rising order, as fractions of the half diagonal", (0, 10)
+        (0.0, 0.5, 1.0), "positions in ascending order, as fractions of the half diagonal", (0, 10)
     )
-    tangential_mrad: Row = param((), "rms width along the radius, at each position", (0, 1e6))
+    tangential_mrad: Row = param(
+        (), "tangential rms width (along the radius), at each position", (0, 1e6)
+    )
     sagittal_mrad: Row = param(
-        (), "rms width across the radius; empty: equal to tangential_mrad", (0, 1e6)
+        (), "sagittal rms width (across the radius); empty: equal to tangential_mrad", (0, 1e6)
     )
     path_1: _Path = None
     path_2: _Path = None
@@ -102,7 +104,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     def check(self) -> None:
         rising = all(low < high for low, high in pairwise(self.positions))
         if not (self.positions and rising):
-            allowed = "at least one number, in rising order"
+            allowed = "at least one number, in ascending order"
             raise ParameterError("positions", self.positions, allowed)
         for name in ("tangential_mrad", "sagittal_mrad"):
             given = getattr(self, name)

@@ -16,14 +16,14 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
     detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
     index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
-    Light that leaves the frame is mirrored or repeated, as for all filters.
+    Light that leaves the frame is mirrored or repeated, as Init & Trans defines.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
-    where β and β₀ are the sines of the angles of the scattered and the direct ray. The integral of
-    the BSDF over the hemisphere is the total scatter of a surface; this share is lost from the
-    direct light. Angles refer to the space in front of the lens, at the entrance pupil. For an ABg
-    fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray and far from
-    it.
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. The total
+    integrated scatter (TIS) of a surface, the integral of BSDF·cos θ over the hemisphere, is lost
+    from the direct light. Angles refer to the space in front of the lens, at the entrance pupil.
+    For an ABg fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray
+    and far from it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -40,8 +40,8 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
         Formula(
             r"H(\rho)=\left(1-T(0)+T(\rho)\right)^n,\quad T(\rho)=2\pi b\int_0^1\left(1+\frac{"
             r"\beta^2}{l^2}\right)^{s/2}J_0(2\pi\rho\beta)\,\beta\,d\beta",
-            where="T(0): total scatter of a surface; n: surfaces; β: sine of the angle from the "
-            "direct ray; ρ in cycles/rad",
+            where="T(0): total integrated scatter of a surface; n: surfaces; β: sine of the angle "
+            "from the direct ray; ρ in cycles/rad",
             when="harvey",
         ),
     )

@@ -53,16 +53,16 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
 
     `natural` applies cos⁴ of the field angle. The tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
-    `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
-    c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
-    the picture's half diagonal. A lens maker's curve usually includes cos⁴; in that case, switch
-    `natural` off. Put the module before Focal Plane, so that shot noise follows from the vignetted
-    light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
-    `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
-    Plane converts radiance to photons at the brightness temperature that the picture had before the
-    mean loss. A sample with half the mean light then gets 0.3 % too many photons (3.7 to 4.8 µm).
-    This error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
-    Kingslake 1983, Optical System Design, chapter 6.
+    `measured` applies a measured curve of relative illumination: a CSV of height and value
+    (`file`), or 1 + c₁h² + c₂h⁴ + … (`polynomial`). `against` selects the height axis: field angle,
+    image height, or fraction of the picture's half diagonal. A lens maker's curve usually includes
+    cos⁴; in that case, switch `natural` off. Put the module before Focal Plane, so that shot noise
+    follows from the vignetted light. Transfer functions do not change. Signal and SNR use the mean
+    over the field; NETD and `scene_K` refer to the scene before the vignetting. For a thermal
+    picture with one band, Focal Plane converts radiance to photons at the brightness temperature
+    that the picture had before the mean loss. A sample with half the mean light then gets 0.3 % too
+    many photons (3.7 to 4.8 µm). This error does not occur with spectral pictures, or if
+    `photon_weighting` is not scene. Source: Kingslake 1983, Optical System Design, chapter 6.
     """
 
     formulas = (

@@ -178,14 +178,14 @@ LongestPeriod = Annotated[
 ]  # fmt: skip
 WeightingSource = Annotated[
     float | None,
-    Param("temperature of the black body that weights a single band; empty: the scene's "
-          "temperature, or 5800 K for sunlight",
+    Param("temperature of the black body that weights a single band; empty: 5800 K if the band "
+          "begins below 2.5 µm, else the brightness temperature of the picture's mean",
           low=0, high=1e6, slider=(250, 6500)),
 ]  # fmt: skip
 LightingSource = Annotated[
     float | None,
-    Param("temperature of the black body that weights the band; empty: the picture's mean "
-          "temperature, or 5800 K for sunlight",
+    Param("temperature of the black body that weights the band; empty: 5800 K if the band "
+          "begins below 2.5 µm, else the brightness temperature of the picture's mean",
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip
 

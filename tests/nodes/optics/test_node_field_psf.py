@@ -188,7 +188,7 @@ def test_lineage_bands_blocks_and_a_uniform_field(tmp_path):
 
 @pytest.mark.parametrize(
     ("params", "words"),
-    [({"positions": [0.5, 0.5]}, "positions = .* in rising order"),
+    [({"positions": [0.5, 0.5]}, "positions = .* in ascending order"),
      ({"tangential_mrad": [1.0]}, "tangential_mrad = .*3 numbers"),
      ({"kind": "mtf"}, "path_1 .*a file for each position .3 positions"),
      ({"kind": "psf", "path_1": "1.npy"}, "path_2 .*a file for each position .3 positions")],

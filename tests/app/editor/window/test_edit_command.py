@@ -33,7 +33,7 @@ SHOTS = {
     ),
 }
 FAULTS = {
-    "no such network": (("nowhere.json", "w.png"), "neither a file nor the name of a shipped"),
+    "no such network": (("nowhere.json", "w.png"), "neither a file nor the name of an example"),
     "no such folder": (("first_steps", "no/folder/w.png"), "there is no folder"),
     "broken": (("broken.json", "w.png"), "broken.json"),
 }
