@@ -233,8 +233,8 @@ def wavelengths(settings: Settings) -> list[Table]:
             error = float(np.abs(computed - np.array(means)).max())
             rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
     text = (
-        "By default, only the band's mean wavelength is used: over the picture's frequencies, the "
-        "OTF of an aperture such as Kodak's is almost linear in λ. Use more wavelengths if the "
+        "By default, only the band's middle wavelength is used: over the picture's frequencies, "
+        "the OTF of an aperture such as Kodak's is almost linear in λ. Use more wavelengths if the "
         "cutoff falls among these frequencies, as for the small aperture. The reference value is "
         "an adaptive integral over the band."
     )

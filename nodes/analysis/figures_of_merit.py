@@ -50,11 +50,11 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
-    limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. The average over a
-    bar takes the spectrum of the temporal noise into account. The frequency of the 2-D MRTD is the
-    geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
-    target): SNR_th·σ divided by the mean of the target's blurred image.
+    limit. `flir92` also uses fixed-pattern noise, which does not average out over time. In the
+    directions in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. The
+    average over a bar takes the spectrum of the temporal noise into account. The frequency of the
+    2-D MRTD is the geometric mean of the horizontal and vertical frequencies with the same MRTD.
+    MDTD (square target): SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples. `staring` samples in both
     directions. `serial_scan` samples only from line to line, because one detector scans along x.
@@ -306,7 +306,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def extinction(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """An extinction is given, but an Atmospheric Path sets the transmission."""
+        """An extinction coefficient is given, but an Atmospheric Path sets the transmission."""
         if "extinction_per_km" not in given or not image.air:
             return None
         paths = [air for air in image.air if air.is_grey and air.range_m]

@@ -148,13 +148,13 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
     − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
-    Inframetrics scanner does. Its largest error is 0.03 % of the picture's range for a field of
-    10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors
-    for fields of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In
-    the 30° field of Tantalo 1996, six-bit quantization hides the error. Filtering line by line
-    takes 1.3 to 4 times as long as filtering the whole image (`imagechain bench`, table scanning);
-    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
-    thesis leaves the comparison to later work.
+    Inframetrics scanner does. There the largest error is 0.03 % of the picture's range for a field
+    of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The
+    rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1,
+    0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides the error.
+    Filtering line by line takes 1.3 to 4 times as long as filtering the whole image (`imagechain
+    bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo 1996, section
+    2 and fig. 2.3; the thesis leaves the comparison to later work.
     """
 
     formulas = (

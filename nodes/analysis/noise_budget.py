@@ -254,7 +254,7 @@ def budget_table(
     rows += [
         TableRow("sigma", noise.sigma, unit, "all noise"),
         TableRow("sigma_temporal", noise.temporal, unit, "all temporal noise"),
-        TableRow("sigma_fixed", noise.fixed, unit, "all fixed patterns"),
+        TableRow("sigma_fixed", noise.fixed, unit, "all fixed-pattern noise"),
         TableRow("mean", noise.mean, unit, "mean of the noise-free picture"),
     ]
     rows += _blur_rows(blur)
@@ -342,7 +342,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     noise: Kind = param(
         "all",
         "noise in the budget: all noise, temporal noise (changes from frame to "
-        "frame), or fixed patterns",
+        "frame), or fixed-pattern noise",
     )
     show: Show = param(
         "share",
@@ -371,7 +371,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     figures_0 = TableFigures(
         ("sigma", "", "Standard deviation of all noise."),
         ("sigma_temporal", "", "Standard deviation of all temporal noise."),
-        ("sigma_fixed", "", "Standard deviation of all fixed patterns."),
+        ("sigma_fixed", "", "Standard deviation of all fixed-pattern noise."),
         unit_of="image",
     )
     figures_1 = TableFigures(

@@ -33,15 +33,15 @@ NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", group="Atmosphere"):
     """Blur by atmospheric turbulence and aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
-    entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
-    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
-    number, or the scattering coefficient along the path. On a downward or upward path, the
-    scattering coefficient falls exponentially with height. Absorption attenuates all frequencies
-    equally and does not blur; for absorption, use Atmospheric Path. The blur is stronger looking up
-    than looking down, because the strongest turbulence is then near the aperture. r0 scales with
-    λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its
-    own wavelength.
+    `turbulence` selects a Gaussian blur of a given width, or Fried's long- or short-exposure MTF.
+    r0 is entered or, if empty, computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up
+    to ρc and a plateau of exp(−τ) beyond it. τ comes from the aerosol level (plateau 0.99, 0.975 or
+    0.955) or, if `turbidity` is custom, from a number or the scattering coefficient along the path.
+    On a downward or upward path, the scattering coefficient falls exponentially with height.
+    Absorption attenuates all frequencies equally and does not blur; for absorption, use Atmospheric
+    Path. The blur is stronger looking up than looking down, because the strongest turbulence is
+    then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of
+    a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
@@ -103,7 +103,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
     turbidity: Literal["none", "low", "moderate", "high", "custom"] = param(
         "none",
-        "aerosol level; custom: τ from scatter_depth, or from scattering_per_km along the path",
+        "aerosol level; custom: τ from scatter_depth or, if empty, from scattering_per_km",
     )
     scatter_depth: float | None = param(
         None, "optical depth τ, used when turbidity is custom; empty: from scattering_per_km", low=0

@@ -51,8 +51,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     transmission is exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times
     (0.55/λ)^q. `modtran`: a tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the
     path radiances; 10⁸/λ² converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um,
-    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)
-    times the radiance of a black body at `air_K`.
+    transmission, path_radiance (W/m²/sr/µm). MODTRAN's data contain the path radiance; with other
+    models, it is (1 − τ) times the radiance of a black body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
     mid-latitude summer and the sun 40° above the horizon. Between the tables, −ln τ/R and L_path/(1
@@ -113,7 +113,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     )
     angstrom_q: float = param(
         0.0,
-        "Ångström exponent q: the extinction is proportional to wavelength^−q",
+        "Ångström exponent q: the extinction coefficient is proportional to wavelength^−q",
         (-5, 5),
         slider=(0, 2),
     )

@@ -185,7 +185,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     @warning
     def starlight(self, outputs: PictureTable) -> Caution | None:
-        """The illuminance is as low as starlight, but the spectrum is the Sun's."""
+        """The illuminance is as low as in starlight, but the spectrum is sunlight's."""
         lux, band = self.illuminance_lux, outputs.image.band_um
         if lux is None or lux >= _MOONLIT_LUX or self.path is not None:
             return None

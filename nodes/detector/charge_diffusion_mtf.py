@@ -23,12 +23,12 @@ class ChargeDiffusionMTF(
     diffusion_length_um, and f is the frequency on the detector. For back illumination, the detector
     is assumed to be thinned, with a passivated surface. Most carriers in a back-illuminated
     detector are generated near the back and cross the undepleted silicon (thickness_um minus
-    depletion_um). If absorption_per_um is empty, the MTF is averaged over the band of the cold
-    filter or the picture, for silicon at 295 K. The average assumes the same number of photons at
-    all wavelengths and weights each wavelength by the carriers generated. With front illumination,
-    red and near-infrared light is blurred most, because it is absorbed deep in the silicon. With
-    back illumination, blue light is blurred most. Sources: Seib 1974; Crowell and Labuda 1969;
-    Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    depletion_um). If absorption_per_um is empty, the MTF is averaged from cut_on_um to cut_off_um
+    (empty: over the picture's band), for silicon at 295 K. The average assumes the same number of
+    photons at all wavelengths and weights each wavelength by the carriers generated. With front
+    illumination, red and near-infrared light is blurred most, because it is absorbed deep in the
+    silicon. With back illumination, blue light is blurred most. Sources: Seib 1974; Crowell and
+    Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
     """
 
     formulas = (

@@ -92,9 +92,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the digital numbers: read noise grows with the square root of the number of pixels, and
-    `saturated` is the share of saturated pixels. If `units` is radiance, a bin is the mean of its
-    pixels. Binning n pixels multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel
-    pitch. Leftover rows and columns are dropped.
+    `saturated` is the share of saturated pixels. If `units` is radiance, the value of a bin is the
+    mean of its pixels. Binning n pixels multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is
+    the pixel pitch. Leftover rows and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and

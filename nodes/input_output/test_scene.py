@@ -91,7 +91,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         0.15, "reflectance of a target, used if quantity is reflectance", (0, 1)
     )
     sun_elevation_deg: float = param(
-        0.0, "elevation of the Sun (0: no Sun), used if bands is above 0", (0, 90)
+        0.0, "elevation of the sun (0: no sun), used if bands is above 0", (0, 90)
     )
     temperature_K: float = param(
         303.15, "background temperature", low=0, above=True, slider=(200, 400)
@@ -105,7 +105,10 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         slider=(-90, 90),
     )
     frequency: float = param(
-        16.0, "cycles per frame width, or number of spokes of the star", low=0, above=True
+        16.0,
+        "cycles per frame width (sine) or shorter side (coarsest bars); number of spokes (star)",
+        low=0,
+        above=True,
     )
 
     panel = (

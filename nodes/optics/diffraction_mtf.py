@@ -60,11 +60,11 @@ class DiffractionMTF(
     With auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by
     the picture's own light.
 
-    `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
-    negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
-    for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill
-    1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I,
-    chapter 35.
+    `defocus_waves` is W20 at the rim of the pupil, in waves at the band's middle; the OTF stays
+    real and may be negative. `rms_wavefront_waves`, also in waves at the band's middle, applies
+    Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman
+    2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
+    of Optics I, chapter 35.
     """
 
     formulas = (
@@ -126,7 +126,9 @@ class DiffractionMTF(
         "1e-6 with a response of many points",
         (0, 1),
     )
-    defocus_waves: float = param(0.0, "defocus at the rim, W20", (-20, 20), slider=(-2, 2))
+    defocus_waves: float = param(
+        0.0, "defocus W20 at the rim of the pupil", (-20, 20), slider=(-2, 2)
+    )
     rms_wavefront_waves: float = param(
         0.0, "rms wavefront error of any shape", (0, 0.18), slider=(0, 0.1)
     )

@@ -45,7 +45,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
     with n vanes, 360°/n apart, the first along +x.
 
-    The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
+    The wavefront error is in waves at the band's middle wavelength, defined on a disc with the
     aperture's radius. For a file, the disc is the smallest circle around all samples above 1 % of
     the largest. The circle is centred on the array if centring increases its radius by at most one
     sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
@@ -106,7 +106,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         low=0,
         slider=(0.4, 14),
     )
-    defocus_waves: float = param(0.0, "defocus W20 at the rim", (-100, 100), slider=(-2, 2))
+    defocus_waves: float = param(
+        0.0, "defocus W20 at the rim of the pupil", (-100, 100), slider=(-2, 2)
+    )
     zernike_waves: tuple[float, ...] = param(
         (), "Zernike coefficients in Noll's order, from 1 (piston)", (-100, 100), unit="waves rms"
     )

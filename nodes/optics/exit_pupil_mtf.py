@@ -324,7 +324,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         "bilinear", "interpolation from the sampled pupil to the image's frequencies"
     )
     wavelengths: int = param(
-        1, "number of wavelengths that sample the band; 1 uses the band's mean", (1, 256)
+        1, "number of wavelengths that sample the band; 1 uses the band's middle", (1, 256)
     )
     weighting: Weighting = param(
         "uniform",
@@ -458,7 +458,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     @readout("cyc/mrad")
     def cutoff_x(self, axis: str, context: Context, pupil: Pupil) -> Step | float:
-        """Horizontal cutoff: width of the aperture divided by the mean wavelength."""
+        """Horizontal cutoff: width of the aperture divided by the band's middle wavelength."""
         interval: float = self.pupil_interval_x(axis, context, pupil)
         along = axis == "y"
         if pupil.shape is None:

@@ -45,11 +45,11 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     `positions` are distances from the picture's middle, as fractions of the half diagonal. For each
     position, give a Gaussian or a file that MTF File or PSF File can read. A Gaussian has a
     tangential rms width (along the radius) and a sagittal rms width (across the radius). A file
-    describes a point straight above the middle: `mtf_y` is the tangential curve, and the top of a
-    PSF's picture points away from the axis. A single Zemax listing in `path_1` supplies a field for
-    each position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
-    linearly in the square of the position; beyond the last position they stay constant. The PSF
-    rotates with the direction of the point from the middle.
+    gives the MTF or PSF of a point straight above the middle: `mtf_y` is the tangential curve, and
+    the top of a PSF's picture points away from the axis. A single Zemax listing in `path_1`
+    supplies a field for each position. Between positions, the widths of Gaussians or the OTFs of
+    files are interpolated linearly in the square of the position; beyond the last position they
+    stay constant. The PSF rotates with the direction of the point from the middle.
 
     The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
     blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by

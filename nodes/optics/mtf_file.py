@@ -254,7 +254,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """The PTF does not reach the picture."""
+        """The PTF is not applied to the picture."""
         return context_defaults.unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning

@@ -165,7 +165,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """The PTF does not reach the picture."""
+        """The PTF is not applied to the picture."""
         return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning
