@@ -89,7 +89,7 @@ def diffraction_otf(
     f_number: float,
     obscuration_ratio: float = 0.0,
 ) -> Any:
-    """OTF of a perfect lens with a circular or annular aperture, at one wavelength.
+    """OTF of a diffraction-limited lens with a circular or annular aperture, at one wavelength.
 
     Parameters
     ----------
@@ -114,12 +114,12 @@ def diffraction_otf(
 
 
 def rule_07(*, cutoff_um: float, detector_K: float) -> float:
-    """Dark current density of a good HgCdTe photodiode.
+    """Dark current density of a good HgCdTe photodiode, by Rule 07.
 
     Parameters
     ----------
     cutoff_um : float
-        Cut-off wavelength of the material, µm, above 0.
+        Cutoff wavelength of the detector material, µm, above 0.
     detector_K : float
         Temperature of the detector, above 0.
 

@@ -44,7 +44,7 @@ class ChainState:
 
     File names are relative to `folder`; `file` is the network file that the chain was read from or
     last saved to. `samples` holds the scenes from arrays, by node; `given` lists the nodes and
-    parameters whose file names were given in Python; `scene` says how the scene's picture was
+    parameters whose file names were given in Python; `scene` describes how the scene's picture was
     interpreted.
     """
 

@@ -35,8 +35,8 @@ class MeasuredPictures:
 
     `x` and `y` are the pooled horizontal and vertical MTFs, with `frequency` (cycles/sample),
     `mtf`, `sigma` (the standard error of `mtf`), `mtf50` and `mtf50_sigma`. If an MTF could not be
-    measured, `x` or `y` is None, and `reason_x` or `reason_y` says why. `edges` lists all edges
-    that were found, each with `used`, `why_not`, `found` (place, angle, levels) and its own
+    measured, `x` or `y` is None, and the reason is in `reason_x` or `reason_y`. `edges` lists all
+    edges that were found, each with `used`, `why_not`, `found` (place, angle, levels) and its own
     `curve`. `noise`, measured in flat areas, has `sigma`, `sigma_error`, `gain_e_per_dn` and
     `read_noise_dn`; `noise` is None if the noise could not be measured.
     """

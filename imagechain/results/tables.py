@@ -415,7 +415,7 @@ class Picture:
         return f"{self.unit}/µm" if density else self.unit
 
     def to_png(self, most_px: int | None = None) -> bytes:
-        """Return the first frame as an 8-bit grey PNG, scaled to its 0.1 to 99.9 % quantiles.
+        """Return the first frame as an 8-bit grey PNG, scaled to its 0.1 % to 99.9 % quantiles.
 
         Parameters
         ----------
