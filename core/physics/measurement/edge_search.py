@@ -137,18 +137,11 @@ def _examined(
             why_not=f"too little contrast: about {least / noise:.2g} times the noise; an edge "
             f"of this length needs at least {_least_contrast(piece.length):.2g}",
         )
-    room = _frame_reach(piece, picture.shape, clear)
+    room = _frame_reach(rough, picture.shape, clear)
     reach = min(float(room.max()), float(_LARGEST_REACH + _BEYOND))
     if reach < _LEAST_REACH:
         return replace(rough, why_not=f"too close to the frame's border: {reach:.1f} samples")
-    samples = found_edge.rectangle_samples(
-        picture=picture,
-        middle=(piece.x, piece.y),
-        angle_deg=piece.angle_deg,
-        half_length=piece.length / 2.0,
-        reach=reach,
-        bend=piece.bend,
-    )
+    samples = found_edge.edge_samples(picture=picture, edge=replace(rough, reach=reach))
     edge = _within_surroundings(rough, samples, reach, room)
     return edge if edge.why_not else _settled(picture, edge, clip_levels, extremes)
 
@@ -229,34 +222,32 @@ def _settled(
     reason = found_edge.why_clipped(
         value=samples.value, distance=distance, extremes=extremes, clip_levels=clip_levels
     )
-    if reason:
-        return replace(edge, why_not=reason)
-    near = samples.value[np.abs(distance) < _NEAR]
-    between = 2.0 * _NEAR * float(np.mean(~np.isin(near, extremes)))
-    if clip_levels is None and between < _LEAST_STEP:
-        return replace(
-            edge,
-            why_not="clipped: nearly all of the edge's samples have one of two values, so the "
-            "blur is mostly lost",
-        )
+    if not reason and clip_levels is None:
+        near = samples.value[np.abs(distance) < _NEAR]
+        if 2.0 * _NEAR * float(np.mean(~np.isin(near, extremes))) < _LEAST_STEP:
+            reason = (
+                "clipped: nearly all of the edge's samples have one of two values, so the "
+                "blur is mostly lost"
+            )
+    reason = reason or _misshapen(edge, fit)
+    return replace(edge, used=not reason, why_not=reason)
+
+
+def _misshapen(edge: found_edge.FoundEdge, fit: SpreadFit) -> str:
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
-        return replace(
-            edge,
-            why_not="the edge spread is wider than the clear area around the edge: "
-            f"{edge.softness:.2g} samples, in an area of {edge.reach:g} samples",
+        return (
+            "the edge spread is wider than the clear area around the edge: "
+            f"{edge.softness:.2g} samples, in an area of {edge.reach:g} samples"
         )
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
     if radius < _BENT_REACH * edge.reach:
-        return replace(
-            edge, why_not=f"not straight: the edge bends by {abs(edge.bend):.2g} samples"
-        )
+        return f"not straight: the edge bends by {abs(edge.bend):.2g} samples"
     if fit.gap > _LARGEST_GAP:
-        return replace(
-            edge,
-            why_not=f"not slanted enough: at {edge.angle_deg:.1f}°, the supersampled profile has "
-            f"gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}",
+        return (
+            f"not slanted enough: at {edge.angle_deg:.1f}°, the supersampled profile has "
+            f"gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}"
         )
-    return replace(edge, used=True)
+    return ""
 
 
 def _on_course(edge: found_edge.FoundEdge, fit: SpreadFit) -> found_edge.FoundEdge:
@@ -287,19 +278,18 @@ def _cells_along(length: float) -> int:
     return max(3, round(length / _CELL))
 
 
-def _frame_reach(piece: ridges.Piece, shape: tuple[int, ...], clear: Matrix | None) -> Vector:
-    """Samples on both sides of each cell along a piece to the frame's border, or to missing ones.
+def _frame_reach(
+    edge: found_edge.FoundEdge, shape: tuple[int, ...], clear: Matrix | None
+) -> Vector:
+    """Samples on both sides of each cell along an edge to the frame's border, or to missing ones.
 
     `clear` is how far each sample of the frame is from missing ones.
     """
-    across_x, across_y = (
-        math.cos(math.radians(piece.angle_deg)),
-        math.sin(math.radians(piece.angle_deg)),
-    )
-    place = np.linspace(-0.5, 0.5, _cells_along(piece.length) + 1)
-    off = piece.bend * 4.0 * place**2
-    x = piece.x - place * piece.length * across_y + off * across_x
-    y = piece.y + place * piece.length * across_x + off * across_y
+    across_x, across_y = edge.normal
+    place = np.linspace(-0.5, 0.5, _cells_along(edge.length) + 1)
+    off = edge.bend * 4.0 * place**2
+    x = edge.x - place * edge.length * across_y + off * across_x
+    y = edge.y + place * edge.length * across_x + off * across_y
     reach = np.full(len(place), np.inf)
     for at, across, last in ((x, across_x, shape[1] - 1), (y, across_y, shape[0] - 1)):
         if abs(across) > 1e-3:

@@ -69,45 +69,21 @@ class EdgeSamples:
 
 
 def edge_samples(*, picture: NDArray[np.floating], edge: FoundEdge) -> EdgeSamples:
-    """Take the samples within an edge's reach and length."""
-    return rectangle_samples(
-        picture=picture,
-        middle=(edge.x, edge.y),
-        angle_deg=edge.angle_deg,
-        half_length=edge.length / 2.0,
-        reach=edge.reach,
-        bend=edge.bend,
-    )
-
-
-def rectangle_samples(
-    *,
-    picture: NDArray[np.floating],
-    middle: tuple[float, float],
-    angle_deg: float,
-    half_length: float,
-    reach: float,
-    bend: float = 0.0,
-) -> EdgeSamples:
-    """Take the samples of a turned rectangle, whose long axis may be a parabola.
-
-    `angle_deg` is that of its normal, `half_length` and `reach` half its sides along and across,
-    and `bend` the distance of the axis's ends from the tangent at its middle, along the normal.
-    """
-    across_x, across_y = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    wide = reach + abs(bend)
+    """Take the samples within an edge's reach and length; bent, its course is a parabola."""
+    across_x, across_y = edge.normal
+    half_length, wide = edge.length / 2.0, edge.reach + abs(edge.bend)
     half_x = abs(across_x) * wide + abs(across_y) * half_length
     half_y = abs(across_y) * wide + abs(across_x) * half_length
     rows, columns = picture.shape
-    top, left = max(0, math.ceil(middle[1] - half_y)), max(0, math.ceil(middle[0] - half_x))
-    bottom = min(rows, math.floor(middle[1] + half_y) + 1)
-    right = min(columns, math.floor(middle[0] + half_x) + 1)
-    x = np.arange(left, max(left, right)) - middle[0]
-    y = (np.arange(top, max(top, bottom)) - middle[1])[:, np.newaxis]
+    top, left = max(0, math.ceil(edge.y - half_y)), max(0, math.ceil(edge.x - half_x))
+    bottom = max(top, min(rows, math.floor(edge.y + half_y) + 1))
+    right = max(left, min(columns, math.floor(edge.x + half_x) + 1))
+    x = np.arange(left, right) - edge.x
+    y = (np.arange(top, bottom) - edge.y)[:, np.newaxis]
     along = across_x * y - across_y * x
-    distance = across_x * x + across_y * y - bend * (along / half_length) ** 2
-    inside = (np.abs(distance) <= reach) & (np.abs(along) <= half_length)
-    value = picture[top : max(top, bottom), left : max(left, right)][inside]
+    distance = across_x * x + across_y * y - edge.bend * (along / half_length) ** 2
+    inside = (np.abs(distance) <= edge.reach) & (np.abs(along) <= half_length)
+    value = picture[top:bottom, left:right][inside]
     return EdgeSamples(distance[inside], along[inside], value.astype(np.float64))
 
 
