@@ -162,6 +162,7 @@ MIDDLE = _BOTH & (_DOWN + _ACROSS >= 7) & ~FINE
 MIDDLE_DOWN = MIDDLE & (_DOWN > _ACROSS)  # as many as the others, those finer across
 _WAVES_DOWN = (_ACROSS == 0) & (_DOWN >= 1)
 _WAVES_ACROSS = (_DOWN == 0) & (_ACROSS >= 1)
+_FINE, _COARSE, _MIDDLE = (int(waves.sum()) for waves in (FINE, COARSE, MIDDLE))
 WAVES = SIDE - 2  # of rows or columns; the first one is mostly shading
 
 
@@ -281,22 +282,19 @@ class StructureShare:
     middle: float
     middle_error: float
 
-    def variance(self, *, coarse: Vector, middle: Vector, fine: Vector, cut: float) -> Vector:
-        """Of blocks, from the mean power of their waves.
+    def parted(self, waves: "_Waves", cut: float) -> tuple[Vector, Vector]:
+        """Variance of blocks, from the mean power of their waves, and what may be left in it.
 
-        `cut` is the mean of the chosen blocks' coarse power, over the noise's, of noise alone.
+        All together that is one standard error too much. `cut` is the mean of the chosen blocks'
+        coarse power, over the noise's, of noise alone.
         """
-        power = self.weight * middle + (1.0 - self.weight) * fine
-        return np.asarray(power - self.removal * (coarse / cut - power), np.float64)
-
-    def doubtful(self, *, coarse: Vector, middle: Vector, fine: Vector, cut: float) -> Vector:
-        """What may be left in the blocks' variances, all together one standard error too much."""
-        power = self.weight * middle + (1.0 - self.weight) * fine
-        return np.asarray(self.doubt / self.shown * (coarse / cut - power), np.float64)
+        power = self.weight * waves.middle + (1.0 - self.weight) * waves.fine
+        more = waves.coarse / cut - power
+        return power - self.removal * more, self.doubt / self.shown * more
 
 
 def structure_share(
-    *, coarse: Vector, middle: Vector, fine: Vector, limit: float, freedom: tuple[int, int, int]
+    *, coarse: Vector, middle: Vector, fine: Vector, limit: float
 ) -> StructureShare:
     """Power of structure in blocks that were chosen by their coarse power.
 
@@ -306,8 +304,6 @@ def structure_share(
         Mean power of the waves over the variance of the noise at the block's level.
     limit : float
         Largest coarse power that was chosen.
-    freedom : tuple of int
-        Numbers of coarse, middle and fine waves.
 
     Notes
     -----
@@ -317,24 +313,24 @@ def structure_share(
     taken off shrinks by its own chance, as of an amplitude whose variance is measured too.
     """
     many = len(fine)
-    level = float(middle.mean()) * freedom[1] + float(fine.mean()) * freedom[2]
-    level /= freedom[1] + freedom[2]
+    level = float(middle.mean()) * _MIDDLE + float(fine.mean()) * _FINE
+    level /= _MIDDLE + _FINE
     excess = float(middle.mean() / fine.mean()) - 1.0
     error = float(np.std(middle - (1.0 + excess) * fine)) / (math.sqrt(many) * level)
     mean, limit = float(coarse.mean()) / level, limit / level
-    seen = _width(mean, limit, freedom[0]) - 1.0
-    cut = mean_below(limit=limit, freedom=freedom[0])
-    slope = (_mean_of(1.0 + _STEP, limit, freedom[0]) / cut - 1.0) / _STEP
+    seen = _width(mean, limit, _COARSE) - 1.0
+    cut = mean_below(limit=limit, freedom=_COARSE)
+    slope = (_mean_of(1.0 + _STEP, limit, _COARSE) / cut - 1.0) / _STEP
     chance = float(coarse.std()) / (math.sqrt(many) * level * cut * slope)
     share = seen**2 / (seen**2 + chance**2) if seen > 0.0 else 0.0
-    own = np.diag([2.0 / (many * freedom[1]), 2.0 / (many * freedom[2])])
+    own = np.diag([2.0 / (many * _MIDDLE), 2.0 / (many * _FINE)])
     square = share * (share * seen**2 + chance**2)
     weights = np.linalg.solve(own + square * _FALL_COVARIANCE, np.ones(2))
     weights /= weights.sum()
     fall = float(weights @ _FALL)
     doubt = math.hypot(math.sqrt(float(weights @ _FALL_COVARIANCE @ weights)), (1.0 - share) * fall)
     known = max(seen, _STEP)
-    shown = (_mean_of(1.0 + known, limit, freedom[0]) / cut - 1.0) / known
+    shown = (_mean_of(1.0 + known, limit, _COARSE) / cut - 1.0) / known
     removal = share * fall / (shown - fall)
     return StructureShare(seen, chance, float(weights[0]), removal, shown, doubt, excess, error)
 
@@ -363,7 +359,6 @@ def _width(mean: float, limit: float, freedom: int) -> float:
     return 0.5 * (low + high)
 
 
-_FINE, _COARSE, _MIDDLE = (int(waves.sum()) for waves in (FINE, COARSE, MIDDLE))
 _SHARES = 0.98, 0.8, 0.5  # of the blocks with nothing but noise that are chosen
 _QUIETEST = 0.3  # of the blocks at a level, to begin with
 _BINS = 12
@@ -510,7 +505,8 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
     chosen = _quietest(waves)
     limit = 2.0 * float(special("gammaincinv")(_COARSE / 2.0, share)) / _COARSE
     cut = mean_below(limit=limit, freedom=_COARSE)
-    variance, relative = waves.fine, waves.level
+    variance = left = waves.fine
+    relative = waves.level
     structure = None
     for _ in range(_ROUNDS):
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:
@@ -529,16 +525,12 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
             middle=waves.middle[chosen] / relative,
             fine=waves.fine[chosen] / relative,
             limit=limit,
-            freedom=(_COARSE, _MIDDLE, _FINE),
         )
-        variance = structure.variance(
-            coarse=waves.coarse, middle=waves.middle, fine=waves.fine, cut=cut
-        )
+        variance, left = structure.parted(waves, cut)
         if np.array_equal(chosen, before):
             break
     assert structure is not None
     line = variance_line(level=waves.level[chosen], variance=variance[chosen])
-    left = structure.doubtful(coarse=waves.coarse, middle=waves.middle, fine=waves.fine, cut=cut)
     return FlatBlocks(
         chosen,
         variance,

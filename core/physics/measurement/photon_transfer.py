@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Matrix, Vector
 from core.errors import DataError
 from core.records import dataclass
 
@@ -228,6 +229,9 @@ def _near(means: NDArray[np.float64], *, whole: bool) -> NDArray[np.bool_]:
 # group's
 # reference program; on simulated frames of 12 bits both give the same dynamic range to 0.01 dB.
 
+_PATTERNS = tuple(
+    attrgetter(name) for name in ("fixed_dn2", "rows_dn2", "columns_dn2", "single_pixels_dn2")
+)
 _LEAST_DARK = 0.24  # steps², below which rounding hides the dark noise (the standard)
 
 
@@ -253,41 +257,27 @@ class EmvaFigures:
     prnu_pixel_percent: float | None
 
 
-def emva_figures(
-    *,
+def _emva_figures(
     levels: Sequence[FlatField],
     dark: FlatField | None,
-    gain_e_per_dn: float,
-    offset_dn: float | None,
-    used: NDArray[np.bool_],
-    saturated: NDArray[np.bool_],
+    gain: float,
+    zero: float | None,
+    patterns: Sequence[float | None],
 ) -> EmvaFigures:
-    """The standard's figures."""
-    gain = gain_e_per_dn
-    capacity = threshold = None
-    if offset_dn is not None and saturated.any():
+    """The standard's figures; without a `zero` where no level is saturated."""
+    capacity = threshold = most = ratio = None
+    if zero is not None:
         noisiest = max(levels, key=lambda level: level.temporal_dn2)
-        capacity = gain * (noisiest.mean_dn - offset_dn)
+        capacity = gain * (noisiest.mean_dn - zero)
+        most = math.sqrt(capacity) if capacity > 0.0 else None
     if dark is not None:
         least = _LEAST_DARK * dark.step_dn**2
         threshold = gain * math.sqrt(max(dark.temporal_dn2, least)) + 0.5
-    known = capacity is not None and capacity > 0.0 and threshold is not None
-    kinds = [attrgetter(name) for name in ("rows_dn2", "columns_dn2", "single_pixels_dn2")]
-    lit = [level for level, taken in zip(levels, used, strict=True) if taken]
-    dsnu = [None if dark is None else gain * math.sqrt(max(part(dark), 0.0)) for part in kinds]
-    prnu = [None if dark is None else prnu_percent(lit, dark, part) for part in kinds]
-    return EmvaFigures(
-        1.0 / gain,
-        capacity,
-        threshold,
-        math.sqrt(capacity) if capacity is not None and capacity > 0.0 else None,
-        capacity / threshold if known and capacity and threshold else None,
-        *dsnu,
-        *prnu,
-    )
+        ratio = capacity / threshold if capacity is not None and capacity > 0.0 else None
+    return EmvaFigures(1.0 / gain, capacity, threshold, most, ratio, *patterns)
 
 
-def prnu_percent(
+def _prnu_percent(
     lit: Sequence[FlatField], dark: FlatField, part: Callable[[FlatField], float]
 ) -> float:
     """Share of the signal that a part of the fixed pattern grows with, percent.
@@ -372,53 +362,48 @@ def photon_transfer(
     foot = zero if zero is not None else 0.0
     ceiling = foot + _USED * (means[saturated].min() - foot) if saturated.any() else math.inf
     used = ~saturated & (means <= ceiling)
-    fitted = [level for level, taken in zip(levels, used, strict=True) if taken]
-    fitted += [dark] if dark is not None else []
+    lit = [level for level, taken in zip(levels, used, strict=True) if taken]
+    fitted = lit if dark is None else [*lit, dark]
     if len({field.mean_dn for field in fitted}) < 2:
         raise DataError(
             f"levels below {_USED:g} times saturation: {int(used.sum())} of {len(levels)}. A "
             "photon transfer curve needs 2 or more levels of different brightness, or one "
             "level and dark frames that are not clipped at zero"
         )
-    line = _Line.through(fitted, foot)
-    if not line.slope > 0.0:
+    line, spread = _line_through(fitted, foot)
+    slope, slope_error = float(line[1]), math.sqrt(spread[1, 1])
+    if not slope > 0.0:
         raise DataError(
             "the temporal variance does not rise with the mean, so the shot noise of "
             "these flat fields cannot be measured"
         )
-    gain = 1.0 / line.slope
-    read, error = _read_noise(dark, line, gain, known=zero is not None)
-    full_well = brightest = None
+    gain = 1.0 / slope
+    read = error = full_well = brightest = None
     if zero is not None:
+        read, error = _read_noise(dark, float(line[0]), spread, gain)
         brightest = gain * float(means.max() - zero)
         if saturated.any():
             full_well = gain * float(means[saturated].mean() - zero)
-    dsnu = prnu = None
+    dsnu: list[float | None] = [None] * len(_PATTERNS)
+    prnu = dsnu
     if dark is not None:
-        lit = [level for level, taken in zip(levels, used, strict=True) if taken]
-        dsnu = gain * math.sqrt(max(dark.fixed_dn2, 0.0))
-        prnu = prnu_percent(lit, dark, lambda field: field.fixed_dn2)
+        dsnu = [gain * math.sqrt(max(part(dark), 0.0)) for part in _PATTERNS]
+        prnu = [_prnu_percent(lit, dark, part) for part in _PATTERNS]
+    saturated_zero = zero if saturated.any() else None
     return PhotonTransfer(
         gain,
-        line.slope_error / line.slope**2,
+        slope_error / slope**2,
         zero,
         read,
         error,
         full_well,
         brightest,
-        dsnu,
-        prnu,
+        dsnu[0],
+        prnu[0],
         tuple(map(bool, used)),
         tuple(map(bool, saturated)),
         cut_off,
-        emva_figures(
-            levels=levels,
-            dark=dark,
-            gain_e_per_dn=gain,
-            offset_dn=zero,
-            used=used,
-            saturated=saturated,
-        ),
+        _emva_figures(levels, dark, gain, saturated_zero, [*dsnu[1:], *prnu[1:]]),
     )
 
 
@@ -438,54 +423,39 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
         )
 
 
-@dataclass(frozen=True)
-class _Line:
-    """A straight line of variances over means less `foot`, and standard errors."""
-
-    at_foot: float
-    slope: float
-    at_foot_error: float
-    slope_error: float
-    covariance: float
-
-    @classmethod
-    def through(cls, fields: Sequence[FlatField], foot: float) -> "_Line":
-        x = np.array([field.mean_dn - foot for field in fields])
-        y = np.array([field.unrounded_dn2 for field in fields])
-        freedom = np.array([(field.frames - 1.0) * field.pixels for field in fields])
-        least = _LEAST_VARIANCE * y.max()
-        if not least > 0.0:
-            raise DataError("no level has noise, so there is no photon transfer curve")
-        model = np.maximum(y, least)
-        for _ in range(_ROUNDS):
-            weights = freedom / (2.0 * model**2)
-            matrix = np.stack([np.ones_like(x), x], axis=1)
-            normal = matrix.T @ (weights[:, np.newaxis] * matrix)
-            at_foot, slope = np.linalg.solve(normal, matrix.T @ (weights * y))
-            model = np.maximum(at_foot + slope * x, np.maximum(1e-3 * y, least))
-        spread = np.linalg.inv(normal)
-        errors = np.sqrt(np.diag(spread))
-        return cls(
-            float(at_foot), float(slope), float(errors[0]), float(errors[1]), float(spread[0, 1])
-        )
+def _line_through(fields: Sequence[FlatField], foot: float) -> tuple[Vector, Matrix]:
+    """A straight line of variances over means less `foot`: value there and slope; covariances."""
+    x = np.array([field.mean_dn - foot for field in fields])
+    y = np.array([field.unrounded_dn2 for field in fields])
+    freedom = np.array([(field.frames - 1.0) * field.pixels for field in fields])
+    least = _LEAST_VARIANCE * y.max()
+    if not least > 0.0:
+        raise DataError("no level has noise, so there is no photon transfer curve")
+    model = np.maximum(y, least)
+    for _ in range(_ROUNDS):
+        weights = freedom / (2.0 * model**2)
+        matrix = np.stack([np.ones_like(x), x], axis=1)
+        normal = matrix.T @ (weights[:, np.newaxis] * matrix)
+        line = np.linalg.solve(normal, matrix.T @ (weights * y))
+        model = np.maximum(line[0] + line[1] * x, np.maximum(1e-3 * y, least))
+    return line, np.linalg.inv(normal)
 
 
 def _read_noise(
-    dark: FlatField | None, line: _Line, gain: float, *, known: bool
-) -> tuple[float | None, float | None]:
-    if not known:
-        return None, None
+    dark: FlatField | None, at_foot: float, spread: Matrix, gain: float
+) -> tuple[float, float]:
+    foot_error, slope_error = np.sqrt(np.diag(spread)).tolist()
     if dark is not None:
         variance = dark.unrounded_dn2
         error = dark.temporal_dn2 * math.sqrt(2.0 / ((dark.frames - 1) * dark.pixels))
     else:
-        variance, error = max(line.at_foot, 0.0), line.at_foot_error
+        variance, error = max(at_foot, 0.0), foot_error
     noise = math.sqrt(variance)
     # Of a root that is next to nothing, the root of the error of its square.
     if variance <= error:
         return gain * noise, gain * math.sqrt(error)
     # Noise in numbers times gain: what is off in the one is off in the other too, as the dark
     # level, or the foot of the line, holds the line's lower end.
-    own, of_gain = error / (2.0 * variance), line.slope_error * gain
-    shared = line.covariance * gain / variance
+    own, of_gain = error / (2.0 * variance), slope_error * gain
+    shared = float(spread[0, 1]) * gain / variance
     return gain * noise, gain * noise * math.sqrt(max(own**2 + of_gain**2 - shared, 0.0))

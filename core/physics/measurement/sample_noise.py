@@ -175,9 +175,6 @@ def withheld(reason: str) -> dict[str, Any]:
     return dict.fromkeys(("sigma_reason", "gain_reason", "read_noise_reason"), reason)
 
 
-Figure = tuple[float | None, float | None, str]
-
-
 def gain_and_read_noise(
     *, line: VarianceLine, level: Vector, rounding: float, offset: float
 ) -> dict[str, Any]:
@@ -187,20 +184,17 @@ def gain_and_read_noise(
     `offset` the level without light.
     """
     gain = _gain(line, level)
-    read = _read_noise(line, level, rounding, offset, with_gain=gain[0] is not None)
-    names = ("gain_e_per_dn", "gain_error", "gain_reason")
-    of_read = ("read_noise_dn", "read_noise_error", "read_noise_reason")
-    return dict(zip((*names, *of_read), (*gain, *read), strict=True))
+    return gain | _read_noise(line, level, rounding, offset, with_gain="gain_e_per_dn" in gain)
 
 
-def _gain(line: VarianceLine, level: Vector) -> Figure:
+def _gain(line: VarianceLine, level: Vector) -> dict[str, Any]:
     between = f"between levels {level.min():.4g} and {level.max():.4g}"
     if line.slope <= _RISES * line.slope_error:
         reason = (
             f"the variance does not rise clearly with the level: its slope is "
             f"{line.slope:.3g} ± {line.slope_error:.2g} {between}"
         )
-        return None, None, reason
+        return {"gain_reason": reason}
     gain, error = 1.0 / line.slope, line.slope_error / line.slope**2
     if _CONFIDENCE * error > _GAIN_WITHIN * gain:
         reason = (
@@ -208,20 +202,20 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
             f"uncertain by {percent(_CONFIDENCE * error / gain, 1)} at 99 % confidence; allowed: "
             f"at most {percent(_GAIN_WITHIN)}"
         )
-        return None, None, reason
-    return gain, error, ""
+        return {"gain_reason": reason}
+    return {"gain_e_per_dn": gain, "gain_error": error}
 
 
 def _read_noise(
     line: VarianceLine, level: Vector, rounding: float, offset: float, *, with_gain: bool
-) -> Figure:
+) -> dict[str, Any]:
     low, high = np.quantile(level, (0.01, 0.99))
     if not with_gain and not low <= offset <= high:
         reason = (
             f"the flat areas have levels from {level.min():.4g} to {level.max():.4g}, too far from "
             f"the level without light, {offset:.4g}"
         )
-        return None, None, reason
+        return {"read_noise_reason": reason}
     variance, error = line.at(offset)
     variance -= rounding
     if variance <= 0.0 or _CONFIDENCE * error > 2.0 * _READ_WITHIN * variance:
@@ -230,8 +224,9 @@ def _read_noise(
             f"{variance:.3g} ± {error:.2g} after subtracting quantization noise: dark areas are "
             "missing, or the level is wrong"
         )
-        return None, None, reason
-    return math.sqrt(variance), error / (2.0 * math.sqrt(variance)), ""
+        return {"read_noise_reason": reason}
+    sigma = math.sqrt(variance)
+    return {"read_noise_dn": sigma, "read_noise_error": error / (2.0 * sigma)}
 
 
 def level_variances(*, level: Vector, variance: Vector) -> tuple[LevelVariance, ...]:

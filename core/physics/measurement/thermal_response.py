@@ -125,17 +125,13 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     error = np.hypot(error, allowed * slope)
     levels = [{name: one.noise.variances.variance(name) for name in COMPONENTS} for one in ordered]
     errors = [one.noise.errors.tvh for one in ordered]
-    between = {name: float(np.interp(middle, kelvin, [one[name] for one in levels]))
-               for name in COMPONENTS}  # fmt: skip
+    levels.append({name: float(np.interp(middle, kelvin, [one[name] for one in levels]))
+                   for name in COMPONENTS})  # fmt: skip
+    errors.append(float(np.interp(middle, kelvin, errors)))
     figures = [
-        _figures(float(at), float(rise), float(of_rise), variances, of_noise)
-        for at, rise, of_rise, variances, of_noise in zip(
-            [*kelvin, middle],
-            slope,
-            error,
-            [*levels, between],
-            [*errors, float(np.interp(middle, kelvin, errors))],
-            strict=True,
+        _figures(*one)
+        for one in zip(
+            [*kelvin.tolist(), middle], slope.tolist(), error.tolist(), levels, errors, strict=True
         )
     ]
     wavelength, of_wavelength = law.wavelength(variance)

@@ -85,7 +85,7 @@ def strip_sum_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats
             n, t, apart = (_taken(coordinate, near) for coordinate in (n, t, square))
             common = Band.common(n, t, apart, half)
             some = rings.chosen(near)
-            area[near] += some.in_common(common) if bars else _beyond_hole(some, common, pupil)
+            area[near] += some.in_band(common) if bars else _beyond_hole(some, common, pupil)
     for crossing in _crossings(pupil):
         first, second = (seen[index][0] for index in crossing.pair)
         part, cut = crossing.overlap((second, first), same_side=not bars)
@@ -161,23 +161,15 @@ class Rings:
         return area
 
     def in_band(self, band: Band) -> Floats:
-        """Overlap in a band that rests."""
+        """Overlap in a band that rests, or in one and its moved self: then mixed ones are alike."""
         cut = Cut.of(band, self.outer.moved)
         area = lens_in_band(self.outer, band, cut)
         if self.mixed is not None:
             small = Cut.of(band, self.mixed.moved)
-            area -= lens_in_band(self.mixed, band, small)
-            area -= lens_in_band(self.mixed.turned(), band, cut)
-            if self.inner is not None:
-                area += lens_in_band(self.inner, band, small)
-        return area
-
-    def in_common(self, band: Band) -> Floats:
-        """Overlap in a band and its moved self, where the two mixed lenses are alike."""
-        area = lens_in_band(self.outer, band, Cut.of(band, self.outer.moved))
-        if self.mixed is not None:
-            small = Cut.of(band, self.mixed.moved)
-            area -= 2.0 * lens_in_band(self.mixed, band, small)
+            mixed = lens_in_band(self.mixed, band, small)
+            area -= 2.0 * mixed if band.skew is None else mixed
+            if band.skew is not None:
+                area -= lens_in_band(self.mixed.turned(), band, cut)
             if self.inner is not None:
                 area += lens_in_band(self.inner, band, small)
         return area
@@ -190,7 +182,7 @@ def _beyond_hole(rings: Rings, band: Band, pupil: StripPupil) -> Floats:
     between = band.slope - 2.0 * (half_segment(hole, half) - half_segment(hole, band.low))
     if rings.inner is not None:
         between = between + lens_in_band(rings.inner, band, Cut.of(band, hole))
-    area = rings.in_common(band) - np.where(band.along > 2.0 * reach, between, 0.0)
+    area = rings.in_band(band) - np.where(band.along > 2.0 * reach, between, 0.0)
     return np.where(band.along < pupil.radius - reach, 0.5 * area, 0.0)
 
 
@@ -352,13 +344,11 @@ def geometric_pupil_otf(
     xi, eta = np.asarray(xi, np.float64), np.asarray(eta, np.float64)
     x_mm = positive("pitch_x_mm", pitch_x_mm, unit="mm")
     y_mm = positive("pitch_y_mm", pitch_y_mm, unit="mm")
-    return _over_band(
-        (
-            geometric_otf(shape, lag_x=wavelength * xi / x_mm, lag_y=wavelength * eta / y_mm)
-            for wavelength in wavelengths_um
-        ),
-        weights,
-    )
+
+    def at(wavelength: float) -> Array:
+        return geometric_otf(shape, lag_x=wavelength * xi / x_mm, lag_y=wavelength * eta / y_mm)
+
+    return _over_band(map(at, wavelengths_um), weights)
 
 
 def circular_pupil_otf(
@@ -376,15 +366,9 @@ def circular_pupil_otf(
     diameter = positive("diameter_mm", diameter_mm, unit="mm")
 
     def tile(rho: Array) -> Array:
-        return _over_band(
-            (
-                annular_otf(
-                    frequency_ratio=wavelength * rho / diameter, obscuration_ratio=obscuration_ratio
-                )
-                for wavelength in wavelengths_um
-            ),
-            weights,
-        )
+        ratios = (wavelength * rho / diameter for wavelength in wavelengths_um)
+        at = partial(annular_otf, obscuration_ratio=obscuration_ratio)
+        return _over_band((at(frequency_ratio=ratio) for ratio in ratios), weights)
 
     return by_tiles(tile, np.asarray(rho, np.float64))
 
@@ -406,16 +390,12 @@ def defocused_disc_otf(
     rho = np.asarray(rho, np.float64)
     diameter = positive("diameter_mm", diameter_mm, unit="mm")
     reference = positive("reference_um", reference_um, unit="µm")
-    return _over_band(
-        (
-            annular_defocus_otf(
-                frequency_ratio=wavelength * rho / diameter,
-                w20_waves=w20_waves * reference / wavelength,
-            )
-            for wavelength in wavelengths_um
-        ),
-        weights,
-    )
+
+    def at(wavelength: float) -> Array:
+        w20 = w20_waves * reference / wavelength
+        return annular_defocus_otf(frequency_ratio=wavelength * rho / diameter, w20_waves=w20)
+
+    return _over_band(map(at, wavelengths_um), weights)
 
 
 def sampled_pupil_otf(

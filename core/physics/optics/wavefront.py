@@ -1,7 +1,7 @@
 """Wavefront errors: Zernike polynomials in Noll's order, and maps from a file."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,6 @@ from core import kernels
 from core.arrays import Array, Complex
 from core.errors import DataError, ParameterError
 from core.kernels import special
-from core.records import dataclass
 
 HIGHEST_NOLL_INDEX = 861  # 40 radial orders; beyond, samples of a pupil do not resolve them
 
@@ -150,7 +149,6 @@ def _clear(empty: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
 # OTF of a sampled exit pupil: autocorrelation, interpolation and an estimate of the error.
 
 Indices = NDArray[np.int64]
-Corner = Callable[[int, int], Array]  # of the cells: (0 near or 1 far along, likewise across)
 INTERPOLATIONS = ("linear", "bilinear")
 
 
@@ -239,77 +237,31 @@ def sampled_otf(
     x, y = np.asarray(lag_x, dtype=np.float64), np.asarray(lag_y, dtype=np.float64)
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
         raise DataError("the pupil's OTF was requested at a lag that is not finite")
-    interpolate = _bilinear if interpolation == "bilinear" else _linear
-    rows, columns = (size // 2 for size in correlation.shape)
-    across, along = _Cells.of(x, columns), _Cells.of(y, rows)
-    if x.ndim == y.ndim == 2 and x.shape[0] == y.shape[1] == 1:
-        lines, near, far = along.lines()
-        rows_framed = _framed(correlation, lines)
-        beside = [np.take(rows_framed, index[0], axis=1) for index in (across.near, across.far)]
-
-        def corner(down: int, right: int) -> Array:
-            part: Array = beside[right][(far if down else near)[:, 0]]
-            return part
-
-    else:
-        framed = np.pad(correlation, FRAME)
-
-        def corner(down: int, right: int) -> Array:
-            part: Array = framed[
-                along.far if down else along.near, across.far if right else across.near
-            ]
-            return part
-
-    return interpolate(corner, across.part, along.part)
-
-
-FRAME = 2  # zeros around the autocorrelation, in which lags beyond it end
-
-
-@dataclass(frozen=True)
-class _Cells:
-    """Places in a framed array of the lags that a lag lies between, and how far it is from one.
-
-    Cells count away from zero lag, so that opposite lags use the same weights.
-    """
-
-    near: Indices
-    far: Indices
-    part: NDArray[np.float64]
-
-    @classmethod
-    def of(cls, lag: NDArray[np.float64], reach: int) -> "_Cells":
-        inside = np.minimum(np.abs(lag), reach + 1.0)
-        lower = np.floor(inside)
-        side, index = np.where(lag < 0.0, -1, 1), lower.astype(np.int64)
-        middle = reach + FRAME
-        return cls(middle + side * index, middle + side * (index + 1), inside - lower)
-
-    def lines(self) -> tuple[Indices, Indices, Indices]:
-        """Every place once, without the frame, and where among them near and far ones are."""
-        places, index = np.unique(np.stack([self.near, self.far]), return_inverse=True)
-        near, far = index.reshape(2, *self.near.shape)
-        return places - FRAME, near, far
-
-
-def _framed(correlation: Array, lines: Indices) -> Array:
-    """Rows of the autocorrelation in their frame of zeros."""
     height, width = correlation.shape
-    inside = (lines >= 0) & (lines < height)
-    framed = np.zeros((len(lines), width + 2 * FRAME), correlation.dtype)
-    framed[inside, FRAME:-FRAME] = correlation[lines[inside]]
-    return framed
+    near_x, far_x, part_x = _beside(x, width // 2)
+    near_y, far_y, part_y = _beside(y, height // 2)
 
+    def at(row: Indices, column: Indices) -> Array:
+        inside = ((row >= 0) & (row < height)) & ((column >= 0) & (column < width))
+        known = correlation[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]
+        return np.where(inside, known, 0.0)
 
-def _bilinear(corner: Corner, part_x: NDArray[np.float64], part_y: NDArray[np.float64]) -> Array:
-    top = corner(0, 0) * (1.0 - part_x) + corner(0, 1) * part_x
-    bottom = corner(1, 0) * (1.0 - part_x) + corner(1, 1) * part_x
-    otf: Array = top * (1.0 - part_y) + bottom * part_y
-    return otf
-
-
-def _linear(corner: Corner, part_x: NDArray[np.float64], part_y: NDArray[np.float64]) -> Array:
-    third = np.where(part_x >= part_y, corner(0, 1), corner(1, 0))
+    nearest, farthest = at(near_y, near_x), at(far_y, far_x)
+    if interpolation == "bilinear":
+        top = nearest * (1.0 - part_x) + at(near_y, far_x) * part_x
+        bottom = at(far_y, near_x) * (1.0 - part_x) + farthest * part_x
+        return np.asarray(top * (1.0 - part_y) + bottom * part_y)
+    third = np.where(part_x >= part_y, at(near_y, far_x), at(far_y, near_x))
     larger, smaller = np.maximum(part_x, part_y), np.minimum(part_x, part_y)
-    otf: Array = corner(0, 0) * (1.0 - larger) + third * (larger - smaller) + corner(1, 1) * smaller
-    return otf
+    return np.asarray(nearest * (1.0 - larger) + third * (larger - smaller) + farthest * smaller)
+
+
+def _beside(lag: NDArray[np.float64], reach: int) -> tuple[Indices, Indices, NDArray[np.float64]]:
+    """Places of the two integer lags that each lag lies between, and how far it is from the first.
+
+    Counted away from zero lag, so that opposite lags use the same weights.
+    """
+    inside = np.minimum(np.abs(lag), reach + 1.0)
+    lower = np.floor(inside)
+    side, index = np.where(lag < 0.0, -1, 1), lower.astype(np.int64)
+    return reach + side * index, reach + side * (index + 1), inside - lower
