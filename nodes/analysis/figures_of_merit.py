@@ -6,8 +6,8 @@ from typing import Any, Literal, NamedTuple
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
-from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mrtd import Window
+from core.physics.acquisition.target_acquisition import frames_integrated
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.records import replace

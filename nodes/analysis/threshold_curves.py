@@ -14,11 +14,6 @@ from core.chain.wires import CurveData, Series, TableData, TableRow
 from core.errors import DataError
 from core.evaluation.work import Work
 from core.physics.acquisition import target_acquisition
-from core.physics.acquisition.eye import (
-    CYC_PER_DEG,
-    eye_contrast_threshold,
-    system_contrast_threshold,
-)
 from core.physics.acquisition.mrtd import (
     Window,
     mdtd_K,
@@ -27,7 +22,13 @@ from core.physics.acquisition.mrtd import (
     mrtd_two_dimensional,
     perceived_share,
 )
-from core.physics.acquisition.target_acquisition import TtpThreshold, thermal_contrast
+from core.physics.acquisition.target_acquisition import (
+    CYC_PER_DEG,
+    TtpThreshold,
+    eye_contrast_threshold,
+    system_contrast_threshold,
+    thermal_contrast,
+)
 from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.numerics import range_for_probability

@@ -13,11 +13,11 @@ from core.physics.optics.diffraction_otf import (
     USUAL_WITH_DEFOCUS,
     USUAL_WITH_MANY_BENDS,
     Aperture,
+    Spectrum,
     diffraction_otf,
     has_many_bends,
     wavelengths_needed,
 )
-from core.physics.optics.polychromatic import Spectrum
 from core.records import replace
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics import band_spectrum

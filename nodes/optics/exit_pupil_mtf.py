@@ -14,7 +14,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics import pupil_otf, pupil_shapes
-from core.physics.optics.polychromatic import Spectrum, band_wavelengths
+from core.physics.optics.diffraction_otf import Spectrum, band_wavelengths
 from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
 from core.records import dataclass, field, replace

@@ -19,8 +19,12 @@ from numpy.typing import ArrayLike
 from core.arrays import Vector
 from core.errors import ParameterError
 from core.physics import numerics
-from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
-from core.physics.acquisition.target_acquisition import resolvable_frequency
+from core.physics.acquisition.target_acquisition import (
+    coloured_share,
+    frame_count,
+    resolvable_frequency,
+    spatial_share,
+)
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 
 Direction = Literal["horizontal", "vertical"]
@@ -147,14 +151,13 @@ def mrtd_flir92_K(  # noqa: N802
     -----
     MRTD_h(f) = (π²/8)·SNR_th·σ_tvh·k_h(f)·√(E_t·E_h(f)·E_v(f))/H_h(f), where E_t = 1/(F_R·t_E),
     E_h is the average over the width 1/(2f) of upright bars and E_v that over their length 7/(2f)
-    (`core.physics.acquisition.eye.spatial_share`), and k_h² = 1 + (σ_vh²/σ_tvh²)/E_t +
-    (σ_th²/σ_tvh²)/E_v + (σ_h²/σ_tvh²)/(E_t·E_v). For lying bars h and v change places. What is the
-    same in a bar and the gap beside it (σ_tv, σ_v and σ_t of upright bars) does not hide the bars.
-    With a spectrum (σ_tvh² + σ_th² + σ_tv² + σ_t²)·`core.physics.acquisition.eye.coloured_share`
-    takes the place of σ_tvh²·E_h·E_v and σ_th²·E_h.
+    (`spatial_share`), and k_h² = 1 + (σ_vh²/σ_tvh²)/E_t + (σ_th²/σ_tvh²)/E_v +
+    (σ_h²/σ_tvh²)/(E_t·E_v). For lying bars h and v change places. What is the same in a bar and the
+    gap beside it (σ_tv, σ_v and σ_t of upright bars) does not hide the bars. With a spectrum
+    (σ_tvh² + σ_th² + σ_tv² + σ_t²)·`coloured_share` takes the place of σ_tvh²·E_h·E_v and σ_th²·E_h.
 
-    Source: Scott and D'Agostino 1992, NVEOD FLIR92 thermal imaging systems performance model,
-    Proc. SPIE 1689, 194. The equations' numbers could not be checked; the form was derived anew.
+    Source: Scott and D'Agostino 1992, NVEOD FLIR92 thermal imaging systems performance model, Proc.
+    SPIE 1689, 194. The equations' numbers could not be checked; the form was derived anew.
     """
     at, transfer = _curve(frequency, mtf)
     over_width = spatial_share(

@@ -7,8 +7,8 @@ import pytest
 
 from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
+from core.physics.optics.diffraction_otf import band_wavelengths
 from core.physics.optics.overlap_area import annular_otf
-from core.physics.optics.polychromatic import band_wavelengths
 from core.physics.optics.pupil_otf import circular_pupil_otf, geometric_pupil_otf
 from core.physics.optics.pupil_shapes import PupilShape
 from core.transfer.factors import Grid, Law, Planar, Product

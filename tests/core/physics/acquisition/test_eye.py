@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from core.errors import ParameterError
-from core.physics.acquisition.eye import (
+from core.physics.acquisition.target_acquisition import (
     coloured_share,
     eye_contrast_threshold,
     frame_count,

@@ -11,13 +11,13 @@ from mpmath import acos, mp, mpf, pi, sqrt
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.optics.diffraction_otf import (
     Aperture,
+    Spectrum,
     annular_defocus_otf,
     diffraction_otf,
     wavefront_factor,
     wavelengths_needed,
 )
 from core.physics.optics.overlap_area import annular_otf, disc_overlap_fraction
-from core.physics.optics.polychromatic import Spectrum
 
 
 def shared_chords(v, w20, inner):

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, ParameterError
-from core.physics.optics.diffraction_otf import annular_defocus_otf
+from core.physics.optics.diffraction_otf import annular_defocus_otf, band_wavelengths
 from core.physics.optics.overlap_area import annular_otf
-from core.physics.optics.polychromatic import band_wavelengths
 from core.physics.optics.pupil_otf import geometric_otf
 from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
 from core.physics.optics.wavefront import (
