@@ -154,7 +154,7 @@ def mrtd_flir92_K(  # noqa: N802
     (`spatial_share`), and k_h² = 1 + (σ_vh²/σ_tvh²)/E_t + (σ_th²/σ_tvh²)/E_v +
     (σ_h²/σ_tvh²)/(E_t·E_v). For lying bars h and v change places. What is the same in a bar and the
     gap beside it (σ_tv, σ_v and σ_t of upright bars) does not hide the bars. With a spectrum
-    (σ_tvh² + σ_th² + σ_tv² + σ_t²)·`coloured_share` takes the place of σ_tvh²·E_h·E_v and σ_th²·E_h.
+    (σ_tvh² + σ_th² + σ_tv² + σ_t²)·`coloured_share` replaces σ_tvh²·E_h·E_v and σ_th²·E_h.
 
     Source: Scott and D'Agostino 1992, NVEOD FLIR92 thermal imaging systems performance model, Proc.
     SPIE 1689, 194. The equations' numbers could not be checked; the form was derived anew.

@@ -47,7 +47,11 @@ class PathBand:
     @property
     def optical_depth(self) -> float:
         """−ln of the transmission, infinite where nothing passes."""
-        return -math.log(self.transmission) + 0.0 if self.transmission > 0.0 else math.inf
+        return _depth(self.transmission)
+
+
+def _depth(transmission: float) -> float:
+    return -math.log(transmission) + 0.0 if transmission > 0.0 else math.inf
 
 
 @dataclass(frozen=True)
@@ -150,7 +154,7 @@ class AirPath:
         over. It is of no account where all wavelengths pass alike. A table must cover the band.
         """
         self.require_covered(cut_on_um, cut_off_um)
-        wavelength, width = self._nodes(cut_on_um, cut_off_um)
+        wavelength, width = band_nodes(cut_on_um, cut_off_um, self.places_um)
         if not self.is_grey:
             weight = width
             if source_K is not None:
@@ -189,15 +193,12 @@ class AirPath:
         """Optical depth at 0.55 µm, or at all wavelengths."""
         if self.extinction_per_km is not None and self.range_m is not None:
             return self.extinction_per_km * (self.range_m / 1000.0)
-        return -math.log(self.transmission) + 0.0 if self.transmission > 0.0 else math.inf
+        return _depth(self.transmission)
 
     @property
     def places_um(self) -> tuple[float, ...]:
         """Wavelengths at which its tables bend."""
         return tuple(sorted({place for place, _ in (*self.points, *self.radiance)}))
-
-    def _nodes(self, low: float, high: float) -> tuple[Floats, Floats]:
-        return band_nodes(low, high, self.places_um)
 
 
 def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None:

@@ -192,17 +192,19 @@ class NoiseCube:
         v, h, t = vh.mean(axis=1), vh.mean(axis=0), tv.mean(axis=1)
         mean = float(t.mean())
         # Sums of squares about the mean, of each kind of average over what it leaves out.
-        whole = self._squares - frames * rows * columns * mean**2
-        of_t = rows * columns * _squares(t - mean)
-        of_v = frames * columns * _squares(v - mean)
-        of_h = frames * rows * _squares(h - mean)
-        of_tv = columns * _squares(tv - mean) - of_t - of_v
-        of_th = rows * _squares(th - mean) - of_t - of_h
-        of_vh = frames * _squares(vh - mean) - of_v - of_h
-        of_tvh = whole - of_t - of_v - of_h - of_tv - of_th - of_vh
+        sums = {
+            "t": rows * columns * _squares(t - mean),
+            "v": frames * columns * _squares(v - mean),
+            "h": frames * rows * _squares(h - mean),
+        }
+        sums["tv"] = columns * _squares(tv - mean) - sums["t"] - sums["v"]
+        sums["th"] = rows * _squares(th - mean) - sums["t"] - sums["h"]
+        sums["vh"] = frames * _squares(vh - mean) - sums["v"] - sums["h"]
+        left = self._squares - frames * rows * columns * mean**2
+        for part in sums.values():
+            left -= part
+        sums["tvh"] = left
         free = {"t": frames - 1, "v": rows - 1, "h": columns - 1}
-        axes = ("tvh", "vh", "v", "h", "t", "tv", "th")
-        sums = dict(zip(axes, (of_tvh, of_vh, of_v, of_h, of_t, of_tv, of_th), strict=True))
         degrees = {name: math.prod(free[axis] for axis in name) for name in COMPONENTS}
         squares = {name: max(sums[name], 0.0) / degrees[name] for name in COMPONENTS}
         counts = {"t": frames, "v": rows, "h": columns}
@@ -211,12 +213,8 @@ class NoiseCube:
             averaged = math.prod(count for axis, count in counts.items() if axis not in name)
             parts = _estimate(name)
             variances[name] = math.fsum(sign * squares[other] for other, sign in parts) / averaged
-            errors[name] = (
-                math.sqrt(
-                    math.fsum(2.0 * squares[other] ** 2 / degrees[other] for other, _ in parts)
-                )
-                / averaged
-            )
+            spread = math.fsum(2.0 * squares[other] ** 2 / degrees[other] for other, _ in parts)
+            errors[name] = math.sqrt(spread) / averaged
         return MeasuredNoise(
             NoiseVariances(**variances),
             NoiseVariances(**errors),

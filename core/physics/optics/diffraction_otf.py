@@ -317,7 +317,7 @@ def diffraction_otf(
         for wavelength, weight in zip(places, weights, strict=True):
             total = total + weight * aperture.otf(radii, np.asarray(wavelength))
     else:
-        total = _series(aperture, spectrum, tolerance).at(radii)
+        total = _series(aperture, spectrum, tolerance)(radii)
     return np.where(radii == 0.0, 1.0, total)
 
 
@@ -351,12 +351,12 @@ def wavelengths_needed(
 
 
 @lru_cache(maxsize=32)
-def _series(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> "RadialSeries":
+def _series(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> Callable[[Vector], Vector]:
     count, _ = wavelengths_needed(aperture, spectrum, tolerance)
-    return RadialSeries.of(
+    return _radial_series(
         lambda radii: _over_band(radii, aperture, spectrum, count),
-        ends=_ends(aperture, spectrum),
-        tolerance=tolerance,
+        _ends(aperture, spectrum),
+        tolerance,
     )
 
 
@@ -529,33 +529,25 @@ def _panel_rule(panels: int) -> tuple[Vector, Vector]:
 SIZES = (16, 32, 64, 128, 256, 512, 1024)
 
 
-@dataclass(frozen=True)
-class RadialSeries:
-    """Chebyshev series of an OTF on pieces; 0 beyond the last, and never beyond ±1."""
+def _radial_series(
+    function: Callable[[Vector], Vector], ends: tuple[float, ...], tolerance: float
+) -> Callable[[Vector], Vector]:
+    """Series of an OTF of radii between ends that rise from 0: 0 beyond, and never beyond ±1."""
+    pieces = [_fit(function, low, high, tolerance) for low, high in pairwise(ends)]
 
-    ends: tuple[float, ...]
-    coefficients: tuple[Vector, ...]
-
-    @classmethod
-    def of(
-        cls, function: Callable[[Vector], Vector], *, ends: tuple[float, ...], tolerance: float
-    ) -> "RadialSeries":
-        """Fit a function of radii between ends that rise from 0; beyond the last one it is 0."""
-        pieces = (_fit(function, low, high, tolerance) for low, high in pairwise(ends))
-        return cls(ends, tuple(pieces))
-
-    def at(self, rho: Vector) -> Vector:
-        """Values at radii, 0 or above."""
+    def at(rho: Vector) -> Vector:
         values = np.zeros(rho.shape)
-        piece = np.searchsorted(self.ends, rho, side="right") - 1
-        for index, coefficients in enumerate(self.coefficients):
+        piece = np.searchsorted(ends, rho, side="right") - 1
+        for index, coefficients in enumerate(pieces):
             chosen = piece == index
             if chosen.any():
-                low, high = self.ends[index], self.ends[index + 1]
+                low, high = ends[index], ends[index + 1]
                 share = np.clip((rho[chosen] - low) / (high - low), 0.0, 1.0)
                 place = 4.0 / np.pi * np.arcsin(np.sqrt(share)) - 1.0
                 values[chosen] = chebyshev_sum(coefficients, place)
         return np.clip(values, -1.0, 1.0)
+
+    return at
 
 
 def _fit(function: Callable[[Vector], Vector], low: float, high: float, tolerance: float) -> Vector:

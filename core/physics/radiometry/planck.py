@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.arrays import Floats
 from core.errors import DataError, ParameterError, several
 from core.physics.numerics import chebyshev_fit, chebyshev_sum, gauss_legendre, positive
-from core.records import dataclass
+from core.records import dataclass, replace
 
 PLANCK_J_S = 6.62607015e-34
 SPEED_OF_LIGHT_M_S = 299792458.0
@@ -47,6 +47,8 @@ FloatOrArray = TypeVar("FloatOrArray", float, NDArray[np.float64])
 _SHORTEST_UM, _LONGEST_UM = 1e-30, 1e30  # keeps λ⁻⁵ a finite number
 _HOTTEST_K = 1e30  # keeps T⁴ a finite number
 _LARGEST_SLOPE_X = 700.0
+_ENERGY = FIRST_RADIATION_CONSTANT_W_M2_SR / SECOND_RADIATION_CONSTANT_M_K**4
+_PHOTONS = 2.0 * SPEED_OF_LIGHT_M_S / SECOND_RADIATION_CONSTANT_M_K**3
 
 
 def spectral_radiance(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Floats:
@@ -101,7 +103,7 @@ def band_radiance(
 
     Source: Tantalo 1996, eq. 4.65 (its exitance divided by π).
     """
-    return _evaluated(_radiance(cut_on_um, cut_off_um), temperature_K)
+    return _evaluated(_integral(cut_on_um, cut_off_um, _ENERGY, 4, 3, 1), temperature_K)
 
 
 def band_radiance_derivative(
@@ -111,9 +113,7 @@ def band_radiance_derivative(
 
     Source: Tantalo 1996, eqs. 4.63-4.64 (a difference quotient there, the derivative here).
     """
-    _require_band(cut_on_um, cut_off_um)
-    scale = FIRST_RADIATION_CONSTANT_W_M2_SR / SECOND_RADIATION_CONSTANT_M_K**4
-    return _evaluated(BandIntegral(cut_on_um, cut_off_um, scale, 3, 4, 2), temperature_K)
+    return _evaluated(_integral(cut_on_um, cut_off_um, _ENERGY, 3, 4, 2), temperature_K)
 
 
 def band_photon_radiance(
@@ -123,18 +123,14 @@ def band_photon_radiance(
 
     Source: Planck's law divided by the energy hc/λ of a photon.
     """
-    _require_band(cut_on_um, cut_off_um)
-    scale = 2.0 * SPEED_OF_LIGHT_M_S / SECOND_RADIATION_CONSTANT_M_K**3
-    return _evaluated(BandIntegral(cut_on_um, cut_off_um, scale, 3, 2, 1), temperature_K)
+    return _evaluated(_integral(cut_on_um, cut_off_um, _PHOTONS, 3, 2, 1), temperature_K)
 
 
 def band_photon_radiance_derivative(
     *, cut_on_um: float, cut_off_um: float, temperature_K: FloatOrArray
 ) -> FloatOrArray:
     """Slope dL_q/dT of `band_photon_radiance`, s⁻¹ m⁻² sr⁻¹ K⁻¹; otherwise as there."""
-    _require_band(cut_on_um, cut_off_um)
-    scale = 2.0 * SPEED_OF_LIGHT_M_S / SECOND_RADIATION_CONSTANT_M_K**3
-    return _evaluated(BandIntegral(cut_on_um, cut_off_um, scale, 2, 3, 2), temperature_K)
+    return _evaluated(_integral(cut_on_um, cut_off_um, _PHOTONS, 2, 3, 2), temperature_K)
 
 
 def brightness_temperature(
@@ -179,7 +175,7 @@ def brightness_temperature_of_samples(
 def _brightness(
     radiance: FloatOrArray, cut_on_um: float, cut_off_um: float, *, fitted: bool
 ) -> FloatOrArray:
-    band = _radiance(cut_on_um, cut_off_um)
+    band = _integral(cut_on_um, cut_off_um, _ENERGY, 4, 3, 1)
     values = np.asarray(radiance, dtype=float)
     brightest = float(band(np.array([_HOTTEST_K]))[0])
     faulty = ~((values >= 0.0) & (values <= brightest))
@@ -190,28 +186,34 @@ def _brightness(
             f" {several(values.size, 'sample')} (the first is {first!r} W/m²/sr);"
             f" allowed: 0 to {brightest:.3g}"
         )
-    temperature = np.zeros(values.size)
+    temperature: Any = np.zeros(values.size)
     lit = np.flatnonzero(values)
     if lit.size:
         temperature[lit] = temperature_from_log(band, np.log(values.ravel()[lit]), fitted=fitted)
-    result: FloatOrArray = _as_given(temperature.reshape(values.shape))
+    result: FloatOrArray = temperature.reshape(values.shape)[()]
     return result
 
 
-def _radiance(cut_on_um: float, cut_off_um: float) -> "BandIntegral":
-    _require_band(cut_on_um, cut_off_um)
-    scale = FIRST_RADIATION_CONSTANT_W_M2_SR / SECOND_RADIATION_CONSTANT_M_K**4
-    return BandIntegral(cut_on_um, cut_off_um, scale, 4, 3, 1)
+def _integral(
+    cut_on_um: float,
+    cut_off_um: float,
+    scale: float,
+    temperature_power: int,
+    power: int,
+    order: int,
+) -> "BandIntegral":
+    _require_wavelengths(np.asarray(cut_on_um, dtype=float), "cut_on_um")
+    _require_wavelengths(np.asarray(cut_off_um, dtype=float), "cut_off_um")
+    if not cut_on_um < cut_off_um:
+        allowed = f"must be above cut_on_um = {cut_on_um!r} µm"
+        raise ParameterError("cut_off_um", cut_off_um, allowed, unit="µm")
+    return BandIntegral(cut_on_um, cut_off_um, scale, temperature_power, power, order)
 
 
 def _evaluated(integral: "BandIntegral", temperature_K: FloatOrArray) -> FloatOrArray:
-    result: FloatOrArray = _as_given(integral(_temperatures(temperature_K)))
+    values: Any = integral(_temperatures(temperature_K))
+    result: FloatOrArray = values[()]  # a float for a 0-d array: what a scalar became
     return result
-
-
-def _as_given(values: Floats) -> Any:
-    """A float for a 0-d array: what a scalar argument became."""
-    return values[()]
 
 
 def _temperatures(temperature_K: ArrayLike) -> Floats:
@@ -228,14 +230,6 @@ def _require_wavelengths(values: Floats, name: str) -> None:
     if not np.all(allowed):
         first = float(values[~allowed].flat[0])
         raise ParameterError(name, first, f"must be above 0 and at most {_LONGEST_UM:g}", unit="µm")
-
-
-def _require_band(cut_on_um: float, cut_off_um: float) -> None:
-    _require_wavelengths(np.asarray(cut_on_um, dtype=float), "cut_on_um")
-    _require_wavelengths(np.asarray(cut_off_um, dtype=float), "cut_off_um")
-    if not cut_on_um < cut_off_um:
-        allowed = f"must be above cut_on_um = {cut_on_um!r} µm"
-        raise ParameterError("cut_off_um", cut_off_um, allowed, unit="µm")
 
 
 # Wavelengths at which a band is integrated, in pieces on which Planck's law is smooth.
@@ -394,25 +388,22 @@ def temperature_from_log(radiance: BandIntegral, logs: Floats, *, fitted: bool =
     lowest, highest = _solve(radiance, np.array([logs.min(), logs.max()]))
     octaves = np.arange(np.floor(np.log2(lowest)) - 1.0, np.ceil(np.log2(highest)) + 2.0)
     edges = radiance.log(np.exp2(octaves))
-    return np.exp(
-        _by_fits(
-            lambda places: np.log(_solve(radiance, places)),
-            logs,
-            edges,
-            lambda places: np.searchsorted(edges, places, side="right") - 1,
-        )
+    log_temperatures = _by_fits(
+        lambda places: np.log(_solve(radiance, places)),
+        logs,
+        edges,
+        lambda places: np.searchsorted(edges, places, side="right") - 1,
     )
+    return np.exp(log_temperatures)
 
 
 def _solve(radiance: BandIntegral, logs: Floats) -> Floats:
     """Newton in 1/T, where ln L is convex: from the hot side it never passes the root."""
-    slope = BandIntegral(
-        radiance.cut_on_um,
-        radiance.cut_off_um,
-        radiance.scale,
-        radiance.temperature_power - 1,
-        radiance.power + 1,
-        radiance.order + 1,
+    slope = replace(
+        radiance,
+        temperature_power=radiance.temperature_power - 1,
+        power=radiance.power + 1,
+        order=radiance.order + 1,
     )
     inverse = _first_guess(radiance, logs)
     for _ in range(_STEPS):
