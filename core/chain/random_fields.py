@@ -22,7 +22,7 @@ from core.errors import DataError, ParameterError, require_finite
 from core.evaluation.recipes import Region, runs
 from core.evaluation.work import Work
 from core.machine import Empty, ForEach, in_turn
-from core.physics.optics.veiling_glare import gaussian_mtf
+from core.physics.optics.blur import gaussian_mtf
 from core.records import dataclass
 from core.transfer import mirrored
 

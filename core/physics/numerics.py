@@ -224,12 +224,19 @@ def brent_root(function: Callable[[float], float], *, low: float, high: float) -
         half = 0.5 * (other - best)
         if abs(half) <= near or at_best == 0.0:
             break
-        if abs(last_step) < near or abs(at_before) <= abs(at_best):
-            step = last_step = half
-        else:
-            step, last_step = _interpolated(
-                (before, best, other), (at_before, at_best, at_other), half, (near, last_step, step)
-            )
+        compared, previous = last_step, step
+        step = last_step = half
+        if abs(compared) >= near and abs(at_before) > abs(at_best):
+            ratio = at_best / at_before
+            if before == other:
+                p, q = 2.0 * half * ratio, 1.0 - ratio
+            else:
+                a, b = at_before / at_other, at_best / at_other
+                p = ratio * (2.0 * half * a * (a - b) - (best - before) * (b - 1.0))
+                q = (a - 1.0) * (b - 1.0) * (ratio - 1.0)
+            p, q = abs(p), -q if p > 0.0 else q
+            if 2.0 * p < min(3.0 * half * q - abs(near * q), abs(compared * q)):
+                step, last_step = p / q, previous
         before, at_before = best, at_best
         best += step if abs(step) > near else math.copysign(near, half)
         at_best = function(best)
@@ -237,30 +244,6 @@ def brent_root(function: Callable[[float], float], *, low: float, high: float) -
             other, at_other = before, at_before
             step = last_step = best - before
     return best
-
-
-def _interpolated(
-    places: tuple[float, float, float],
-    values: tuple[float, float, float],
-    half: float,
-    steps: tuple[float, float, float],
-) -> tuple[float, float]:
-    """The next step and the one that it is compared with; half the interval where that is safer."""
-    (before, best, other), (at_before, at_best, at_other) = places, values
-    near, last_step, step = steps
-    ratio = at_best / at_before
-    if before == other:
-        p, q = 2.0 * half * ratio, 1.0 - ratio
-    else:
-        a, b = at_before / at_other, at_best / at_other
-        p = ratio * (2.0 * half * a * (a - b) - (best - before) * (b - 1.0))
-        q = (a - 1.0) * (b - 1.0) * (ratio - 1.0)
-    if p > 0.0:
-        q = -q
-    p = abs(p)
-    if 2.0 * p < min(3.0 * half * q - abs(near * q), abs(last_step * q)):
-        return p / q, step
-    return half, half
 
 
 # sin(πx)/(πx), exactly zero at the integers.

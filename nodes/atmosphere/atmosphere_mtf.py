@@ -21,7 +21,7 @@ from core.physics.atmosphere.scattering_and_turbulence import (
     path_optical_depth,
     turbidity_optical_depth,
 )
-from core.physics.optics.veiling_glare import fwhm_to_sigma_mrad, gaussian_mtf
+from core.physics.optics.blur import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import at_each_band
 from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, apart, of_context, wavelength_caution

@@ -4,7 +4,7 @@ import math
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Formula, NodeContext, param, readout
-from core.physics.optics.veiling_glare import gaussian_mtf
+from core.physics.optics.blur import gaussian_mtf
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 

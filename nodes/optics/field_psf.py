@@ -19,8 +19,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, Param, param
 from core.physics.optics import field as field_optics
+from core.physics.optics.blur import gaussian_mtf
 from core.physics.optics.field import samples_at
-from core.physics.optics.veiling_glare import gaussian_mtf
 from core.records import dataclass, field
 from core.transfer.factors import Factor, Grid, Separable, factor_at
 from nodes.optics.mtf_file import MtfFile

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, FileError, ParameterError
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.optics.measured_otf import (
+from core.physics.optics.blur import (
     ROUNDED,
     Column,
     from_zero,

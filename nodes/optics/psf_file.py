@@ -8,7 +8,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.optics.measured_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
+from core.physics.optics.blur import PointSpread, coarseness, edge_share, sampled_psf_otf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.files.formats import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples

@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
+from core.physics.optics.blur import harvey_mtf, harvey_scatter, veiling_glare_mtf
 from nodes.shared.module_ports import MtfModule, MtfOutputs, radial
 
 

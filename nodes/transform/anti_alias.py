@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
 from core.modules.declaration import Formula, Module, NodeContext, param, readout
-from core.physics.optics.veiling_glare import gaussian_mtf
+from core.physics.optics.blur import gaussian_mtf
 from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.transfer.factors import Grid
 from nodes.shared.module_ports import ImageOutput, separable

@@ -8,7 +8,7 @@ from core.errors import ParameterError
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, param
 from core.physics.detector.detector_mtf import aperture_mtf
-from core.physics.optics.measured_otf import radial_tabulated_mtf, tabulated_mtf
+from core.physics.optics.blur import radial_tabulated_mtf, tabulated_mtf
 from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.transfer.factors import Separable
 from nodes.shared.context_defaults import apart, pitch_in_samples

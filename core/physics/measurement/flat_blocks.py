@@ -146,9 +146,8 @@ def variance_line(*, level: Vector, variance: Vector) -> VarianceLine:
 # A picture in blocks of 8 × 8 samples: the level of a block, and its power by frequency.
 #
 # White noise has the same variance in all coefficients of an orthonormal cosine transform, and
-# those
-# of normal noise are independent. So the blocks can be chosen by some coefficients, and the noise
-# measured in others: the choice leaves no bias (Ponomarenko et al. 2007).
+# those of normal noise are independent. So the blocks can be chosen by some coefficients, and the
+# noise measured in others: the choice leaves no bias (Ponomarenko et al. 2007).
 
 
 SIDE = 8
@@ -248,9 +247,8 @@ def _cosines() -> Matrix:
 #
 # White noise has equal power in all waves; what a scene leaves after the optics falls with the
 # frequency. What coarse waves have more than the others shows how much structure there is; how it
-# falls from there is known of scenes in general, with an error. Middle and fine waves are
-# weighted by
-# what they are worth: by their own scatter and by that error, which both share.
+# falls from there is known of scenes in general, with an error. Middle and fine waves are weighted
+# by what they are worth: by their own scatter and by that error, which both share.
 
 
 # Power of structure in middle and in fine waves over what the coarse ones show of it: means and

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from core import kernels
 from core.arrays import Array
 from core.physics.numerics import all_from_zero, positive, within
-from core.physics.optics.measured_otf import tabulated_mtf
+from core.physics.optics.blur import tabulated_mtf
 from core.records import dataclass
 
 # Relative illumination over the field of a lens: natural vignetting and measured curves.

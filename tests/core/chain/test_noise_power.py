@@ -11,7 +11,7 @@ from core.chain.wires import Image, Magnitude, Phase
 from core.evaluation.recipes import Step
 from core.evaluation.work import Policy
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
-from core.physics.optics.veiling_glare import gaussian_mtf
+from core.physics.optics.blur import gaussian_mtf
 from core.transfer.factors import Grid, Law, Planar
 from nodes.library import standard_library
 from nodes.shared.module_ports import radial, separable

@@ -11,7 +11,7 @@ from core.physics.detector import detector_mtf as charge_transfer
 from core.physics.detector import detector_mtf as detector
 from core.physics.detector import readout as electronics
 from core.physics.numerics import brent_root
-from core.physics.optics import veiling_glare as gaussian
+from core.physics.optics import blur as gaussian
 from core.physics.sampling import detector_sampling as sampling
 from core.physics.sampling import platform_motion as motion
 from core.physics.sampling import platform_motion as vibration

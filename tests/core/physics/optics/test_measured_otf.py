@@ -8,7 +8,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import j0, j1
 
 from core.errors import DataError
-from core.physics.optics.measured_otf import (
+from core.physics.optics.blur import (
     PointSpread,
     coarseness,
     edge_share,

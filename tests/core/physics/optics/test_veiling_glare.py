@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
+from core.physics.optics.blur import harvey_mtf, harvey_scatter, veiling_glare_mtf
 
 
 @pytest.mark.parametrize(("length", "rho"), [(0.3, 0.3)])
