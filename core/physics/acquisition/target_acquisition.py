@@ -33,12 +33,23 @@ _LONGEST = 1e300
 
 
 def spatial_share(*, length_mrad: ArrayLike, noise_bandwidth_cyc_per_mrad: float) -> Vector:
-    """Share of white noise's variance that is left after averaging along a length, of any shape.
+    """Share of white noise's variance that is left after averaging along a length.
 
-    (1/B)·∫₀ᴮ sinc²(L·ξ) dξ, sinc(x) = sin(πx)/(πx): 1 for a short length, 1/(2·B·L), the inverse of
-    the number of samples, for a long one. By the sine integral, Si(2πBL)/(πL) − sin²(πBL)/(π²BL²).
-    The noise is white up to the bandwidth B: half the samples per mrad where the samples' noises
-    are independent, bandwidth over scan velocity along an analogue scan.
+    Parameters
+    ----------
+    length_mrad
+        Length L over which the eye averages, mrad, zero or above, any shape.
+    noise_bandwidth_cyc_per_mrad
+        Bandwidth B up to which the noise is white, cycles/mrad, above zero: half the samples per
+        mrad where the samples' noises are independent, bandwidth over scan velocity along an
+        analogue scan.
+
+    Returns
+    -------
+    ndarray of float64
+        (1/B)·∫₀ᴮ sinc²(L·ξ) dξ, sinc(x) = sin(πx)/(πx): 1 for a short length, 1/(2·B·L), the
+        inverse of the number of samples, for a long one. By the sine integral, Si(2πBL)/(πL) −
+        sin²(πBL)/(π²BL²).
 
     Source: Ratches et al. 1975, ECOM-7043, the noise bandwidth Q(f) after the eye's filter of a
     bar's width; Scott and D'Agostino 1992, Proc. SPIE 1689, 194, the integrators E_h and E_v. Both
@@ -68,12 +79,23 @@ def coloured_share(
     noise_bandwidth_y_cyc_per_mrad: float,
     spectrum: ArrayLike,
 ) -> Vector:
-    """Share of a filtered noise's variance that is left after averaging over n rectangles.
+    """Share of a filtered noise's variance that is left after averaging over rectangles.
 
-    ∬ S(ξ, η)·sinc²(X·ξ)·sinc²(Y·η) dξ dη over ∬ S(ξ, η) dξ dη of sides X and Y, both of shape (n,).
-    The spectrum S is power in equal cells from 0 to the bandwidths, shape (along y, across x), in
-    any unit, not zero everywhere; of one cell, which is white, the product of both `spatial_share`.
-    In a cell sinc² is integrated exactly.
+    Parameters
+    ----------
+    length_x_mrad, length_y_mrad
+        Sides of the rectangles, mrad, zero or above, both of shape (n,).
+    noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad
+        Frequencies up to which the spectrum goes, cycles/mrad, above zero.
+    spectrum
+        Power of the noise in equal cells from 0 to the bandwidths, shape (along y, across x), in
+        any unit, zero or above, not zero everywhere.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,)
+        ∬ S(ξ, η)·sinc²(X·ξ)·sinc²(Y·η) dξ dη over ∬ S(ξ, η) dξ dη; of a spectrum of one cell, which
+        is white, the product of both `spatial_share`. In a cell sinc² is integrated exactly.
 
     Source: Ratches et al. 1975, ECOM-7043, Q(f); Scott and D'Agostino 1992, Proc. SPIE 1689, 194,
     E_h and E_v: both have the noise's filters H_N² = S under the integral.
@@ -132,9 +154,20 @@ def eye_contrast_threshold(
 ) -> Any:
     """Smallest contrast (modulation) of a sine that the eye sees on a display.
 
-    1/[a·u·e^(−b·u)·√(1 + 0.06·e^(b·u))], a = 540·(1 + 0.7/L)^−0.2/(1 + 12/(w·(1 + u/3)²)), b =
-    0.3·(1 + 100/L)^0.15, of the frequency u at the eye, the display's mean luminance L and the root
-    of its area w, in degrees at the eye; infinite at u = 0, of the broadcast shape.
+    Parameters
+    ----------
+    frequency_cyc_per_deg
+        Frequency u at the eye, cycles per degree, zero or above.
+    luminance_cd_m2
+        Mean luminance L of the display, above zero.
+    display_deg
+        Root of the display's area w, degrees at the eye, above zero.
+
+    Returns
+    -------
+    float or ndarray
+        1/[a·u·e^(−b·u)·√(1 + 0.06·e^(b·u))], a = 540·(1 + 0.7/L)^−0.2/(1 + 12/(w·(1 + u/3)²)),
+        b = 0.3·(1 + 100/L)^0.15; infinite at u = 0, of the broadcast shape.
 
     Source: Barten 1990, J. Opt. Soc. Am. A 7, 2024 (fit to measured thresholds), the form used by
     Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230. Written down from the literature that
@@ -167,14 +200,28 @@ def system_contrast_threshold(
 ) -> Any:
     """Smallest contrast of a sine in the scene that the eye sees through a sensor.
 
-    CTF_eye/MTF·√(1 + α²·σ²/L²), α = 169.6 √Hz, of the broadcast shape, at frequencies in the scene
-    in cycles/mrad. The sign of the MTF of sensor and display has no effect, a zero makes the
-    threshold infinite; the magnification is angle on the display over angle in the scene; the
-    relative noise σ/L is as the eye filters it at each frequency, 1/√Hz (s^½).
+    Parameters
+    ----------
+    frequency
+        Frequency in the scene, cycles/mrad, zero or above.
+    mtf
+        MTF of sensor and display; its sign has no effect, a zero makes the threshold infinite.
+    luminance_cd_m2, display_deg
+        The display, as in `eye_contrast_threshold`.
+    magnification
+        Angle on the display over angle in the scene, above zero.
+    relative_noise
+        Noise σ over the mean luminance L, as the eye filters it at each frequency, 1/√Hz (s^½),
+        zero or above.
+
+    Returns
+    -------
+    float or ndarray
+        CTF_eye/MTF·√(1 + α²·σ²/L²), α = 169.6 √Hz, of the broadcast shape.
 
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Vollmerhausen and Jacobs
-    2004, report AMSEL-NV-TR-230, where α is fitted to observers. The numbers of the equations could
-    not be checked.
+    2004, report AMSEL-NV-TR-230, where α is fitted to observers. The numbers of the equations
+    could not be checked.
     """
     places, response, noise, magnified = broadcast(
         frequency=all_from_zero("frequency", frequency, unit="cyc/mrad"),

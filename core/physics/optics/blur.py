@@ -18,10 +18,20 @@ from core.records import dataclass
 def gaussian_mtf(*, frequency: ArrayLike, sigma_mrad: float) -> NDArray[np.float64]:
     """MTF of a Gaussian blur along one axis, or of a round one against radial frequency.
 
-    exp(−2π²σ²·frequency²) of frequencies in cycles/mrad, of any shape; σ is 0 or above.
+    Parameters
+    ----------
+    frequency : array_like
+        Frequencies in cycles/mrad, any shape, finite.
+    sigma_mrad : float
+        Standard deviation of the blur spot in mrad, zero or above.
 
-    Source: Tantalo 1996, eqs. 4.22 and 4.36. Erratum: eq. 4.36 calls σ² the variance and takes it
-    in µrad; here σ is in mrad, as the frequencies are per mrad.
+    Returns
+    -------
+    ndarray of float64
+        exp(−2π²σ²·frequency²), of the shape of `frequency`.
+
+    Source: Tantalo 1996, eqs. 4.22 and 4.36. Erratum: eq. 4.36 calls σ² the variance and takes
+    it in µrad; here σ is in mrad, as the frequencies are per mrad.
     """
     sigma = non_negative("sigma_mrad", sigma_mrad, unit="mrad")
     with np.errstate(over="ignore"):
@@ -46,10 +56,21 @@ _TERMS, _NODES = 4, 900
 
 
 def veiling_glare_mtf(*, rho: ArrayLike, share: float, length_mrad: float) -> NDArray[np.float64]:
-    """MTF of a lens that spreads a share of its light widely, 1 − g + g·e^(−2πℓρ).
+    """MTF of a lens that spreads a share of its light widely.
 
-    Of radial frequencies in cycles/mrad, 0 or above, and a share of 0 to 1. The spread is ℓ/(2π(r²
-    + ℓ²)^(3/2)), of a length above 0; half of it falls within √3·ℓ.
+    Parameters
+    ----------
+    rho : array_like
+        Radial frequency, cycles/mrad, 0 or above.
+    share : float
+        Of the light that is spread, 0 to 1.
+    length_mrad : float
+        Length ℓ of the spread ℓ/(2π(r² + ℓ²)^(3/2)), above 0; half of it falls within √3·ℓ.
+
+    Returns
+    -------
+    ndarray
+        1 − g + g·e^(−2πℓρ), of the shape of `rho`; 1 at 0.
 
     Source: Bracewell 2000, The Fourier Transform and Its Applications, Hankel transforms.
     """
@@ -63,9 +84,19 @@ def veiling_glare_mtf(*, rho: ArrayLike, share: float, length_mrad: float) -> ND
 def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
     """Share of the light that a surface scatters into the half space, refused above 1.
 
-    2π∫b·[1 + (β/l)²]^(s/2)·β dβ from 0 to 1: b is the BSDF at no angle, 0 or above, s its slope far
-    from there, −5 to 0, and l the shoulder, the sine of the angle at which it begins to fall, above
-    0 and up to 1000 mrad.
+    Parameters
+    ----------
+    b_per_sr : float
+        BSDF at no angle, 0 or above.
+    s : float
+        Slope of the BSDF far from there, −5 to 0.
+    l_mrad : float
+        Shoulder: sine of the angle at which it begins to fall, above 0 and up to 1000.
+
+    Returns
+    -------
+    float
+        2π∫b·[1 + (β/l)²]^(s/2)·β dβ from 0 to 1.
 
     Source: Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical Scattering, section
     4.5.
@@ -89,9 +120,20 @@ def harvey_mtf(
 ) -> NDArray[np.float64]:
     """MTF of surfaces that scatter by Harvey's law, between the direct light and its tail.
 
-    (1 − T + T·S)ⁿ of n surfaces alike, one behind the other: T is the scatter (`harvey_scatter`), S
-    the Hankel transform of the BSDF up to the horizon over its value at 0, within 1e-7. Radial
-    frequencies are in cycles/mrad, 0 or above; angles and their sines are taken alike.
+    Parameters
+    ----------
+    rho : array_like
+        Radial frequency, cycles/mrad, 0 or above; angles and their sines are taken alike.
+    b_per_sr, s, l_mrad
+        As for `harvey_scatter`.
+    surfaces : int
+        Alike, one behind the other.
+
+    Returns
+    -------
+    ndarray
+        (1 − T + T·S)ⁿ: T is the scatter, S the Hankel transform of the BSDF up to the horizon over
+        its value at 0, within 1e-7.
 
     Source: Harvey and Shack 1978; DLMF 10.22.46 (without the horizon); by parts beyond it.
     """

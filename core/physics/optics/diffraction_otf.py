@@ -23,8 +23,6 @@ from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import chebyshev_sum, gauss_legendre, positive
 from core.physics.optics.overlap_area import annular_otf
-
-pass
 from core.physics.radiometry.planck import SECOND_RADIATION_CONSTANT_M_K
 from core.records import dataclass
 
@@ -38,9 +36,22 @@ def spectral_weight(
 ) -> NDArray[np.float64]:
     """Relative weight of wavelengths in the light of a black body.
 
-    By photon radiance (what a photon detector counts), radiance, or 1 for each: (λ0/λ)⁴·e^{−(x −
-    x0)}·(1 − e^{−x0})/(1 − e^{−x}) for photons, x = c2/(λT). At `near_um` it is 1, so that none
-    over- or underflows: the longest of the band.
+    Parameters
+    ----------
+    wavelength_um : array_like
+        Wavelengths, above 0.
+    weighting : "photons", "energy" or "uniform"
+        Photon radiance (what a photon detector counts), radiance, or 1 for each.
+    temperature_K : float
+        Of the black body, above 0.
+    near_um : float
+        A wavelength whose weight is near 1, so that none over- or underflows: the longest of the
+        band.
+
+    Returns
+    -------
+    ndarray
+        (λ0/λ)⁴·e^{−(x − x0)}·(1 − e^{−x0})/(1 − e^{−x}) for photons, x = c2/(λT).
 
     Source: Planck's law; Dereniak and Boreman 1996, Infrared Detectors and Systems, eq. 2.9.
     """
