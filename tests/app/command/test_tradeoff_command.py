@@ -79,7 +79,7 @@ def test_choices_have_a_place_each(works, tmp_path):
     assert [row["electronics.material"] for row in rows] == ["PtSi", "InSb", "manual"]
     assert rows[2]["electronics.ner"] == ""
     assert "give D*, because material is manual" in rows[2]["failed"]
-    assert "electronics.material = manual: electronics: d_star is empty" in done.stdout
+    assert "electronics.material = manual: electronics: d_star (cm √Hz/W) is empty" in done.stdout
     assert "<h2>Gaps</h2>" in (tmp_path / "a.html").read_text()
 
 

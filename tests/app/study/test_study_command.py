@@ -52,7 +52,7 @@ def test_failed_points_are_rows_and_the_end_is_2(sensor, study, rows_of, tmp_pat
     assert done.returncode == 2
     assert done.stderr.startswith(
         "imagechain: 1 of 3 points failed (see the column error in a.csv); the first is point 2: "
-        "electronics: d_star is empty"
+        "electronics: d_star (cm √Hz/W) is empty"
     )
     assert done.stderr.count("\n") == 1
     rows = rows_of("a.csv")
